@@ -1,0 +1,51 @@
+"""Controller tuning with few runs of the real axis, and diagnosis of its digital twin.
+
+The loop::
+
+    real axis (IS1) ----> trajectories ----> correction GP ----> corrected twin (IS3)
+        ^                                        ^                     |
+        | next gains                             |                     v
+    acquisition <--- surrogate over gains and source <--- digital twin (IS2)
+
+Public names load when first used, so that inspecting files needs no torch.
+"""
+
+from __future__ import annotations
+
+import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+# Two busy cores with two BLAS threads each run the same code up to 43 times slower, and the
+# optimiser's path depends on the thread count; it must be set before NumPy is loaded.
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+if TYPE_CHECKING:
+    from gmfbo.recordings import Recording, Trajectory, step_reference
+    from gmfbo.sources.twin import FmuTwin
+    from gmfbo.tuning.study import Study
+    from gmfbo.tuning.tuner import Tuner
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "FmuTwin": "gmfbo.sources.twin",
+    "Recording": "gmfbo.recordings",
+    "Study": "gmfbo.tuning.study",
+    "Trajectory": "gmfbo.recordings",
+    "Tuner": "gmfbo.tuning.tuner",
+    "step_reference": "gmfbo.recordings",
+}
+
+__all__ = ["FmuTwin", "Recording", "Study", "Trajectory", "Tuner", "step_reference"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'gmfbo' has no attribute '{name}'")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

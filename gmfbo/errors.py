@@ -1,0 +1,72 @@
+"""One error tree; every message says what was expected, what came and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class GmfboError(Exception):
+    """Root of all errors of gmfbo; `exit_status` is what the command line returns."""
+
+    exit_status = 1
+
+
+class InputError(GmfboError):
+    """Something the user gave cannot be used; nothing already recorded is lost."""
+
+    exit_status = 2
+
+
+class FmuFileError(InputError):
+    """An FMU file cannot be opened, or cannot run on this machine."""
+
+
+class TwinFileError(InputError):
+    """A twin file contradicts itself or its FMU."""
+
+
+class RecordingError(InputError):
+    """A recording cannot be read or does not fit its twin."""
+
+
+class StudyFileError(InputError):
+    """A study file cannot be used."""
+
+
+class StoreError(InputError):
+    """A study folder cannot be written or read."""
+
+
+class SimulationError(GmfboError):
+    """An FMU or a plant failed: it crashed, hung or refused."""
+
+    exit_status = 3
+
+
+def did_you_mean(name: str, choices: Iterable[str]) -> str:
+    """Tail of a message that names the nearest valid choice, or lists a few.
+
+    Parameters
+    ----------
+    name : str
+        What came.
+    choices : iterable of str
+        What would have been valid.
+
+    Returns
+    -------
+    str
+        Begins with a blank or a semicolon, so that it can be appended; empty without choices.
+    """
+    known = sorted(set(choices))
+    # Case is the commonest slip in FMU variable names, so it must not cost similarity.
+    folded = {choice.lower(): choice for choice in reversed(known)}
+    nearest = get_close_matches(name.lower(), folded, n=1, cutoff=0.5)
+    if nearest:
+        return f"; did you mean '{folded[nearest[0]]}'?"
+    if not known:
+        return ""
+    shown = ", ".join(known[:8])
+    more = f" and {len(known) - 8} more" if len(known) > 8 else ""
+    return f"; known are {shown}{more}"

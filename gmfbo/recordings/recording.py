@@ -1,0 +1,166 @@
+"""What was asked and what was measured: signals over time, frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError, did_you_mean
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.signal import SignalReading
+
+Status = Literal["ok", "diverged", "failed", "timeout", "crashed", "unsafe"]
+
+
+def _frozen(
+    values: Mapping[str, NDArray[np.float64]], rows: int
+) -> Mapping[str, NDArray[np.float64]]:
+    frozen = {}
+    for name, column in values.items():
+        array = np.array(column, dtype=np.float64)
+        if array.shape != (rows,):
+            raise RecordingError(
+                f"signal '{name}': expected {rows} values, one a time, got shape {array.shape}"
+            )
+        array.setflags(write=False)
+        frozen[name] = array
+    return MappingProxyType(frozen)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Signals of one run in SI units; row k holds what a logger sees at `time[k]`.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        [s], strictly increasing, need not begin at zero.
+    signals : mapping of str to ndarray, shape (n,)
+        Values by the user's signal name; NaN where a signal was not sampled.
+    units : mapping of str to str
+        SI unit of each signal; absent where unknown.
+    name : str
+        File name or another label.
+    parameters : mapping of str to float
+        FMU parameters in force during the run, such as the gains.
+    schedules : mapping of str to ndarray, shape (n,)
+        FMU parameters that changed during the run.
+    use : tuple of float or None
+        [s] First and last time that may be scored.
+    start_time : str
+        ISO 8601 time of the first row; empty where unknown.
+    written_by : str
+        gmfbo version that wrote the file; empty for files of others.
+    """
+
+    time: NDArray[np.float64]
+    signals: Mapping[str, NDArray[np.float64]]
+    units: Mapping[str, str] = field(default_factory=dict)
+    name: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    schedules: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    use: tuple[float, float] | None = None
+    start_time: str = ""
+    written_by: str = ""
+
+    def __post_init__(self) -> None:
+        time = np.array(self.time, dtype=np.float64)
+        if time.ndim != 1 or time.size == 0:
+            raise RecordingError(f"{self.name or 'recording'}: expected at least one row, got none")
+        if not np.all(np.isfinite(time)):
+            raise RecordingError(f"{self.name or 'recording'}: time holds NaN or infinity")
+        if np.any(np.diff(time) <= 0.0):
+            row = int(np.argmax(np.diff(time) <= 0.0)) + 1
+            raise RecordingError(
+                f"{self.name or 'recording'}: time must increase, "
+                f"row {row} has {time[row]:g} s after {time[row - 1]:g} s"
+            )
+        time.setflags(write=False)
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "signals", _frozen(self.signals, time.size))
+        object.__setattr__(self, "schedules", _frozen(self.schedules, time.size))
+        object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    @classmethod
+    def read(cls, path: str | Path, twin: SignalReading | None = None) -> Recording:
+        """Read a recording; the ending of the file name decides how.
+
+        Parameters
+        ----------
+        path : str or Path
+            `.csv`, `.h5` or `.mat`.
+        twin : FmuTwin or TwinFile, optional
+            Says which columns are signals, with scale, offset and unit; without it each
+            column is a signal under its own name.
+
+        Raises
+        ------
+        RecordingError
+            The file cannot be read or does not fit the twin.
+        """
+        from gmfbo.recordings.reader import read_recording
+
+        return read_recording(Path(path), twin)
+
+    def signal(self, name: str) -> NDArray[np.float64]:
+        """Values of one signal, shape (n,).
+
+        Raises
+        ------
+        RecordingError
+            There is no such signal; the message names the nearest.
+        """
+        if name not in self.signals:
+            label = self.name or "recording"
+            raise RecordingError(f"{label}: no signal '{name}'" + did_you_mean(name, self.signals))
+        return self.signals[name]
+
+    def with_signals(self, signals: Mapping[str, NDArray[np.float64]]) -> Self:
+        """Return a copy with these signals added or replaced, each of shape (n,)."""
+        return replace(self, signals={**self.signals, **signals})
+
+    @property
+    def duration(self) -> float:
+        """[s] From the first to the last row."""
+        return float(self.time[-1] - self.time[0])
+
+    def __len__(self) -> int:
+        return int(self.time.size)
+
+    def __repr__(self) -> str:
+        shown = ", ".join(
+            f"{name} [{self.units[name]}]" if name in self.units else name for name in self.signals
+        )
+        label = f" '{self.name}'" if self.name else ""
+        kind = type(self).__name__
+        return f"<{kind}{label}: {len(self)} rows, {self.duration:g} s, signals {shown}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Recording):
+    """A simulated run: row k is read at communication point k, before the inputs of k act.
+
+    Attributes
+    ----------
+    status : str
+        `ok`, or how the run ended early; then the rows up to that time are kept.
+    message : str
+        What happened, in one line; empty when `status` is `ok`.
+    stopped_at : float or None
+        [s] Time of the communication point that failed.
+    seconds : float
+        [s] Wall-clock time of the run.
+    """
+
+    status: Status = "ok"
+    message: str = ""
+    stopped_at: float | None = None
+    seconds: float = 0.0

@@ -1,0 +1,123 @@
+"""The box of gains that tuning may move, and its map to the unit cube."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import qmc
+
+from gmfbo.errors import InputError, did_you_mean
+
+
+@dataclass(frozen=True)
+class Gain:
+    """One gain: an FMU parameter and the range [in the parameter's unit] it may take."""
+
+    name: str
+    low: float
+    high: float
+    scale: Literal["linear", "log"] = "linear"
+    integer: bool = False
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.low) and np.isfinite(self.high) and self.low < self.high):
+            raise InputError(
+                f"gain '{self.name}': expected finite bounds with low < high, "
+                f"got [{self.low}, {self.high}]"
+            )
+        if self.scale == "log" and self.low <= 0.0:
+            raise InputError(
+                f"gain '{self.name}': a log scale needs a positive lower bound, got {self.low}"
+            )
+
+
+@dataclass(frozen=True)
+class GainSpace:
+    """A box of `d` gains; points are arrays of shape (..., d) in the order of `gains`."""
+
+    gains: tuple[Gain, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the gains, in order."""
+        return tuple(gain.name for gain in self.gains)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Bounds, shape (2, d)."""
+        return np.array([[g.low for g in self.gains], [g.high for g in self.gains]])
+
+    def __len__(self) -> int:
+        return len(self.gains)
+
+    def to_unit(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Map points of the box, shape (..., d), to the unit cube."""
+        low, high = self._warped_bounds()
+        return (self._warp(np.asarray(points, dtype=float)) - low) / (high - low)
+
+    def from_unit(self, unit: ArrayLike) -> NDArray[np.float64]:
+        """Map the unit cube, shape (..., d), to the box; outside is clipped, integers rounded."""
+        low, high = self._warped_bounds()
+        points = self._unwarp(low + np.clip(np.asarray(unit, dtype=float), 0.0, 1.0) * (high - low))
+        for column, gain in enumerate(self.gains):
+            if gain.integer:
+                points[..., column] = np.round(points[..., column])
+            # exp(log(high)) may miss the bound by a rounding error
+            points[..., column] = np.clip(points[..., column], gain.low, gain.high)
+        return points
+
+    def latin_hypercube(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Draw a Latin hypercube of `count` points of the box, shape (count, d)."""
+        if count == 0:
+            return np.empty((0, len(self)))
+        return self.from_unit(qmc.LatinHypercube(d=len(self), rng=rng).random(count))
+
+    def point(self, gains: Mapping[str, float] | Sequence[float]) -> NDArray[np.float64]:
+        """Point, shape (d,), from values by name or in order.
+
+        Raises
+        ------
+        InputError
+            A gain is missing, unknown, or the number of values is not d.
+        """
+        if not isinstance(gains, Mapping):
+            values = np.asarray(gains, dtype=float)
+            if values.shape != (len(self),):
+                raise InputError(
+                    f"expected {len(self)} gains ({', '.join(self.names)}), "
+                    f"got shape {values.shape}"
+                )
+            return values
+        for name in gains:
+            if name not in self.names:
+                raise InputError(f"no gain '{name}'" + did_you_mean(name, self.names))
+        for name in self.names:
+            if name not in gains:
+                raise InputError(f"no value for gain '{name}'; give one for each gain")
+        return np.array([gains[name] for name in self.names], dtype=float)
+
+    def named(self, point: ArrayLike) -> dict[str, float]:
+        """Values by name from a point of shape (d,)."""
+        return dict(zip(self.names, map(float, np.asarray(point)), strict=True))
+
+    def _warp(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        warped = np.array(points, dtype=float)
+        for column, gain in enumerate(self.gains):
+            if gain.scale == "log":
+                warped[..., column] = np.log(points[..., column])
+        return warped
+
+    def _unwarp(self, warped: NDArray[np.float64]) -> NDArray[np.float64]:
+        points = np.array(warped, dtype=float)
+        for column, gain in enumerate(self.gains):
+            if gain.scale == "log":
+                points[..., column] = np.exp(warped[..., column])
+        return points
+
+    def _warped_bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        low, high = self._warp(self.bounds)
+        return low, high
