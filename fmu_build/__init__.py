@@ -1,0 +1,1 @@
+"""Sources of the project's own FMUs and how they are built: `gmfbo build`."""

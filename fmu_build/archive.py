@@ -1,0 +1,28 @@
+"""Zip archives whose bytes depend on their contents only."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+
+_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that the format can hold
+
+
+def pack(files: Mapping[str, bytes]) -> bytes:
+    """Zip with sorted entries, a fixed date and fixed permissions.
+
+    Parameters
+    ----------
+    files : mapping of str to bytes
+        Contents by path inside the archive, with forward slashes.
+    """
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, date_time=_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, on whatever system this runs
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, files[name])
+    return buffer.getvalue()

@@ -1,0 +1,149 @@
+"""Builds the project's FMUs and the C master: `gmfbo build`, or this file as a script."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+if str(ROOT) not in sys.path:  # run as a script, or loaded by its path
+    sys.path.insert(0, str(ROOT))
+
+from fmu_build.compile import Compiler, CompilerName, find_compiler  # noqa: E402
+from fmu_build.declaration import read_declaration  # noqa: E402
+from fmu_build.failure import BuildError  # noqa: E402
+from fmu_build.fmu import build_fmu  # noqa: E402
+from fmu_build.platforms import PLATFORMS, Platform, this_platform  # noqa: E402
+
+SOURCES = Path(__file__).resolve().parent
+MASTER = "gmfbo_master"
+
+
+def build_all(
+    output: Path,
+    only: Sequence[str] = (),
+    compiler: CompilerName = "zig",
+    translate: bool = False,
+    check: bool = False,
+    report: Callable[[str], None] = print,
+    platforms: Sequence[str] = (),
+) -> None:
+    """Build FMUs and the C master, write what changed, or compare with what is there.
+
+    Parameters
+    ----------
+    output : Path
+        Folder of the FMUs, normally models/.
+    only : sequence of str
+        Names of models, or `master`; all if empty.
+    compiler : {"zig", "system"}
+        The system's compiler builds for this machine only.
+    translate : bool
+        Translate Modelica sources to C first (Python 3.12 or later).
+    check : bool
+        Compare the bytes of a fresh build with the files in `output`, and write nothing.
+    report : callable
+        Gets one line a file.
+    platforms : sequence of str
+        Names of `PLATFORMS`; all, or with the system's compiler this one, if empty.
+
+    Raises
+    ------
+    BuildError
+        If something does not build, or with `check` if a file differs.
+    """
+    names = _choose(only)
+    if translate:
+        from fmu_build.translate import translate_model
+
+        for name in names:
+            translate_model(SOURCES / name, report)
+    targets = _targets(platforms, compiler)
+    differing = []
+    with tempfile.TemporaryDirectory(prefix="gmfbo-build-") as folder:
+        cache = Path(os.environ.get("ZIG_GLOBAL_CACHE_DIR", Path(folder) / "cache"))
+        chosen = find_compiler(compiler, cache, targets)
+        for name in names:
+            work = Path(folder) / name
+            work.mkdir()
+            for path, data in _products(name, chosen, targets, work, output):
+                same = path.is_file() and path.read_bytes() == data
+                if not same and check:
+                    differing.append(path.name)
+                elif not same:
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                    path.write_bytes(data)
+                report(f"{path.name}: {len(data)} bytes, {'unchanged' if same else 'new'}")
+    if differing:
+        raise BuildError(
+            f"a fresh build differs in {', '.join(differing)}: run gmfbo build and commit the result"
+        )
+
+
+def model_folders() -> list[Path]:
+    """Folders with a model.toml, in order of name."""
+    return sorted(path.parent for path in SOURCES.glob("*/model.toml"))
+
+
+def _choose(only: Sequence[str]) -> list[str]:
+    known = [folder.name for folder in model_folders()] + ["master"]
+    for name in only:
+        if name not in known:
+            raise BuildError(f"no model '{name}' in {SOURCES.name}/; known are {', '.join(known)}")
+    return list(only) or known
+
+
+def _targets(platforms: Sequence[str], compiler: CompilerName) -> list[Platform]:
+    for name in platforms:
+        if name not in PLATFORMS:
+            raise BuildError(f"no platform '{name}'; known are {', '.join(PLATFORMS)}")
+    if not platforms and compiler == "system":
+        return [this_platform()]
+    return [PLATFORMS[name] for name in platforms or PLATFORMS]
+
+
+def _products(
+    name: str, compiler: Compiler, targets: Sequence[Platform], work: Path, output: Path
+) -> Iterator[tuple[Path, bytes]]:
+    if name == "master":
+        for source in ("master.c", "master.h"):
+            (work / source).write_bytes((SOURCES / "master" / source).read_bytes())
+        for target in targets:
+            library = compiler.shared_library(work, ["master.c"], MASTER, target)
+            yield output / "master" / target.name / (MASTER + target.suffix), library
+    else:
+        declaration = read_declaration(SOURCES / name / "model.toml")
+        yield output / f"{declaration.name}.fmu", build_fmu(declaration, compiler, targets, work)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line of the script; returns the exit status."""
+    parser = argparse.ArgumentParser(description="Build the project's FMUs and the C master.")
+    parser.add_argument("--output", type=Path, default=ROOT / "models")
+    parser.add_argument("--only", action="append", default=[], metavar="NAME")
+    parser.add_argument("--compiler", choices=("zig", "system"), default="zig")
+    parser.add_argument("--platform", action="append", default=[], choices=tuple(PLATFORMS))
+    parser.add_argument("--translate", action="store_true", help="Modelica to C first")
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    given = parser.parse_args(arguments)
+    try:
+        build_all(
+            given.output,
+            given.only,
+            given.compiler,
+            given.translate,
+            given.check,
+            platforms=given.platform,
+        )
+    except BuildError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,128 @@
+"""modelDescription.xml of a declaration (FMI 2.0.2, section 2.2)."""
+
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree as ET
+
+from fmu_build.declaration import Declaration, Variable
+from fmu_build.units import BASE_UNITS, parse_unit
+
+LOG_CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
+_CAPABILITIES = {
+    "canHandleVariableCommunicationStepSize": "true",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+
+
+def model_description(declaration: Declaration, guid: str) -> bytes:
+    """XML text with variables in the order of the declaration, so that index = value reference."""
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=declaration.name,
+        guid=guid,
+        description=declaration.description,
+        license="MIT",
+        generationTool="gmfbo",
+        variableNamingConvention="structured",
+    )
+    _add_kind(root, declaration)
+    _add_units(root, declaration)
+    categories = ET.SubElement(root, "LogCategories")
+    for name in LOG_CATEGORIES:
+        ET.SubElement(categories, "Category", name=name)
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=_number(declaration.stop_time),
+        stepSize=_number(declaration.communication_step),
+    )
+    variables = ET.SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(declaration.variables):
+        _add_variable(variables, reference, variable)
+    _add_structure(root, declaration)
+    ET.indent(root)
+    return ET.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
+
+
+def _add_kind(root: ET.Element, declaration: Declaration) -> None:
+    if declaration.kind == "model_exchange":
+        ET.SubElement(root, "ModelExchange", modelIdentifier=declaration.name)
+    else:
+        ET.SubElement(root, "CoSimulation", modelIdentifier=declaration.name, **_CAPABILITIES)
+
+
+def _add_units(root: ET.Element, declaration: Declaration) -> None:
+    names = sorted({variable.unit for variable in declaration.variables if variable.unit})
+    if not names:
+        return
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for name in names:
+        unit = parse_unit(name)
+        element = ET.SubElement(definitions, "Unit", name=name)
+        powers = zip(BASE_UNITS, unit.powers, strict=True)
+        attributes = {base: str(power) for base, power in powers if power}
+        if unit.factor != 1.0:
+            attributes["factor"] = _number(unit.factor)
+        ET.SubElement(element, "BaseUnit", attributes)
+
+
+def _add_variable(variables: ET.Element, reference: int, variable: Variable) -> None:
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": _variability(variable),
+    }
+    if variable.causality == "parameter":
+        attributes["initial"] = "exact"
+    elif not variable.has_start:
+        attributes["initial"] = "calculated"
+    element = ET.SubElement(variables, "ScalarVariable", attributes)
+    kind: dict[str, str] = {}
+    if variable.unit and variable.type == "Real":
+        kind["unit"] = variable.unit
+    if variable.type != "Boolean":
+        bounds = {"min": variable.low, "max": variable.high}
+        kind |= {
+            key: _value(variable, bound) for key, bound in bounds.items() if math.isfinite(bound)
+        }
+    if variable.has_start:
+        kind["start"] = _value(variable, variable.start)
+    ET.SubElement(element, variable.type, kind)
+
+
+def _variability(variable: Variable) -> str:
+    if variable.causality == "parameter":
+        return "tunable" if variable.tunable else "fixed"
+    return "continuous" if variable.type == "Real" else "discrete"
+
+
+def _value(variable: Variable, value: float) -> str:
+    if variable.type == "Boolean":
+        return "true" if value else "false"
+    return str(int(value)) if variable.type == "Integer" else _number(value)
+
+
+def _number(value: float) -> str:
+    return repr(float(value))
+
+
+def _add_structure(root: ET.Element, declaration: Declaration) -> None:
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs = [
+        str(index)
+        for index, variable in enumerate(declaration.variables, start=1)
+        if variable.causality == "output"
+    ]
+    for group in ("Outputs", "InitialUnknowns"):
+        if outputs:
+            element = ET.SubElement(structure, group)
+            for index in outputs:
+                ET.SubElement(element, "Unknown", index=index)
