@@ -1,0 +1,50 @@
+"""`gmfbo build`: the project's own FMUs from their sources."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gmfbo.errors import InputError
+
+
+def build(
+    only: Annotated[list[str] | None, typer.Option(help="Build these models alone.")] = None,
+    output: Annotated[Path | None, typer.Option(help="Folder for the FMUs [models/].")] = None,
+    compiler: Annotated[
+        str, typer.Option(help="'zig' for all platforms, 'system' for this one.")
+    ] = "zig",
+    translate: Annotated[
+        bool, typer.Option("--translate", help="Translate the Modelica sources to C first.")
+    ] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Rebuild and compare bytes; write nothing.")
+    ] = False,
+) -> None:
+    """Build the project's own FMUs from fmu_build/ into models/."""
+    checkout = Path(__file__).resolve().parents[2]
+    sources = checkout / "fmu_build"
+    if not (sources / "build.py").is_file():
+        raise InputError(
+            "gmfbo build needs the sources in fmu_build/, which an installed package does not "
+            "carry; run it from a checkout of the project"
+        )
+    if compiler not in ("zig", "system"):
+        raise InputError(f"--compiler: expected 'zig' or 'system', got '{compiler}'")
+    sys.path.insert(0, str(checkout))
+    builder = importlib.import_module("fmu_build.build")
+    try:
+        builder.build_all(
+            output or checkout / "models",
+            only=tuple(only or ()),
+            compiler=compiler,
+            translate=translate,
+            check=check,
+            report=typer.echo,
+        )
+    except builder.BuildError as error:
+        raise InputError(str(error)) from error

@@ -1,0 +1,37 @@
+"""What commands print with, and the small formats they share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rich.console import Console
+
+from gmfbo.errors import InputError
+
+# Soft wrap: a table or a path is never cut where output goes to a file.
+console = Console(soft_wrap=True, highlight=False)
+
+
+def parse_settings(settings: list[str]) -> dict[str, float]:
+    """Values by name from `NAME=VALUE` arguments.
+
+    Raises
+    ------
+    InputError
+        An argument has no `=`, or its value is not a number.
+    """
+    values: dict[str, float] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        if not equals or not name:
+            raise InputError(f"--set: expected NAME=VALUE, got '{setting}'")
+        try:
+            values[name.strip()] = float(text)
+        except ValueError:
+            raise InputError(f"--set {name}: expected a number, got '{text}'") from None
+    return values
+
+
+def gains_text(gains: Mapping[str, float]) -> str:
+    """Gains on one line, four significant digits."""
+    return ", ".join(f"{name} = {value:.4g}" for name, value in gains.items())
