@@ -79,9 +79,8 @@ def build_all(
                     path.write_bytes(data)
                 report(f"{path.name}: {len(data)} bytes, {'unchanged' if same else 'new'}")
     if differing:
-        raise BuildError(
-            f"a fresh build differs in {', '.join(differing)}: run gmfbo build and commit the result"
-        )
+        files = ", ".join(differing)
+        raise BuildError(f"a fresh build differs in {files}: run gmfbo build, commit the result")
 
 
 def model_folders() -> list[Path]:

@@ -18,10 +18,12 @@ Causality = Literal["parameter", "input", "output", "local"]
 VariableType = Literal["Real", "Integer", "Boolean"]
 
 _VARIABLE_KEYS = frozenset(
-    "name causality type unit start min max description tunable dimensions".split()
+    ("name", "causality", "type", "unit", "start", "min", "max", "description", "tunable")
+    + ("dimensions",)
 )
 _MODEL_KEYS = frozenset(
-    "name description internal_step communication_step stop_time sources kind variable".split()
+    ("name", "description", "internal_step", "communication_step", "stop_time", "sources", "kind")
+    + ("variable",)
 )
 
 
