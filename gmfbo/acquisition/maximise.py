@@ -1,0 +1,228 @@
+"""Where the acquisition is largest, source by source, without repeating what was run.
+
+Sources are few and gains continuous, so the gains are optimised for each source and the results
+compared. Candidates are a dense grid (one or two gains) or seeded Sobol points (more), and what
+BoTorch's optimiser makes of the best of them; the same arguments give the same answer::
+
+    proposal = maximise(acquisition, Search(dimension=2), sources=("IS1", "IS2"), taken=taken)
+    proposal.point (d,), proposal.source, proposal.value, proposal.by_source["IS2"].value
+    best = recommend(model, Search(dimension=2))    # least posterior mean of the axis: point, g
+    best = best_measured(model, observations)       # the same among points that the axis ran
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+import torch
+from botorch.acquisition.acquisition import AcquisitionFunction
+from botorch.acquisition.analytic import PosteriorMean
+from botorch.exceptions.warnings import OptimizationWarning
+from botorch.optim.optimize import optimize_acqf
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from gmfbo.correction.torch_setup import DTYPE, exact_algebra
+from gmfbo.errors import InputError
+from gmfbo.surrogate.model import SourceModel
+from gmfbo.surrogate.observations import Observations, source_column
+
+Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+GRID_SIDE = {1: 401, 2: 41}
+SOBOL_POINTS = 1024
+# Points nearer than this count as the same: a repeat of a simulator tells nothing new and makes
+# the covariance singular.
+SAME_POINT = 1e-6
+
+
+@dataclass(frozen=True)
+class Search:
+    """Where to look.
+
+    Attributes
+    ----------
+    dimension : int
+        Number of gains d.
+    fixed : mapping of int to float
+        Columns that are not free, with their value in [0, 1].
+    snap : callable, optional
+        Moves points of shape (m, d) to the nearest ones that can be run, such as integer gains.
+    seed : int
+        Decides the Sobol points; without effect for one or two free gains.
+    """
+
+    dimension: int
+    fixed: Mapping[int, float] = field(default_factory=dict)
+    snap: Snap | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for column, value in self.fixed.items():
+            if column not in range(self.dimension) or not 0.0 <= value <= 1.0:
+                raise InputError(
+                    f"expected fixed columns 0..{self.dimension - 1} with values in [0, 1], "
+                    f"got {column}: {value}"
+                )
+        if len(self.fixed) >= self.dimension:
+            raise InputError(f"all {self.dimension} gains are fixed; leave one free")
+
+    def pool(self) -> NDArray[np.float64]:
+        """Points that cover the free gains, shape (m, d)."""
+        free = [column for column in range(self.dimension) if column not in self.fixed]
+        if len(free) in GRID_SIDE:
+            axis = np.linspace(0.0, 1.0, GRID_SIDE[len(free)])
+            cover = np.stack(np.meshgrid(*[axis] * len(free), indexing="ij"), axis=-1)
+            cover = cover.reshape(-1, len(free))
+        else:
+            cover = qmc.Sobol(d=len(free), rng=self.seed).random(SOBOL_POINTS)
+        points = np.empty((len(cover), self.dimension))
+        points[:, free] = cover
+        for column, value in self.fixed.items():
+            points[:, column] = value
+        return points
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """The next query.
+
+    Attributes
+    ----------
+    point : ndarray, shape (d,)
+        Gains in the unit cube.
+    source : str
+        Who is to run it.
+    value : float
+        Acquisition there; log EI - log H for `CostAwareExpectedImprovement`.
+    by_source : mapping of str to Proposal
+        The best of each source, for a log.
+    """
+
+    point: NDArray[np.float64]
+    source: str
+    value: float
+    by_source: Mapping[str, Proposal] = field(default_factory=dict)
+
+
+def maximise(
+    acquisition: AcquisitionFunction,
+    search: Search,
+    sources: Sequence[str],
+    taken: Observations | None = None,
+) -> Proposal:
+    """Find the best gains and source that were not run yet.
+
+    Parameters
+    ----------
+    acquisition : AcquisitionFunction
+        Over [gains, source column], to be maximised.
+    search : Search
+        Where to look.
+    sources : sequence of str
+        Who may be asked; at equal value the first.
+    taken : Observations, optional
+        What was run already.
+
+    Raises
+    ------
+    InputError
+        All candidates of all sources were run already.
+    """
+    found = {}
+    for source in sources:
+        points, values = _candidates(acquisition, search, source)
+        done = np.empty((0, search.dimension)) if taken is None else taken.points[taken.of(source)]
+        for index in np.argsort(-values, kind="stable"):
+            if len(done) == 0 or np.abs(done - points[index]).max(axis=1).min() > SAME_POINT:
+                found[source] = Proposal(points[index], source, float(values[index]))
+                break
+    if not found:
+        raise InputError(
+            f"all candidate gains were run already by {', '.join(sources)}; "
+            "widen the box or stop the study"
+        )
+    best = max(found.values(), key=lambda proposal: proposal.value)
+    return Proposal(best.point, best.source, best.value, MappingProxyType(found))
+
+
+def recommend(
+    model: SourceModel, search: Search, source: str = "IS1"
+) -> tuple[NDArray[np.float64], float]:
+    """Gains with the least posterior mean: point of shape (d,), and that mean [g]."""
+    points, values = _candidates(PosteriorMean(model, maximize=False), search, source)
+    best = int(np.argmax(values))
+    return points[best], -float(values[best])
+
+
+def best_measured(
+    model: SourceModel, observations: Observations, source: str = "IS1"
+) -> tuple[NDArray[np.float64], float]:
+    """The point with the least posterior mean among those that this source ran, and that mean.
+
+    Unlike the least observed value it is not biased by the luck of a noisy run.
+
+    Raises
+    ------
+    InputError
+        The source ran nothing yet.
+    """
+    points = observations.points[observations.of(source)]
+    if len(points) == 0:
+        raise InputError(f"{source} ran nothing yet; there is nothing to recommend")
+    mean, _ = model.predict(points, source)
+    best = int(np.argmin(mean))
+    return points[best], float(mean[best])
+
+
+def _candidates(
+    acquisition: AcquisitionFunction, search: Search, source: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Pool and polished points, shape (m, d), and the acquisition there, shape (m,)."""
+    column = source_column(source)
+    snap = search.snap or (lambda points: points)
+    pool = np.unique(snap(search.pool()), axis=0)
+    values = _evaluate(acquisition, pool, column)
+    count = 3 if search.dimension <= 2 else 8
+    starts = pool[np.argsort(-values, kind="stable")[:count]]
+    polished = snap(_polish(acquisition, starts, column, search.fixed))
+    return (
+        np.concatenate([polished, pool]),
+        np.concatenate([_evaluate(acquisition, polished, column), values]),
+    )
+
+
+def _evaluate(
+    acquisition: AcquisitionFunction, points: NDArray[np.float64], column: float
+) -> NDArray[np.float64]:
+    inputs = torch.tensor(np.hstack([points, np.full((len(points), 1), column)]), dtype=DTYPE)
+    with exact_algebra(), torch.no_grad():
+        return np.asarray(acquisition(inputs[:, None, :]).numpy(), dtype=float)
+
+
+def _polish(
+    acquisition: AcquisitionFunction,
+    starts: NDArray[np.float64],
+    column: float,
+    fixed: Mapping[int, float],
+) -> NDArray[np.float64]:
+    dimension = starts.shape[1]
+    bounds = torch.tensor([[0.0] * dimension + [column], [1.0] * dimension + [column]], dtype=DTYPE)
+    initial = np.hstack([starts, np.full((len(starts), 1), column)])
+    with exact_algebra(), warnings.catch_warnings():
+        # A descent that stalls leaves its start in the pool, so nothing is lost.
+        warnings.simplefilter("ignore", OptimizationWarning)
+        polished, _ = optimize_acqf(
+            acquisition,
+            bounds=bounds,
+            q=1,
+            num_restarts=len(starts),
+            batch_initial_conditions=torch.tensor(initial, dtype=DTYPE)[:, None, :],
+            fixed_features={**fixed, dimension: column},
+            return_best_only=False,
+        )
+    return np.clip(polished[:, 0, :-1].numpy(), 0.0, 1.0)

@@ -1,0 +1,115 @@
+"""Maximum a posteriori hyperparameters, from fixed starting points, with a last resort."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+
+import torch
+from botorch.exceptions.warnings import OptimizationWarning
+from botorch.models.gpytorch import GPyTorchModel
+from botorch.optim.fit import fit_gpytorch_mll_scipy
+from gpytorch.mlls import ExactMarginalLogLikelihood
+from linear_operator.utils.errors import NanError, NotPSDError
+from linear_operator.utils.warnings import NumericalWarning
+from torch import Tensor
+
+from gmfbo.correction.torch_setup import exact_algebra
+
+# Factors on the initial lengthscales. Fixed starting points rather than draws from the priors:
+# the same data then gives the same model, whatever else used torch's generator.
+STARTS = (1.0, 0.4)
+# The log posterior is per observation: 1e-7 of it is far below what any decision can feel.
+OPTIONS = {"maxiter": 100, "ftol": 1e-7}
+
+
+def fit_by_map(
+    model: GPyTorchModel,
+    *,
+    warm_start: GPyTorchModel | None = None,
+    starts: Sequence[float] = STARTS,
+) -> str:
+    """Fit by L-BFGS-B from several starting points and keep the best.
+
+    Parameters
+    ----------
+    model : GPyTorchModel
+        Fitted in place, left in evaluation mode.
+    warm_start : GPyTorchModel, optional
+        Its hyperparameters replace all starts but the first, where they fit in shape.
+    starts : sequence of float
+        Factors on the lengthscales of the gains that the model came with.
+
+    Returns
+    -------
+    str
+        Empty, or one line that says what went wrong and what was done instead.
+    """
+    likelihood = ExactMarginalLogLikelihood(model.likelihood, model)
+    initial = _copy(model)
+    candidates = [_scaled(initial, factor) for factor in starts]
+    if warm_start is not None:
+        candidates[1:] = [_adopted(initial, warm_start)]
+    best_loss, best = float("inf"), initial
+    problems = []
+    for start in candidates:
+        _restore(model, start)
+        try:
+            loss = _descend(likelihood)
+        except (NotPSDError, NanError) as error:
+            problems.append(type(error).__name__)
+            continue
+        if loss < best_loss:
+            best_loss, best = loss, _copy(model)
+    _restore(model, best)
+    likelihood.eval()
+    if best_loss == float("inf"):
+        return (
+            f"no fit converged ({', '.join(problems)}); kept the starting hyperparameters, "
+            "so predictions rest on the priors"
+        )
+    if problems:
+        return f"{len(problems)} of {len(candidates)} fits failed ({', '.join(problems)})"
+    return ""
+
+
+def _descend(likelihood: ExactMarginalLogLikelihood) -> float:
+    """Run one L-BFGS-B descent; returns the negative log posterior reached."""
+    likelihood.train()
+    with exact_algebra(), warnings.catch_warnings():
+        # Reaching the limit of iterations is a result here, judged by its likelihood beside the
+        # other starts; and a first Cholesky that needs jitter is repeated by linear_operator.
+        warnings.simplefilter("ignore", OptimizationWarning)
+        warnings.simplefilter("ignore", NumericalWarning)
+        result = fit_gpytorch_mll_scipy(likelihood, options=OPTIONS)
+    value = float(result.fval)
+    if value != value:
+        raise NanError("the log likelihood is not a number")
+    return value
+
+
+def _copy(model: GPyTorchModel) -> dict[str, Tensor]:
+    return {name: value.detach().clone() for name, value in model.named_parameters()}
+
+
+def _restore(model: GPyTorchModel, values: dict[str, Tensor]) -> None:
+    with torch.no_grad():
+        for name, parameter in model.named_parameters():
+            parameter.copy_(values[name])
+
+
+def _scaled(values: dict[str, Tensor], factor: float) -> dict[str, Tensor]:
+    # Raw lengthscales of the gains are logarithms.
+    shift = float(torch.log(torch.tensor(factor, dtype=torch.float64)))
+    return {
+        name: value + shift if name.endswith("base_kernel.raw_lengthscale") else value
+        for name, value in values.items()
+    }
+
+
+def _adopted(values: dict[str, Tensor], other: GPyTorchModel) -> dict[str, Tensor]:
+    old = _copy(other)
+    return {
+        name: old[name] if name in old and old[name].shape == value.shape else value
+        for name, value in values.items()
+    }

@@ -1,0 +1,114 @@
+"""What the surrogate is told: points, sources and objective values.
+
+This is the only place where a source gets its number, and where sign and scale of the objective
+are decided: g is minimised, its sign is never turned, and the model standardises it by the
+mean and standard deviation of all observations (`Observations.outcome_transform`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from botorch.models.transforms.outcome import Standardize
+from numpy.typing import ArrayLike, NDArray
+
+from gmfbo.correction.torch_setup import DTYPE
+from gmfbo.errors import InputError, did_you_mean
+
+# Value of the source column. The paper's s is 1 for the real axis and 0 for the twin; the
+# corrected twin lies between, where exactly is for the kernel to say.
+IS1 = 1.0
+IS2 = 0.0
+IS3 = 0.5
+SOURCE_COLUMN = {"IS1": IS1, "IS2": IS2, "IS3": IS3}
+
+
+def source_column(name: str) -> float:
+    """Value of the source column for `IS1`, `IS2` or `IS3`.
+
+    Raises
+    ------
+    InputError
+        There is no such source.
+    """
+    if name not in SOURCE_COLUMN:
+        raise InputError(f"no information source '{name}'" + did_you_mean(name, SOURCE_COLUMN))
+    return SOURCE_COLUMN[name]
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """Objective values at points of the unit cube, each from one source.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, d)
+        Gains scaled to the unit cube.
+    sources : tuple of str, length n
+        `IS1` (real axis), `IS2` (twin) or `IS3` (twin corrected by the trajectory process).
+    values : ndarray, shape (n,)
+        Objective g, to be minimised.
+    """
+
+    points: NDArray[np.float64]
+    sources: tuple[str, ...]
+    values: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        points = np.array(self.points, dtype=float)
+        values = np.array(self.values, dtype=float)
+        if points.ndim != 2 or len(points) == 0:
+            raise InputError(f"expected points of shape (n, d) with n > 0, got {points.shape}")
+        if values.shape != (len(points),) or len(self.sources) != len(points):
+            raise InputError(
+                f"expected {len(points)} values and sources, one a point, "
+                f"got {values.shape} values and {len(self.sources)} sources"
+            )
+        if not (np.all(np.isfinite(points)) and np.all(np.isfinite(values))):
+            raise InputError("points or values hold NaN or infinity; price a failed run first")
+        if points.min() < -1e-9 or points.max() > 1.0 + 1e-9:
+            raise InputError(
+                f"expected points in the unit cube, got [{points.min():g}, {points.max():g}]; "
+                "scale them with GainSpace.to_unit"
+            )
+        for name in self.sources:
+            source_column(name)
+        points.setflags(write=False)
+        values.setflags(write=False)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "sources", tuple(self.sources))
+
+    @classmethod
+    def gather(cls, rows: Sequence[tuple[ArrayLike, str, float]]) -> Observations:
+        """Collect rows of (point of shape (d,), source name, objective)."""
+        points, sources, values = zip(*rows, strict=True)
+        return cls(np.array([np.asarray(point) for point in points]), sources, np.array(values))
+
+    def of(self, source: str) -> NDArray[np.bool_]:
+        """Mask of the rows of one source, shape (n,)."""
+        return np.array([name == source for name in self.sources], dtype=bool)
+
+    def incumbent(self, source: str) -> float | None:
+        """Least objective that this source returned; None when it was never run."""
+        values = self.values[self.of(source)]
+        return float(values.min()) if values.size else None
+
+    def train_X(self) -> torch.Tensor:
+        """Points with the source as last column, shape (n, d + 1)."""
+        column = np.array([[source_column(name)] for name in self.sources])
+        return torch.tensor(np.hstack([self.points, column]), dtype=DTYPE)
+
+    def train_Y(self) -> torch.Tensor:
+        """Objective as given, shape (n, 1)."""
+        return torch.tensor(self.values, dtype=DTYPE)[:, None]
+
+    def outcome_transform(self) -> Standardize:
+        """Standardisation by mean and standard deviation over all rows; undone in posteriors."""
+        return Standardize(m=1)
+
+    def __len__(self) -> int:
+        return len(self.sources)
