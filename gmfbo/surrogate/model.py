@@ -28,8 +28,8 @@ from gpytorch.means import Mean
 from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
+from gmfbo.correction.fitting import fit_by_map
 from gmfbo.correction.torch_setup import DTYPE, exact_algebra
-from gmfbo.surrogate.fitting import fit_by_map
 from gmfbo.surrogate.kernel import AdaptiveSourceKernel
 from gmfbo.surrogate.noise import SourceNoiseLikelihood
 from gmfbo.surrogate.observations import Observations, source_column
