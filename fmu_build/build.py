@@ -14,12 +14,15 @@ if str(ROOT) not in sys.path:  # run as a script, or loaded by its path
     sys.path.insert(0, str(ROOT))
 
 from fmu_build.compile import Compiler, CompilerName, find_compiler  # noqa: E402
-from fmu_build.declaration import read_declaration  # noqa: E402
+from fmu_build.declaration import Declaration, read_declaration  # noqa: E402
 from fmu_build.failure import BuildError  # noqa: E402
 from fmu_build.fmu import build_fmu  # noqa: E402
-from fmu_build.platforms import PLATFORMS, Platform, this_platform  # noqa: E402
+from fmu_build.platforms import FOREIGN, PLATFORMS, Platform, this_platform  # noqa: E402
+from fmu_build.translate import check_translation, translate_model  # noqa: E402
 
-SOURCES = Path(__file__).resolve().parent
+SOURCES = ROOT / "fmu_build"
+MODELS = ROOT / "models"
+TEST_FMUS = ROOT / "tests" / "fmus"
 MASTER = "gmfbo_master"
 
 
@@ -37,7 +40,7 @@ def build_all(
     Parameters
     ----------
     output : Path
-        Folder of the FMUs, normally models/.
+        Folder of the FMUs, normally models/; those that only tests need then go to tests/fmus/.
     only : sequence of str
         Names of models, or `master`; all if empty.
     compiler : {"zig", "system"}
@@ -57,11 +60,10 @@ def build_all(
         If something does not build, or with `check` if a file differs.
     """
     names = _choose(only)
-    if translate:
-        from fmu_build.translate import translate_model
-
-        for name in names:
+    for name in names:
+        if translate:
             translate_model(SOURCES / name, report)
+        check_translation(SOURCES / name)
     targets = _targets(platforms, compiler)
     differing = []
     with tempfile.TemporaryDirectory(prefix="gmfbo-build-") as folder:
@@ -116,13 +118,24 @@ def _products(
             yield output / "master" / target.name / (MASTER + target.suffix), library
     else:
         declaration = read_declaration(SOURCES / name / "model.toml")
-        yield output / f"{declaration.name}.fmu", build_fmu(declaration, compiler, targets, work)
+        folder = TEST_FMUS if declaration.test_only and output.resolve() == MODELS else output
+        chosen = _platforms_of(declaration, targets)
+        if compiler.cache is None and chosen != targets and chosen:
+            return  # only zig can build it
+        yield folder / f"{declaration.name}.fmu", build_fmu(declaration, compiler, chosen, work)
+
+
+def _platforms_of(declaration: Declaration, targets: Sequence[Platform]) -> Sequence[Platform]:
+    """Those that the model asks for itself are built in any case."""
+    if declaration.platforms is None:
+        return targets
+    return [{**PLATFORMS, FOREIGN.name: FOREIGN}[name] for name in declaration.platforms]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line of the script; returns the exit status."""
     parser = argparse.ArgumentParser(description="Build the project's FMUs and the C master.")
-    parser.add_argument("--output", type=Path, default=ROOT / "models")
+    parser.add_argument("--output", type=Path, default=MODELS)
     parser.add_argument("--only", action="append", default=[], metavar="NAME")
     parser.add_argument("--compiler", choices=("zig", "system"), default="zig")
     parser.add_argument("--platform", action="append", default=[], choices=tuple(PLATFORMS))

@@ -17,13 +17,11 @@ from fmu_build.units import parse_unit
 Causality = Literal["parameter", "input", "output", "local"]
 VariableType = Literal["Real", "Integer", "Boolean"]
 
-_VARIABLE_KEYS = frozenset(
-    ("name", "causality", "type", "unit", "start", "min", "max", "description", "tunable")
-    + ("dimensions",)
-)
+_FIELDS = ("name", "causality", "type", "unit", "start", "min", "max", "description")
+_VARIABLE_KEYS = frozenset({*_FIELDS, "tunable", "dimensions"})
+_TIMES = ("internal_step", "communication_step", "stop_time")
 _MODEL_KEYS = frozenset(
-    ("name", "description", "internal_step", "communication_step", "stop_time", "sources", "kind")
-    + ("variable",)
+    {*_TIMES, "name", "description", "sources", "kind", "platforms", "test_only", "variable"}
 )
 
 
@@ -58,7 +56,13 @@ class Declaration:
     internal_step, communication_step, stop_time : float
         [s] Inner step of the integrator; step and length of the default experiment.
     sources : tuple of str
-        C files of the model, relative to `folder`.
+        C files of the model, and headers from elsewhere, relative to `folder`.
+    kind : {"co_simulation", "model_exchange"}
+        What the FMU says it is.
+    platforms : tuple of str or None
+        The only platforms to build for; None for all.
+    test_only : bool
+        Whether it serves the tests and does not ship.
     arrays : mapping of str to tuple of int
         First index and number of elements of each declared name; scalars have one.
     """
@@ -70,7 +74,9 @@ class Declaration:
     communication_step: float
     stop_time: float
     sources: tuple[str, ...]
-    kind: str
+    kind: Literal["co_simulation", "model_exchange"]
+    platforms: tuple[str, ...] | None
+    test_only: bool
     variables: tuple[Variable, ...]
     arrays: dict[str, tuple[int, int]]
 
@@ -106,6 +112,8 @@ def read_declaration(path: Path) -> Declaration:
             stop_time=float(table.get("stop_time", 1.0)),
             sources=tuple(table.get("sources", [f"{table['name']}.c"])),
             kind=table.get("kind", "co_simulation"),
+            platforms=tuple(table["platforms"]) if "platforms" in table else None,
+            test_only=table.get("test_only", False),
             variables=tuple(variables),
             arrays=arrays,
         )

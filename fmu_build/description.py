@@ -47,14 +47,16 @@ def model_description(declaration: Declaration, guid: str) -> bytes:
         _add_variable(variables, reference, variable)
     _add_structure(root, declaration)
     ET.indent(root)
-    return ET.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
 
 
 def _add_kind(root: ET.Element, declaration: Declaration) -> None:
     if declaration.kind == "model_exchange":
         ET.SubElement(root, "ModelExchange", modelIdentifier=declaration.name)
     else:
-        ET.SubElement(root, "CoSimulation", modelIdentifier=declaration.name, **_CAPABILITIES)
+        attributes = {"modelIdentifier": declaration.name, **_CAPABILITIES}
+        ET.SubElement(root, "CoSimulation", attributes)
 
 
 def _add_units(root: ET.Element, declaration: Declaration) -> None:

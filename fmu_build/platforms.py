@@ -42,6 +42,9 @@ PLATFORMS = {
     )
 }
 
+# For a test of what the driver says about an FMU that nobody here can run.
+FOREIGN = Platform("linux-i386", "x86-linux-gnu.2.17", ".so", "linux32")
+
 
 def this_platform() -> Platform:
     """Platform of the running interpreter.
