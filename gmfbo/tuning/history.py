@@ -1,0 +1,235 @@
+"""The runs of a study, on disk before they count, and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import SimulationError
+from gmfbo.objective.cost import Objective
+from gmfbo.objective.metrics import METRICS
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.trial import SourceName, Trial
+from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.gain_choice import GainChoice
+from gmfbo.tuning.state import Observation
+from gmfbo.tuning.study_sections import StudyFile
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.store import StudyStore
+
+IS1_COST = 1.0
+"""Cost of a real run: the unit."""
+
+TWIN_COST = 0.1
+"""Cost of a run of the twin, corrected or not, as the paper counts it; not the acquisition's H."""
+
+
+class History:
+    """Trials of one study in order, with their costs.
+
+    Everything here follows from the trials on disk, so that a killed study goes on as if it
+    had not been.
+
+    Parameters
+    ----------
+    store : StudyStore
+        Open for writing.
+    study : StudyFile
+        The validated file.
+    experiment : StepExperiment
+        What every source repeats.
+    gains : GainChoice
+        What is tuned.
+    """
+
+    def __init__(
+        self, store: StudyStore, study: StudyFile, experiment: StepExperiment, gains: GainChoice
+    ) -> None:
+        self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
+        self.trials: list[Trial] = store.trials()
+        self._observations: list[Observation] = []
+        self._seen = 0
+        self._objective: Objective | None = None
+        if len(self.of("IS2")) >= study.budget.initial_is2:
+            self.normalise(self.of("IS2")[: study.budget.initial_is2])
+
+    def of(self, *sources: SourceName) -> list[Trial]:
+        """Trials of some sources, in order."""
+        return [trial for trial in self.trials if trial.source in sources]
+
+    def children(self, parent: Trial, source: SourceName) -> list[Trial]:
+        """Runs that one source made because of a real run."""
+        return [trial for trial in self.of(source) if trial.parent == parent.number]
+
+    def gains_at(self, unit: NDArray[np.float64]) -> dict[str, float]:
+        """All gains by name at a point of the unit cube, shape (d,)."""
+        return self.gains.values(self.gains.space.from_unit(unit))
+
+    def unit_point(self, gains: Mapping[str, float]) -> NDArray[np.float64]:
+        """Point of the unit cube, shape (d,), from all gains by name."""
+        return self.gains.space.to_unit(self.gains.point(gains))
+
+    @property
+    def next_number(self) -> int:
+        """Number of the trial that comes next."""
+        return self.trials[-1].number + 1 if self.trials else 1
+
+    @property
+    def queries(self) -> int:
+        """Queries of either source after the initial ones; pairs and IS3 are none."""
+        twin = sum(trial.parent is None for trial in self.of("IS2"))
+        budget = self.study.budget
+        return max(twin - budget.initial_is2, 0) + max(len(self.of("IS1")) - budget.initial_is1, 0)
+
+    @property
+    def used_up(self) -> bool:
+        """Whether the budget allows no further query."""
+        budget, real = self.study.budget, len(self.of("IS1"))
+        if real < budget.initial_is1:
+            return False
+        if budget.is1_runs is not None and real >= budget.is1_runs:
+            return True
+        return self.queries >= budget.most_queries
+
+    @property
+    def cost(self) -> float:
+        """All runs so far in units of a real run."""
+        return IS1_COST * len(self.of("IS1")) + TWIN_COST * len(self.of("IS2", "IS3"))
+
+    @property
+    def best(self) -> Trial | None:
+        """Real run with the least cost; None while none has succeeded."""
+        finished = [trial for trial in self.of("IS1") if trial.status == "ok"]
+        return min(finished, key=lambda trial: trial.objective, default=None)
+
+    @property
+    def objective(self) -> Objective:
+        """The cost; known once the initial twin runs are done."""
+        if self._objective is None:
+            raise RuntimeError("the cost is asked for before the initial twin runs are complete")
+        return self._objective
+
+    @property
+    def normalised(self) -> bool:
+        """Whether the initial twin runs are complete."""
+        return self._objective is not None
+
+    def normalise(self, initial: list[Trial]) -> None:
+        """Fix the constants of the cost by the initial twin runs.
+
+        Parameters
+        ----------
+        initial : list of Trial
+            With metrics; their costs may be missing.
+
+        Raises
+        ------
+        SimulationError
+            All of them failed.
+        """
+        if all(trial.status != "ok" for trial in initial):
+            first = initial[0].recording
+            reason = first.message if isinstance(first, Trajectory) else ""
+            raise SimulationError(
+                f"none of the {len(initial)} initial runs of IS2 succeeded "
+                f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
+            )
+        section = self.study.objective
+        sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
+        constants = Objective.from_samples(
+            section.weights,
+            {name: np.array([trial.metrics[name] for trial in sampled]) for name in METRICS},
+            horizon=self.experiment.horizon,
+        )
+        if section.normalise.points is None:
+            constants = Objective(
+                section.weights, section.normalise.mean, section.normalise.std, constants.worst
+            )
+        self._objective = constants
+
+    def trial(
+        self,
+        source: SourceName,
+        gains: Mapping[str, float],
+        run: Recording,
+        *,
+        twin: str = "",
+        parent: int | None = None,
+        number: int | None = None,
+    ) -> Trial:
+        """Make a trial of a run, not yet on disk.
+
+        Its cost is NaN until the initial twin runs are complete.
+
+        Parameters
+        ----------
+        source : {"IS1", "IS2"}
+            Who ran.
+        gains : mapping of str to float
+            All gains by name.
+        run : Recording
+            What was measured.
+        twin : str
+            Content hash of the twin that ran.
+        parent : int or None
+            Real run that caused it.
+        number : int or None
+            The next one unless given.
+        """
+        metrics = self.experiment.metrics(run)
+        status, seconds = (
+            (run.status, run.seconds) if isinstance(run, Trajectory) else ("ok", run.duration)
+        )
+        started = datetime.now(UTC) - timedelta(seconds=seconds)
+        return Trial(
+            number=self.next_number if number is None else number,
+            source=source,
+            gains=dict(gains),
+            recording=run,
+            objective=float(self.objective.value(metrics)) if self.normalised else np.nan,
+            metrics=metrics,
+            status=status,
+            started=run.start_time or started.isoformat(timespec="milliseconds"),
+            seconds=seconds,
+            seed=self.study.seed,
+            twin=twin,
+            parent=parent,
+        )
+
+    def write(self, trial: Trial) -> Trial:
+        """Put a trial on disk, and only then into the history."""
+        self.store.write_trial(trial)
+        self.trials.append(trial)
+        return trial
+
+    def observations(self) -> tuple[Observation, ...]:
+        """All runs as the surrogate sees them; draws of IS3 that were not accepted are left out."""
+        for trial in self.trials[self._seen :]:
+            self._seen += 1
+            if trial.accepted is not False:
+                self._observations.append(self._observation(trial))
+        return tuple(self._observations)
+
+    def _observation(self, trial: Trial) -> Observation:
+        uncorrected = uncorrected_scaled = None
+        if trial.source == "IS3":
+            before = trial.uncorrected[self.experiment.signal]
+            metrics = self.experiment.metrics_of(trial.recording.time, before)
+            uncorrected = float(self.objective.value(metrics))
+            uncorrected_scaled = float(self.objective.scaled(metrics))
+        return Observation(
+            number=trial.number,
+            source=trial.source,
+            point=self.unit_point(trial.gains),
+            objective=trial.objective,
+            scaled=float(self.objective.scaled(trial.metrics)),
+            failed=trial.status != "ok",
+            parent=trial.parent,
+            uncorrected=uncorrected,
+            uncorrected_scaled=uncorrected_scaled,
+        )

@@ -1,0 +1,53 @@
+"""The initial data: the same for every method at the same seed."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.space import GainSpace
+
+
+class Stream(IntEnum):
+    """What a random stream is for; part of its seed, so that no two share their draws."""
+
+    INITIAL_IS1 = 0
+    INITIAL_IS2 = 1
+    IS3 = 2
+    PROPOSAL = 3
+
+
+def stream(seed: int, purpose: Stream, *numbers: int) -> np.random.Generator:
+    """Random stream of one step of one study.
+
+    A function of its arguments alone: whoever resumes a study draws what would have been drawn.
+
+    Parameters
+    ----------
+    seed : int
+        Of the study.
+    purpose : Stream
+        What is drawn.
+    *numbers : int
+        Trial that the draw belongs to, and which draw it is.
+    """
+    return np.random.default_rng([seed, int(purpose), *numbers])
+
+
+def initial_points(space: GainSpace, seed: int, purpose: Stream, count: int) -> NDArray[np.float64]:
+    """Latin hypercube of the unit cube, shape (count, d).
+
+    Parameters
+    ----------
+    space : GainSpace
+        Box of the tuned gains.
+    seed : int
+        Of the study.
+    purpose : Stream
+        `INITIAL_IS1` or `INITIAL_IS2`.
+    count : int
+        Number of points.
+    """
+    return space.to_unit(space.latin_hypercube(count, stream(seed, purpose)))

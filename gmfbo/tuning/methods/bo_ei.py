@@ -1,0 +1,43 @@
+"""Bayesian optimisation of the real axis alone: the baseline that ignores the twin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.methods.beliefs import (
+    least_expected,
+    observations_of,
+    search_of,
+    single_source_model,
+)
+from gmfbo.tuning.state import TuningState
+
+
+@dataclass(frozen=True)
+class SingleSourceImprovement:
+    """Expected improvement of a Gaussian process on the real runs."""
+
+    name: str = "bo_ei"
+    summary: str = "expected improvement on real runs alone, without the twin"
+    reference: str = "Jones, Schonlau and Welch 1998, Efficient global optimization"
+    correction: None = None
+
+    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
+        """Maximise expected improvement over the box."""
+        from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
+        from gmfbo.acquisition.maximise import maximise
+
+        model, real = single_source_model(state), observations_of(state, "IS1")
+        acquisition = CostAwareExpectedImprovement(
+            model, {"IS1": float(real.values.min())}, {"IS1": 1.0}
+        )
+        found = maximise(acquisition, search_of(state), ["IS1"], real)
+        return Proposal("IS1", found.point, note=model.note)
+
+    def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
+        """Least posterior mean over the box."""
+        return least_expected(single_source_model(state), state)

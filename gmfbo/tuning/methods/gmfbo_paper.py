@@ -1,0 +1,80 @@
+"""Guided multi-fidelity Bayesian optimisation as its publication prints it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.tuning.method import CorrectionOptions, Proposal
+from gmfbo.tuning.methods.beliefs import corrected_and_twin, least_expected, search_of, source_of
+from gmfbo.tuning.state import TuningState
+
+if TYPE_CHECKING:
+    from gmfbo.surrogate.model import SourceModel
+    from gmfbo.surrogate.observations import Observations
+
+AS_PRINTED = CorrectionOptions(memory="latest", at_border="project")
+
+
+@dataclass(frozen=True)
+class PrintedGmfbo:
+    """Algorithm 1 as printed: corrected runs count as runs of the twin, l_g0 is at most 1."""
+
+    name: str = "gmfbo_paper"
+    summary: str = "corrected twin runs as twin data, mismatch on g, l_g0 = 1/e within [0.1, 1]"
+    reference: str = (
+        "Nobar et al. 2025, Guided multi-fidelity Bayesian optimization, arXiv:2509.17952"
+    )
+    correction: CorrectionOptions = AS_PRINTED
+
+    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
+        """Maximise EI / H over gains and source, each with the incumbent of its source."""
+        from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
+        from gmfbo.acquisition.maximise import maximise
+        from gmfbo.correction.mismatch import query_cost
+
+        data, mismatch = _data(state), _mismatch(state)
+        model = _model(data, mismatch)
+        twin = data.values[data.of("IS2") | data.of("IS3")]
+        acquisition = CostAwareExpectedImprovement(
+            model,
+            {"IS1": float(data.values[data.of("IS1")].min()), "IS2": float(twin.min())},
+            {"IS1": 1.0, "IS2": query_cost(mismatch)},
+            value="source",
+        )
+        found = maximise(acquisition, search_of(state), ["IS1", "IS2"], data)
+        return Proposal(source_of(found), found.point, mismatch, model.note)
+
+    def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
+        """Least posterior mean of the real axis over the box."""
+        return least_expected(_model(_data(state), _mismatch(state)), state)
+
+
+def _data(state: TuningState) -> Observations:
+    """Real, twin and corrected runs; the twin runs beside real ones serve the correction only."""
+    from gmfbo.surrogate.observations import Observations
+
+    return Observations.gather(
+        [
+            (seen.point, seen.source, seen.objective)
+            for seen in state.observations
+            if seen.source != "IS2" or seen.parent is None
+        ]
+    )
+
+
+def _mismatch(state: TuningState) -> float:
+    from gmfbo.correction.mismatch import relative_mismatch
+
+    return relative_mismatch(*corrected_and_twin(state, scaled=False))
+
+
+def _model(data: Observations, mismatch: float) -> SourceModel:
+    from gmfbo.correction.mismatch import source_lengthscale
+    from gmfbo.surrogate.model import SourceModel, SurrogateSettings
+
+    settings = SurrogateSettings(source_lengthscale=source_lengthscale(mismatch))
+    return SourceModel.fit(data, settings)

@@ -1,0 +1,133 @@
+"""The study file: what is tuned, on which sources, by which method, for how long."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from gmfbo.errors import StudyFileError, did_you_mean
+from gmfbo.tuning.study_sections import (
+    BudgetSection,
+    Normalisation,
+    ObjectiveSection,
+    PlantChange,
+    PlantSection,
+    ReferenceSection,
+    Section,
+    StudyFile,
+    TwinSection,
+)
+
+_LATER = {
+    "is1.command": "give [is1] twin, or ask_tell = true and hand in recordings",
+    "is1.recorded": "give [is1] twin, or ask_tell = true and hand in recordings",
+    "constraints": "put the metric into [objective] weights",
+    "safety": "keep [gains] within what is known to be safe",
+    "objective.metrics": "use [objective] weights",
+}
+"""Keys that the format reserves and this version does not offer, with what to do instead."""
+
+_SECTIONS: dict[str, type[Section]] = {
+    "": StudyFile,
+    "is1": PlantSection,
+    "is1.change": PlantChange,
+    "is2": TwinSection,
+    "reference": ReferenceSection,
+    "objective": ObjectiveSection,
+    "objective.normalise": Normalisation,
+    "budget": BudgetSection,
+}
+_TABLES = {"is1", "is2", "gains", "reference", "objective", "budget"}
+
+
+def parse_study(text: str, *, label: str, default_name: str) -> StudyFile:
+    """Read and validate the text of a study file.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    label : str
+        Name of the file, for messages.
+    default_name : str
+        Name of the study where the file states none.
+
+    Raises
+    ------
+    StudyFileError
+        Not TOML, or not a study: one line that lists everything wrong.
+    """
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise StudyFileError(f"{label}: not a TOML file: {error}") from None
+    _refuse_later(raw, label)
+    try:
+        return StudyFile.model_validate({"name": default_name, **raw})
+    except ValidationError as error:
+        findings = "; ".join(_finding(dict(detail)) for detail in error.errors())
+        raise StudyFileError(f"{label}: {findings}") from None
+
+
+def read_study_file(path: Path) -> tuple[StudyFile, str]:
+    """Read a study file, and return it with its text as given.
+
+    Parameters
+    ----------
+    path : Path
+        The `.toml` file.
+
+    Raises
+    ------
+    StudyFileError
+        The file cannot be read or is not a study.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        raise StudyFileError(f"{path}: cannot read the study file: {reason}") from None
+    return parse_study(text, label=path.name, default_name=path.stem), text
+
+
+def _refuse_later(raw: dict[str, Any], label: str) -> None:
+    for key, instead in _LATER.items():
+        section, _, name = key.partition(".")
+        found = raw.get(section) if not name else _table(raw.get(section)).get(name)
+        if found is not None:
+            shown = f"[{section}] {name}" if name else f"[{section}]"
+            raise StudyFileError(f"{label}: {shown} is not offered by this version; {instead}")
+    if isinstance(raw.get("reference"), list):
+        raise StudyFileError(
+            f"{label}: several [[reference]] are not offered by this version; give one [reference]"
+        )
+
+
+def _table(value: object) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _finding(detail: dict[str, Any]) -> str:
+    """One validation error in the words of the file."""
+    location = [str(part) for part in detail["loc"]]
+    message = str(detail["msg"]).removeprefix("Value error, ")
+    if detail["type"] == "extra_forbidden":
+        choices = _keys_at(location[:-1])
+        message = f"unknown key '{location[-1]}'" + did_you_mean(location[-1], choices)
+        location = location[:-1]
+    elif detail["type"] == "missing":
+        message = "missing"
+    if not location:
+        return message
+    table, keys = location[0], ".".join(location[1:])
+    place = f"[{table}] {keys}".strip() if table in _TABLES else ".".join(location)
+    return f"{place}: {message}"
+
+
+def _keys_at(location: list[str]) -> list[str]:
+    """Keys that the format knows at a place; empty where the place is a free table."""
+    section = _SECTIONS.get(".".join(location))
+    return list(section.model_fields) if section else []

@@ -1,0 +1,206 @@
+"""What a study file may say: its sections, validated."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    model_validator,
+)
+
+from gmfbo.errors import did_you_mean
+from gmfbo.objective.cost import PAPER_WEIGHTS
+from gmfbo.objective.metrics import METRICS
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _number_or_seed(value: object) -> float | Literal["seed"]:
+    if value == "seed":
+        return "seed"
+    if isinstance(value, int | float) and math.isfinite(value):
+        return float(value)
+    raise ValueError(f'expected a number or "seed", got {value!r}')
+
+
+def _as_range(value: object) -> object:
+    """[low, high] and a number as the table that they are short for."""
+    if isinstance(value, list) and len(value) == 2:
+        return {"low": value[0], "high": value[1]}
+    if isinstance(value, int | float):
+        return {"low": value, "high": value}
+    if isinstance(value, dict | GainRange):
+        return value
+    raise ValueError(f"expected [low, high], a number or a table, got {value!r}")
+
+
+def _as_normalisation(value: object) -> object:
+    return {"points": value} if isinstance(value, int) else value
+
+
+Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
+
+
+class Section(BaseModel):
+    """Part of a study file; unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class PlantChange(Section):
+    """The plant changes for good after its n-th run, initial ones counted."""
+
+    after_runs: int = Field(ge=1)
+    parameters: Parameters
+
+
+class PlantSection(Section):
+    """IS1, the real axis: an FMU that plays it, or whoever asks and tells."""
+
+    twin: str | None = None
+    ask_tell: bool = False
+    parameters: Parameters = {}
+    change: PlantChange | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if (self.twin is None) != self.ask_tell:
+            raise ValueError("expected exactly one of twin = FILE and ask_tell = true")
+        if self.ask_tell and (self.parameters or self.change):
+            raise ValueError("parameters and change need a twin that plays the plant")
+        return self
+
+
+class TwinSection(Section):
+    """IS2, the digital twin."""
+
+    twin: str
+    parameters: Parameters = {}
+
+
+class GainRange(Section):
+    """Range of one gain [unit of the FMU parameter]; equal ends fix it."""
+
+    low: Number
+    high: Number
+    scale: Literal["linear", "log"] = "linear"
+    integer: bool = False
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.low > self.high:
+            raise ValueError(f"expected low <= high, got [{self.low:g}, {self.high:g}]")
+        if self.scale == "log" and self.low <= 0.0:
+            raise ValueError(f"a log scale needs a positive lower bound, got {self.low:g}")
+        return self
+
+
+class ReferenceSection(Section):
+    """What the axis is asked to follow: a step, or a recording of one."""
+
+    step: Number = 1.0
+    at: NotNegative = 0.1
+    horizon: Positive = 1.0
+    sample_time: Positive = 1e-3
+    signal: str = "reference"
+    file: str | None = None
+
+    @model_validator(mode="after")
+    def _step_or_file(self) -> Self:
+        if self.file is not None and self.model_fields_set & {"step", "at", "sample_time"}:
+            raise ValueError("expected either file or step, at and sample_time, got both")
+        if self.step == 0.0:
+            raise ValueError("step: expected a height other than zero")
+        return self
+
+
+class Normalisation(Section):
+    """Constants of the cost: from the first `points` runs of IS2, or known ones."""
+
+    points: int | None = Field(None, ge=2)
+    mean: dict[str, Number] = {}
+    std: dict[str, Positive] = {}  # [unit of the metric], as the mean
+
+    @model_validator(mode="after")
+    def _points_or_constants(self) -> Self:
+        if (self.points is None) != bool(self.mean and self.std):
+            raise ValueError("expected a number of points, or both mean and std")
+        return self
+
+
+class ObjectiveSection(Section):
+    """Weighted sum of normalised step metrics of one signal, to be minimised."""
+
+    signal: str = "position"
+    weights: dict[str, NotNegative] = Field(default_factory=lambda: dict(PAPER_WEIGHTS))
+    normalise: Annotated[Normalisation, BeforeValidator(_as_normalisation)] = Normalisation(
+        points=10
+    )
+
+    @model_validator(mode="after")
+    def _known_metrics(self) -> Self:
+        constants = self.normalise
+        for name in (*self.weights, *constants.mean, *constants.std):
+            if name not in METRICS:
+                raise ValueError(f"no metric '{name}'" + did_you_mean(name, METRICS))
+        for name in self.weights if constants.points is None else ():
+            if name not in constants.mean or name not in constants.std:
+                raise ValueError(f"normalise: expected mean and std of '{name}'")
+        if not any(self.weights.values()):
+            raise ValueError("weights: expected at least one above zero")
+        return self
+
+
+class BudgetSection(Section):
+    """Initial runs, and when to stop: after `iterations` queries or `is1_runs` real runs."""
+
+    initial_is1: int = Field(2, ge=1)
+    initial_is2: int = Field(10, ge=2)
+    iterations: int | None = Field(None, ge=0)
+    is1_runs: int | None = Field(None, ge=1)
+    is3_per_run: int = Field(4, ge=0)
+
+    @property
+    def most_queries(self) -> int:
+        """Queries of either source after the initial ones; the twin cannot be asked for ever."""
+        if self.iterations is not None:
+            return self.iterations
+        return 20 if self.is1_runs is None else max(100, 5 * self.is1_runs)
+
+
+class StudyFile(Section):
+    """A validated study file; paths in it are relative to its folder."""
+
+    name: str = Field(min_length=1, pattern=r"^[^/\\]+$")
+    seed: int = Field(0, ge=0)
+    method: str = "gmfbo"
+    out: str | None = None
+    is1: PlantSection
+    is2: TwinSection
+    gains: dict[str, Annotated[GainRange, BeforeValidator(_as_range)]] = {}
+    reference: ReferenceSection = ReferenceSection()
+    objective: ObjectiveSection = ObjectiveSection()
+    budget: BudgetSection = BudgetSection()
+
+    @model_validator(mode="after")
+    def _normalised_by_initial_runs(self) -> Self:
+        points = self.objective.normalise.points
+        if points is not None and points > self.budget.initial_is2:
+            raise ValueError(
+                f"[objective] normalise: expected at most initial_is2 = "
+                f"{self.budget.initial_is2}, got {points}: the constants come from these runs"
+            )
+        return self
+
+    @property
+    def folder_name(self) -> str:
+        """Where the study is kept, relative to the file."""
+        return self.out or f"{self.name}.study"

@@ -1,0 +1,184 @@
+"""Who runs a study's experiments: the sources that its file names, opened."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from gmfbo.errors import InputError, SimulationError, StudyFileError
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.source import Source
+from gmfbo.space import GainSpace
+from gmfbo.tuning.study_sections import StudyFile
+
+if TYPE_CHECKING:
+    from gmfbo.sources.twin import FmuTwin
+
+
+@dataclass(frozen=True, eq=False)
+class StudySources:
+    """The sources of one study.
+
+    Attributes
+    ----------
+    is1 : Source or None
+        Real axis, or the FMU that plays it; None where somebody else runs it (ask and tell).
+    is2 : Source
+        Digital twin.
+    opened : ExitStack
+        Closes the sources that were opened for the study; those handed in stay with their owner.
+    changed_is1 : Source or None
+        The plant after its change.
+    change_after : int or None
+        Real runs before the change.
+    gains : GainSpace or None
+        Box of the twin file; None where the twin is the user's own source.
+    reference_unit : str
+        SI unit of the reference; empty where unknown.
+    """
+
+    is1: Source | None
+    is2: Source
+    opened: ExitStack
+    changed_is1: Source | None = None
+    change_after: int | None = None
+    gains: GainSpace | None = None
+    reference_unit: str = ""
+
+    @classmethod
+    def open(
+        cls,
+        study: StudyFile,
+        folder: Path,
+        *,
+        is1: Source | None = None,
+        is2: Source | None = None,
+    ) -> StudySources:
+        """Open the twins that a study names.
+
+        Parameters
+        ----------
+        study : StudyFile
+            The validated file.
+        folder : Path
+            Where its paths begin.
+        is1, is2 : Source, optional
+            Used instead of what the file names: a test bench, a simulator of the user's own.
+
+        Raises
+        ------
+        StudyFileError
+            The plant changes, but is not an FMU.
+        TwinFileError, FmuFileError
+            A twin cannot be opened.
+        """
+        plant, change = study.is1, study.is1.change
+        if is1 is not None and change is not None:
+            raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
+        changed, gains, unit = None, None, ""
+        with ExitStack() as opened:
+            opener = _Opener(study.seed, folder, opened)
+            if is1 is None and plant.twin is not None:
+                is1 = opener.twin(plant.twin, plant.parameters)
+                if change is not None:
+                    changed = opener.twin(plant.twin, {**plant.parameters, **change.parameters})
+            if is2 is None:
+                is2 = twin = opener.twin(study.is2.twin, study.is2.parameters)
+                gains = twin.gains
+                signal = twin.signal_specs().get(study.reference.signal)
+                unit = signal.unit if signal else ""
+            return cls(
+                is1=is1,
+                is2=is2,
+                opened=opened.pop_all(),
+                changed_is1=changed,
+                change_after=change.after_runs if change else None,
+                gains=gains,
+                reference_unit=unit,
+            )
+
+    def real(self, runs_before: int) -> Source | None:
+        """Source of the next real run.
+
+        Parameters
+        ----------
+        runs_before : int
+            Real runs so far, initial ones counted.
+        """
+        if self.change_after is not None and runs_before >= self.change_after:
+            return self.changed_is1
+        return self.is1
+
+    @property
+    def content_hashes(self) -> dict[str, str]:
+        """Content hash by source; empty for one that is no FMU."""
+        real = self.is1.content_hash if self.is1 is not None else ""
+        changed = {"IS1 changed": self.changed_is1.content_hash} if self.changed_is1 else {}
+        return {"IS1": real, "IS2": self.is2.content_hash, **changed}
+
+    def close(self) -> None:
+        """Give back processes and files of what was opened here."""
+        self.opened.close()
+
+
+@dataclass(frozen=True)
+class _Opener:
+    seed: int
+    folder: Path
+    opened: ExitStack
+
+    def twin(self, path: str, parameters: Mapping[str, float | Literal["seed"]]) -> FmuTwin:
+        from gmfbo.sources.twin import FmuTwin
+
+        values = {
+            name: float(self.seed) if value == "seed" else value
+            for name, value in parameters.items()
+        }
+        twin = FmuTwin(self.folder / path, parameters=values)
+        self.opened.callback(twin.close)
+        return twin
+
+
+def run_source(source: Source, gains: Mapping[str, float], reference: Recording) -> Recording:
+    """Run one experiment; whatever breaks in the source becomes a failed run.
+
+    Parameters
+    ----------
+    source : Source
+        Who runs.
+    gains : mapping of str to float
+        Gains of the run.
+    reference : Recording
+        What is followed.
+
+    Returns
+    -------
+    Recording
+        Of status `failed` and without signals where the source raised.
+
+    Raises
+    ------
+    InputError
+        The source was asked for something impossible; repeating that cannot help.
+    """
+    started = time.perf_counter()
+    try:
+        return source.run(gains, reference)
+    except InputError:
+        raise
+    except Exception as error:
+        # A plant is foreign code: a lost connection must cost one run, not the study.
+        reason = str(error) if isinstance(error, SimulationError) else f"{error!r}"
+        return Trajectory(
+            time=reference.time[:1],
+            signals={},
+            name=source.name,
+            status="failed",
+            message=" ".join(reason.split()),
+            stopped_at=float(reference.time[0]),
+            seconds=time.perf_counter() - started,
+        )

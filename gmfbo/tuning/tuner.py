@@ -1,0 +1,262 @@
+"""The loop: ask for gains, tell what came of them, or run it all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import asdict
+from typing import Self
+
+import numpy as np
+
+from gmfbo.errors import InputError, RecordingError
+from gmfbo.recordings.recording import Recording
+from gmfbo.recordings.trial import Trial
+from gmfbo.sources.source import Source
+from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.gain_choice import GainChoice
+from gmfbo.tuning.history import History
+from gmfbo.tuning.initial_design import Stream, initial_points, stream
+from gmfbo.tuning.method import Method, Recommendation
+from gmfbo.tuning.methods import find_method
+from gmfbo.tuning.progress import Phase, ProgressCallback
+from gmfbo.tuning.request import TrialRequest, TuningResult
+from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.study import Study
+from gmfbo.tuning.study_sources import StudySources, run_source
+from gmfbo.tuning.twin_runs import TwinRuns
+from gmfbo.tuning.watch import Watch
+
+
+class Tuner:
+    """Tunes the gains of a study; a context manager that holds the study's folder.
+
+    Each proposal follows from the seed and the runs on disk alone: a study that was killed goes
+    on exactly as if it had not been, and a run that was asked for but never told is asked for
+    again with the same gains.
+
+    Parameters
+    ----------
+    study : Study
+        What `Study.read` returned for a study file or folder.
+    is1, is2 : Source, optional
+        Used instead of the sources that the file names.
+    method : Method, optional
+        Used instead of the method that the file names.
+    resume : bool
+        Go on where a former tuner stopped; otherwise a study with trials is refused.
+
+    Raises
+    ------
+    InputError
+        The study, its twins or its folder cannot be used.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        *,
+        is1: Source | None = None,
+        is2: Source | None = None,
+        method: Method | None = None,
+        resume: bool = True,
+    ) -> None:
+        self.study = study
+        self.method = method or find_method(study.file.method)
+        with ExitStack() as closing:
+            self._sources = StudySources.open(study.file, study.origin, is1=is1, is2=is2)
+            closing.callback(self._sources.close)
+            self.gains = GainChoice.combine(self._sources.gains, study.file.gains)
+            self.experiment = StepExperiment.from_section(
+                study.file.reference,
+                study.file.objective.signal,
+                folder=study.origin,
+                unit=self._sources.reference_unit,
+            )
+            self._store = closing.enter_context(study.open_for_writing(resume=resume))
+            self.history = History(self._store, study.file, self.experiment, self.gains)
+            study.log_begin(self._store, self._sources.content_hashes)
+            self._closing = closing.pop_all()
+        self._twin = TwinRuns(
+            self._sources.is2, self.history, self.method.correction, self._announce
+        )
+        self._pending = TrialRequest.unanswered(self._store.events(), self.history.next_number)
+        self._last_request = self._pending
+        self._watch = Watch(self.history)
+
+    def ask(self, fixed: Mapping[str, float] | None = None) -> TrialRequest | None:
+        """Return the next real run that is wanted; twin runs that come before it are made here.
+
+        Asking again before telling returns the same request.
+
+        Parameters
+        ----------
+        fixed : mapping of str to float, optional
+            Gains to be held at a value in this proposal.
+
+        Returns
+        -------
+        TrialRequest or None
+            None when the budget is used up.
+
+        Raises
+        ------
+        InputError
+            A fixed gain is unknown or outside its range.
+        """
+        held = dict(fixed or {})
+        self.gains.check_fixed(held)
+        while (request := self._next(held)) is not None and request.source == "IS2":
+            trial = self._twin.query(request.gains)
+            self._pending = None
+            self._announce("query", trial)
+        return request
+
+    def tell(self, trial: TrialRequest | int, recording: Recording) -> Trial:
+        """Take the recording of the run that was asked for.
+
+        Parameters
+        ----------
+        trial : TrialRequest or int
+            What `ask` returned, or its number.
+        recording : Recording
+            What was measured. A `Trajectory` with a status other than `ok` is a failed run.
+
+        Returns
+        -------
+        Trial
+            With its cost, on disk.
+
+        Raises
+        ------
+        InputError
+            The run was not asked for, or told already; nothing is lost.
+        RecordingError
+            The recording was made at other gains, lacks the signal or is too short.
+        """
+        number = trial if isinstance(trial, int) else trial.number
+        pending = self._pending
+        if pending is None or pending.number != number:
+            wanted = f"trial {pending.number} is" if pending else "none is"
+            raise InputError(
+                f"trial {number} is not waited for: {wanted}; ask for the next gains first"
+            )
+        for name, value in pending.gains.items():
+            used = recording.parameters.get(name, value)
+            if not np.isclose(used, value, rtol=1e-6):
+                raise RecordingError(
+                    f"{recording.name or 'recording'}: made with {name} = {used:g}, but trial "
+                    f"{number} asks for {value:g}; record again at the gains asked for"
+                )
+        source = self._sources.real(len(self.history.of("IS1")))
+        twin = source.content_hash if source else ""
+        told = self.history.trial("IS1", pending.gains, recording, twin=twin)
+        self.history.write(told)
+        self._pending = None
+        initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
+        self._announce("initial" if initial else "query", told)
+        return told
+
+    def run(self, progress: ProgressCallback | None = None) -> TuningResult:
+        """Run the study to the end of its budget.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with a `Progress` after each finished run.
+
+        Returns
+        -------
+        TuningResult
+            Best observed gains and, separately, the recommended ones.
+
+        Raises
+        ------
+        InputError
+            The real axis is not one that can be run from here.
+        SimulationError
+            No initial run of the twin succeeded.
+        """
+        if self._sources.is1 is None:
+            raise InputError(
+                "[is1] ask_tell: somebody else runs this plant; use 'gmfbo ask' and 'gmfbo tell', "
+                "or Tuner.ask and Tuner.tell"
+            )
+        self._watch = Watch(self.history, progress)
+        try:
+            while (request := self.ask()) is not None:
+                plant = self._sources.real(len(self.history.of("IS1")))
+                assert plant is not None
+                run = run_source(plant, request.gains, self.experiment.reference)
+                self.tell(request, run)
+        except KeyboardInterrupt:
+            self._store.log("interrupt", trials=len(self.history.trials))
+            raise
+        result = self.result()
+        self._announce("done", self.history.trials[-1])
+        return result
+
+    def result(self) -> TuningResult:
+        """Best and recommended gains as of now; the recommendation is also logged."""
+        recommendation = None
+        if self.history.of("IS1"):
+            point, mean, std = self.method.recommend(self._state({}))
+            gains = self.gains.values(self.gains.space.from_unit(point))
+            recommendation = Recommendation(gains, mean, std)
+            self._store.log("recommendation", gains=gains, mean=mean, std=std)
+        self._store.refresh_index()
+        return TuningResult(
+            best=self.history.best,
+            recommendation=recommendation,
+            is1_runs=len(self.history.of("IS1")),
+            queries=self.history.queries,
+            cost=self.history.cost,
+        )
+
+    @property
+    def pending(self) -> TrialRequest | None:
+        """Run that was asked for and not told yet."""
+        return self._pending
+
+    def close(self) -> None:
+        """Give back twins and the folder; everything told is on disk already."""
+        self._closing.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def _next(self, held: Mapping[str, float]) -> TrialRequest | None:
+        """Do what must precede the next query, and decide on it."""
+        pending = self._pending
+        if pending is not None and all(pending.gains[name] == held[name] for name in held):
+            return pending
+        self._twin.initial()
+        self._twin.follow_up()
+        if self.history.used_up:
+            return None
+        request = self._decide(held)
+        self._store.log("ask", **asdict(request))
+        self._pending = self._last_request = request
+        return request
+
+    def _decide(self, held: Mapping[str, float]) -> TrialRequest:
+        state, number = self._state(held), self.history.next_number
+        seed, budget = self.study.file.seed, self.study.file.budget
+        real = len(self.history.of("IS1"))
+        if real < budget.initial_is1:
+            points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
+            return TrialRequest(number, "IS1", self.history.gains_at(state.hold(points[real])))
+        if len(held) == len(self.gains.space):
+            return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
+        proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+        gains = self.history.gains_at(proposal.point)
+        return TrialRequest(number, proposal.source, gains, proposal.mismatch, proposal.note)
+
+    def _state(self, held: Mapping[str, float]) -> TuningState:
+        return TuningState(self.gains.space, self.history.observations(), held)
+
+    def _announce(self, phase: Phase, trial: Trial) -> None:
+        self._watch.tell(phase, trial, self._last_request)

@@ -1,0 +1,93 @@
+"""All that the loop runs on the twin without being asked by a person."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from gmfbo.recordings.trial import Trial
+from gmfbo.sources.source import Source
+from gmfbo.tuning.corrected_runs import CorrectedRuns
+from gmfbo.tuning.history import History
+from gmfbo.tuning.initial_design import Stream, initial_points
+from gmfbo.tuning.method import CorrectionOptions
+from gmfbo.tuning.progress import Phase
+from gmfbo.tuning.study_sources import run_source
+
+Announce = Callable[[Phase, Trial], None]
+
+
+@dataclass(frozen=True, eq=False)
+class TwinRuns:
+    """Initial runs of the twin, its queries, and what follows a real run.
+
+    Attributes
+    ----------
+    source : Source
+        The twin.
+    history : History
+        Where the runs go.
+    correction : CorrectionOptions or None
+        How the method wants corrected runs made.
+    announce : callable
+        Told of each finished run.
+    """
+
+    source: Source
+    history: History
+    correction: CorrectionOptions | None
+    announce: Announce
+
+    def initial(self) -> None:
+        """Run the initial points, shape (initial_is2, d).
+
+        A cost needs the constants that come from all of them, and a trial is written once and
+        whole; so these runs go to disk together, when the last is done.
+
+        Raises
+        ------
+        SimulationError
+            All of them failed.
+        """
+        history = self.history
+        if history.normalised:
+            return
+        count, seed = history.study.budget.initial_is2, history.study.seed
+        points = initial_points(history.gains.space, seed, Stream.INITIAL_IS2, count)
+        done = len(history.trials)
+        runs = list(history.trials)
+        for number, point in enumerate(points[done:], start=done + 1):
+            runs.append(self._run(history.gains_at(point), number=number))
+        history.normalise(runs)
+        constants = history.objective
+        history.store.log("normalise", mean=dict(constants.mean), std=dict(constants.std))
+        for run in runs[done:]:
+            priced = float(constants.value(run.metrics))
+            self.announce("initial", history.write(replace(run, objective=priced)))
+
+    def query(self, gains: Mapping[str, float]) -> Trial:
+        """Run a point that the method asked for."""
+        return self.history.write(self._run(gains))
+
+    def follow_up(self) -> None:
+        """Run the twin beside the last real run, and make corrected runs around it.
+
+        Does what is missing of it: after a kill, only the rest.
+        """
+        real = self.history.of("IS1")
+        if self.correction is None or not real:
+            return
+        if not self.history.children(real[-1], "IS2"):
+            pair = self._run(real[-1].gains, parent=real[-1].number)
+            self.announce("correction", self.history.write(pair))
+        corrected = CorrectedRuns(self.source, self.history, self.correction)
+        for trial in corrected.around(real[-1]):
+            self.announce("correction", trial)
+
+    def _run(
+        self, gains: Mapping[str, float], *, parent: int | None = None, number: int | None = None
+    ) -> Trial:
+        run = run_source(self.source, gains, self.history.experiment.reference)
+        return self.history.trial(
+            "IS2", gains, run, twin=self.source.content_hash, parent=parent, number=number
+        )

@@ -1,0 +1,79 @@
+"""Turns finished runs into `Progress` for whoever watches."""
+
+from __future__ import annotations
+
+import time
+
+from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.history import History
+from gmfbo.tuning.progress import Phase, Progress, ProgressCallback
+from gmfbo.tuning.request import TrialRequest
+
+
+class Watch:
+    """Watches one call of `Tuner.run`.
+
+    Parameters
+    ----------
+    history : History
+        Of the study.
+    callback : callable, optional
+        Called with each `Progress`.
+    """
+
+    def __init__(self, history: History, callback: ProgressCallback | None = None) -> None:
+        self._history, self._callback = history, callback
+        self._began, self._queries_before = time.perf_counter(), history.queries
+        self._mismatch: float | None = None
+
+    def tell(self, phase: Phase, trial: Trial, request: TrialRequest | None) -> None:
+        """Tell of a finished run.
+
+        Parameters
+        ----------
+        phase : str
+            What it was for.
+        trial : Trial
+            The run.
+        request : TrialRequest or None
+            The newest query; its mismatch and note are passed on.
+        """
+        if self._callback is None:
+            return
+        if request is not None and request.mismatch is not None:
+            self._mismatch = request.mismatch
+        history, best = self._history, self._history.best
+        asked = phase == "query" and request is not None
+        self._callback(
+            Progress(
+                phase=phase,
+                iteration=history.queries,
+                iterations=history.study.budget.most_queries,
+                is1_runs=len(history.of("IS1")),
+                trial=trial.number,
+                source=trial.source,
+                gains=trial.gains,
+                objective=trial.objective,
+                status=trial.status,
+                best_objective=best.objective if best else None,
+                best_gains=best.gains if best else None,
+                mismatch=self._mismatch,
+                cost=history.cost,
+                seconds=time.perf_counter() - self._began,
+                seconds_left=self._seconds_left(),
+                note=request.note if asked and request is not None else "",
+            )
+        )
+
+    def _seconds_left(self) -> float | None:
+        """[s] Expected from the mean time of a query; whichever budget ends first counts."""
+        history = self._history
+        budget, done = history.study.budget, history.queries - self._queries_before
+        if done <= 0:
+            return None
+        mean = (time.perf_counter() - self._began) / done
+        left = budget.most_queries - history.queries
+        if budget.is1_runs is not None:
+            # Real runs may be spaced by twin queries, so this is a lower bound.
+            left = min(left, budget.is1_runs - len(history.of("IS1")))
+        return mean * max(left, 0)

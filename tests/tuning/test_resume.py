@@ -1,0 +1,55 @@
+"""A study killed at random moments proposes what an uninterrupted one proposes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from analytic_axis import write_study
+
+PROGRAM = Path(__file__).with_name("killed_study.py")
+
+
+def run_until(study_file: Path, trials: int, delay: float) -> bool:
+    """Start the program, kill it `delay` [s] after so many runs; True when it ended before."""
+    with subprocess.Popen(
+        [sys.executable, str(PROGRAM), str(study_file)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        for seen, _ in enumerate(process.stdout, start=1):
+            if seen == trials:
+                break
+        try:
+            status = process.wait(timeout=delay)
+        except subprocess.TimeoutExpired:
+            process.kill()  # SIGKILL: nothing of ours runs any more
+            return False
+    assert status == 0
+    return True
+
+
+@pytest.mark.parametrize("method", ["random", "gmfbo"])
+def test_killed_and_resumed_equals_uninterrupted(tmp_path: Path, method: str) -> None:
+    budget = "iterations = 4"
+    whole = write_study(tmp_path / "whole", method=method, seed=2, budget=budget)
+    assert run_until(whole.origin / "axis.toml", 10_000, 60.0)
+    killed = write_study(tmp_path / "killed", method=method, seed=2, budget=budget)
+    rng = np.random.default_rng(4)
+    starts = 1
+    while not run_until(
+        killed.origin / "axis.toml", int(rng.integers(1, 14)), float(rng.uniform(0.0, 0.3))
+    ):
+        starts += 1
+        assert starts < 40
+    assert starts > 2
+
+    def runs(study_trials: tuple[object, ...]) -> list[tuple[object, ...]]:
+        return [
+            (t.number, t.source, dict(t.gains), t.objective, t.parent, t.accepted)  # type: ignore[attr-defined]
+            for t in study_trials
+        ]
+
+    assert runs(killed.trials) == runs(whole.trials)
