@@ -50,6 +50,8 @@ class Trial:
         IS3: whether the draw was used.
     uncorrected, std : mapping of str to ndarray, shape (n,)
         IS3: each corrected signal before correction, and its posterior standard deviation.
+    versions : mapping of str to str
+        Version of each package that decides the result; the store fills it in when empty.
     """
 
     number: int
@@ -68,3 +70,4 @@ class Trial:
     accepted: bool | None = None
     uncorrected: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     std: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)

@@ -1,0 +1,109 @@
+"""What happened in a study, one line an event, each with a checksum.
+
+A line is JSON with the keys `event`, `time` (UTC), the event's own fields and, last, `crc32`:
+the CRC-32, eight hex digits, of the line without that key. A line that a killed process left
+unfinished fails its checksum; it is passed over and reported, the others stand.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gmfbo.recordings.durable import write_fully
+
+_SEPARATOR = ', "crc32": "'
+
+
+@dataclass(frozen=True)
+class EventLines:
+    """Events of a file, and the numbers of the lines (from 1) that are damaged."""
+
+    events: list[dict[str, Any]]
+    damaged: list[int]
+
+
+def event_line(event: str, fields: Mapping[str, Any]) -> str:
+    """One line of the file, without its end."""
+    now = datetime.now(UTC).isoformat(timespec="milliseconds")
+    body = json.dumps({"event": event, "time": now, **fields}, default=_plain)
+    return f'{body[:-1]}{_SEPARATOR}{zlib.crc32(body.encode()):08x}"}}'
+
+
+def parse_event_line(line: str) -> dict[str, Any] | None:
+    """Event of one line; None where the line is damaged."""
+    head, separator, tail = line.rpartition(_SEPARATOR)
+    body = head + "}"
+    if not separator or tail != f'{zlib.crc32(body.encode()):08x}"}}':
+        return None
+    parsed: dict[str, Any] = json.loads(body)
+    return parsed
+
+
+def read_events(content: bytes) -> EventLines:
+    """Read all lines, a torn last one included."""
+    events, damaged = [], []
+    # Only the newline that ends an event ends a line: texts in JSON hold none.
+    lines = content.decode("utf-8", errors="replace").split("\n")
+    for number, line in enumerate(lines, start=1):
+        if not line:
+            continue
+        event = parse_event_line(line)
+        if event is None:
+            damaged.append(number)
+        else:
+            events.append(event)
+    return EventLines(events, damaged)
+
+
+def append_event(path: Path, line: str) -> None:
+    """Append one line and sync it to the disk.
+
+    Raises
+    ------
+    OSError
+        It could not be written whole; the file is as it was.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+    try:
+        size = os.fstat(descriptor).st_size
+        torn = size > 0 and _last_byte(descriptor, size) != b"\n"
+        try:
+            write_fully(descriptor, (("\n" if torn else "") + line + "\n").encode())
+            os.fsync(descriptor)
+        except OSError:
+            # A full disk may have taken half a line.
+            with contextlib.suppress(OSError):
+                os.ftruncate(descriptor, size)
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def _last_byte(descriptor: int, size: int) -> bytes:
+    os.lseek(descriptor, size - 1, os.SEEK_SET)
+    return os.read(descriptor, 1)
+
+
+def _plain(value: Any) -> Any:
+    """Let JSON take NumPy values, paths and sets."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, (set, frozenset)):
+        return sorted(value)
+    if isinstance(value, Path):
+        return value.as_posix()
+    raise TypeError(f"an event cannot hold a {type(value).__name__}")

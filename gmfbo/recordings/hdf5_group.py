@@ -1,0 +1,169 @@
+"""A recording as an HDF5 group, and an HDF5 file as bytes in memory."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.recording import Recording, Trajectory
+
+LAYOUT = 1  # version of the layout below, attribute `layout`
+
+_names_in_memory = itertools.count()
+
+
+def file_image(fill: Callable[[Any], None]) -> bytes:
+    """Build an HDF5 file in memory and return its bytes.
+
+    HDF5 itself never touches the disk: on a full one it would bring the interpreter down.
+
+    Parameters
+    ----------
+    fill : callable
+        Gets the open `h5py.File`, which is its root group too.
+    """
+    name = f"in memory {next(_names_in_memory)}"
+    with h5py.File(name, "w", driver="core", backing_store=False) as file:
+        fill(file)
+        file.flush()
+        return bytes(file.id.get_file_image())
+
+
+def write_recording_group(group: Any, recording: Recording) -> None:
+    """Write one dataset a column, and what else a recording holds as attributes.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Empty group; the root of a trial file.
+    recording : Recording
+        Signals and parameter schedules become datasets with the attributes `kind` and `unit`.
+
+    Raises
+    ------
+    RecordingError
+        Two columns have one name, or HDF5 cannot hold a name.
+    """
+    attributes = group.attrs
+    attributes["layout"] = LAYOUT
+    for key in ("name", "start_time", "written_by"):
+        attributes[key] = getattr(recording, key)
+    if recording.use is not None:
+        attributes["use"] = np.array(recording.use)
+    # HDF5 lists datasets by name; the order of the columns is worth keeping.
+    attributes["signals"] = _texts(recording.signals)
+    attributes["schedules"] = _texts(recording.schedules)
+    write_values(group, "parameter", recording.parameters)
+    if isinstance(recording, Trajectory):
+        attributes["trajectory.status"] = recording.status
+        attributes["trajectory.message"] = recording.message
+        attributes["trajectory.seconds"] = recording.seconds
+        if recording.stopped_at is not None:
+            attributes["trajectory.stopped_at"] = recording.stopped_at
+    write_column(group, "time", recording.time, "time", "s")
+    for name, values in recording.signals.items():
+        write_column(group, name, values, "signal", recording.units.get(name))
+    for name, values in recording.schedules.items():
+        write_column(group, name, values, "schedule", recording.units.get(name))
+
+
+def write_column(
+    group: Any, name: str, values: NDArray[np.float64], kind: str, unit: str | None
+) -> None:
+    """Write one dataset, shape (n,), with the attributes `kind` and, where known, `unit`."""
+    try:
+        dataset = group.create_dataset(name, data=np.asarray(values, dtype=np.float64))
+    except (ValueError, OSError, RuntimeError, TypeError) as error:
+        why = "there are two columns of this name" if name in group else "HDF5 refuses the name"
+        raise RecordingError(
+            f"column '{name}': cannot be stored in HDF5, {why}; rename it"
+        ) from error
+    dataset.attrs["kind"] = kind
+    if unit is not None:
+        dataset.attrs["unit"] = unit
+
+
+def read_recording_group(group: Any, attributes: Mapping[str, Any]) -> Recording:
+    """Read what `write_recording_group` wrote.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        As it was written.
+    attributes : mapping
+        Its attributes; `dict(group.attrs)` reads each once, which is most of the time it takes.
+
+    Returns
+    -------
+    Recording
+        A Trajectory where a simulated one was written.
+    """
+    units: dict[str, str] = {}
+
+    def columns(key: str) -> dict[str, NDArray[np.float64]]:
+        found = {}
+        for name in map(str, attributes[key]):
+            dataset = group[name]
+            found[name] = dataset[()]
+            unit = dataset.attrs.get("unit")
+            if unit is not None:
+                units[name] = str(unit)
+        return found
+
+    use = attributes.get("use")
+    content: dict[str, Any] = {
+        "time": group["time"][()],
+        "signals": columns("signals"),
+        "schedules": columns("schedules"),
+        "units": units,
+        "parameters": with_prefix(attributes, "parameter"),
+        "use": None if use is None else (float(use[0]), float(use[1])),
+        **{key: str(attributes[key]) for key in ("name", "start_time", "written_by")},
+    }
+    if "trajectory.status" not in attributes:
+        return Recording(**content)
+    stopped_at = attributes.get("trajectory.stopped_at")
+    return Trajectory(
+        **content,
+        status=str(attributes["trajectory.status"]),  # type: ignore[arg-type]
+        message=str(attributes["trajectory.message"]),
+        stopped_at=None if stopped_at is None else float(stopped_at),
+        seconds=float(attributes["trajectory.seconds"]),
+    )
+
+
+def is_recording_group(group: Any) -> bool:
+    """Whether this group has the layout of `write_recording_group`."""
+    return "layout" in group.attrs and "signals" in group.attrs
+
+
+def write_values(group: Any, prefix: str, values: Mapping[str, float]) -> None:
+    """Write each value as the attribute `<prefix>.<name>`."""
+    for name, value in values.items():
+        group.attrs[f"{prefix}.{name}"] = float(value)
+
+
+def with_prefix(attributes: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+    """Attributes `<prefix>.<name>` by name; numbers as floats."""
+    start = f"{prefix}."
+    return {
+        name.removeprefix(start): value if isinstance(value, str) else float(value)
+        for name, value in attributes.items()
+        if name.startswith(start)
+    }
+
+
+def write_texts(group: Any, name: str, texts: Mapping[str, Any] | list[str]) -> None:
+    """Write a list of texts as one attribute."""
+    group.attrs[name] = _texts(texts)
+
+
+def _texts(texts: Mapping[str, Any] | list[str]) -> NDArray[Any]:
+    array: NDArray[Any] = np.array(list(texts), dtype=h5py.string_dtype())
+    return array

@@ -1,0 +1,131 @@
+"""One trial as an HDF5 file or group: datasets under `/`, provenance as attributes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from gmfbo.errors import StoreError
+from gmfbo.recordings.hdf5_group import (
+    file_image,
+    is_recording_group,
+    read_recording_group,
+    with_prefix,
+    write_column,
+    write_recording_group,
+    write_texts,
+    write_values,
+)
+from gmfbo.recordings.trial import Trial
+
+_OPTIONAL = ("parent", "sigma_c", "accepted")
+
+
+@cache
+def software_versions() -> Mapping[str, str]:
+    """Versions that decide a result, by package; only what is installed."""
+    found = {"python": sys.version.split()[0]}
+    for package in ("gmfbo", "numpy", "scipy", "h5py", "fmpy", "torch", "gpytorch", "botorch"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def trial_image(trial: Trial) -> bytes:
+    """Bytes of the HDF5 file of one trial."""
+    return file_image(lambda root: write_trial_group(root, trial))
+
+
+def write_trial_group(group: Any, trial: Trial) -> None:
+    """Write a trial into an empty group: the root of its file.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Empty.
+    trial : Trial
+        Its `gains` become two attributes, `gains` and `gain_names`, in one order; each metric
+        one attribute `metric.<name>`; each version one attribute `version.<package>`.
+
+    Raises
+    ------
+    RecordingError
+        Two columns have one name, or HDF5 cannot hold a name.
+    """
+    write_recording_group(group, trial.recording)
+    attributes = group.attrs
+    for key in ("number", "source", "objective", "status", "started", "seconds", "seed", "twin"):
+        attributes[key] = getattr(trial, key)
+    for key in _OPTIONAL:
+        if getattr(trial, key) is not None:
+            attributes[key] = getattr(trial, key)
+    attributes["gains"] = np.array(list(trial.gains.values()), dtype=np.float64)
+    write_texts(group, "gain_names", list(trial.gains))
+    write_values(group, "metric", trial.metrics)
+    for package, number in (trial.versions or software_versions()).items():
+        attributes[f"version.{package}"] = number
+    units = trial.recording.units
+    write_texts(group, "uncorrected", list(trial.uncorrected))
+    for name, values in trial.uncorrected.items():
+        write_column(group, f"{name}_uncorrected", values, "uncorrected", units.get(name))
+    write_texts(group, "std", list(trial.std))
+    for name, values in trial.std.items():
+        write_column(group, f"{name}_std", values, "std", units.get(name))
+
+
+def read_trial_group(group: Any) -> Trial:
+    """Read what `write_trial_group` wrote."""
+    attributes = dict(group.attrs)
+    names = [str(name) for name in attributes["gain_names"]]
+    parent, sigma_c, accepted = (attributes.get(key) for key in _OPTIONAL)
+    return Trial(
+        number=int(attributes["number"]),
+        source=str(attributes["source"]),  # type: ignore[arg-type]
+        gains=dict(zip(names, map(float, attributes["gains"]), strict=True)),
+        recording=read_recording_group(group, attributes),
+        objective=float(attributes["objective"]),
+        metrics=with_prefix(attributes, "metric"),
+        status=str(attributes["status"]),
+        started=str(attributes["started"]),
+        seconds=float(attributes["seconds"]),
+        seed=int(attributes["seed"]),
+        twin=str(attributes["twin"]),
+        parent=None if parent is None else int(parent),
+        sigma_c=None if sigma_c is None else float(sigma_c),
+        accepted=None if accepted is None else bool(accepted),
+        uncorrected={str(n): group[f"{n}_uncorrected"][()] for n in attributes["uncorrected"]},
+        std={str(n): group[f"{n}_std"][()] for n in attributes["std"]},
+        versions=with_prefix(attributes, "version"),
+    )
+
+
+def is_trial_group(group: Any) -> bool:
+    """Whether this group has the layout of `write_trial_group`."""
+    return is_recording_group(group) and "gain_names" in group.attrs
+
+
+def read_trial_file(path: Path) -> Trial:
+    """Read one trial file; it takes no lock, as such a file is never written twice.
+
+    Raises
+    ------
+    StoreError
+        The file is damaged, or is not a trial.
+    """
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return read_trial_group(file)
+    except (OSError, KeyError, ValueError) as error:
+        raise StoreError(
+            f"{path}: expected a whole trial file, but it is damaged ({error}); move it out of "
+            "the folder to read the others"
+        ) from error
