@@ -8,7 +8,13 @@ from xml.etree import ElementTree as ET
 from fmu_build.declaration import Declaration, Variable
 from fmu_build.units import BASE_UNITS, parse_unit
 
-LOG_CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
+LOG_CATEGORIES = (
+    "logEvents",
+    "logStatusWarning",
+    "logStatusDiscard",
+    "logStatusError",
+    "logStatusFatal",
+)
 _CAPABILITIES = {
     "canHandleVariableCommunicationStepSize": "true",
     "canBeInstantiatedOnlyOncePerProcess": "false",

@@ -144,7 +144,6 @@ FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
         return report(instance, fmi2Error, "a step from %.15g s was asked for, but the model stands at %.15g s", t,
                       progress->time);
     status = status_of(instance, model_step(instance->model, t, h));
-    progress->discarded = status == fmi2Discard;
     if (status >= fmi2Error) progress->phase = PHASE_FAILED;
     if (status <= fmi2Warning) progress->time = t + h;
     return status;

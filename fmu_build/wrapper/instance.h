@@ -17,7 +17,6 @@ typedef enum {
 typedef struct {
     int phase;
     int outputs_stale; /* initialising: a value was set since the outputs were computed */
-    int discarded;
     double time; /* [s] current communication point */
 } Progress;
 
@@ -39,7 +38,8 @@ void restore_start(Instance *instance);
 /* Computes states and outputs from the parameters and inputs in v[]. */
 fmi2Status initialise_model(Instance *instance);
 
-/* Hands one printf-formatted line to the environment and returns `status`. */
+/* Hands one printf-formatted line to the environment and returns `status`; fmi2OK is an event, told
+ * only while debug logging is on. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif

@@ -56,6 +56,8 @@ static fmi2Status store(Instance *instance, fmi2ValueReference reference, double
         return fmi2OK;
     fmi2Status status = status_of(instance, model_parameter_changed(instance->model, (int)reference));
     if (status >= fmi2Discard) v[reference] = before;
+    report(instance, fmi2OK, "'%s' = %.15g from %.15g s on", model_variables[reference].name, v[reference],
+           instance->progress.time);
     return status;
 }
 
