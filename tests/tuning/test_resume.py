@@ -31,9 +31,11 @@ def run_until(study_file: Path, trials: int, delay: float) -> bool:
     return True
 
 
-@pytest.mark.parametrize(("method", "most_runs"), [("random", 5), ("gmfbo", 11)])
+@pytest.mark.parametrize(
+    ("method", "most_runs", "latest"), [("random", 4, 0.02), ("gmfbo", 11, 0.3)]
+)
 def test_killed_and_resumed_equals_uninterrupted(
-    tmp_path: Path, method: str, most_runs: int
+    tmp_path: Path, method: str, most_runs: int, latest: float
 ) -> None:
     budget = "iterations = 3"
     whole = write_study(tmp_path / "whole", method=method, seed=2, budget=budget)
@@ -42,7 +44,9 @@ def test_killed_and_resumed_equals_uninterrupted(
     rng = np.random.default_rng(4)
     starts = 1
     while not run_until(
-        killed.origin / "axis.toml", int(rng.integers(1, most_runs)), float(rng.uniform(0.0, 0.3))
+        killed.origin / "axis.toml",
+        int(rng.integers(1, most_runs)),
+        float(rng.uniform(0.0, latest)),
     ):
         starts += 1
         assert starts < 40
