@@ -51,7 +51,7 @@ def step_reference(
     values = np.zeros(rows)
     values[round(at / sample_time) :] = step_size
     return Recording(
-        time=np.arange(rows) * sample_time,
+        time=np.arange(rows, dtype=np.float64) * sample_time,
         signals={signal: values},
         units={signal: unit},
         name=f"step of {step_size:g} {unit}",

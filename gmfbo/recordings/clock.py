@@ -1,0 +1,87 @@
+"""Is this time column a clock that a simulation can follow?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+
+JITTER = 0.1  # largest deviation of a step from the mean step, as a share of it
+
+
+def check_clock(
+    label: str,
+    time: NDArray[np.float64],
+    sampled: Sequence[NDArray[np.bool_]],
+    row_name: Callable[[int], str],
+) -> None:
+    """Refuse a clock that stands still, goes back, has gaps or jitters.
+
+    Steps may differ by 10 % from their mean. Where signals have different rates, the rows are
+    the instants of all of them together, and each signal's own instants are judged.
+
+    Parameters
+    ----------
+    label : str
+        File name.
+    time : ndarray, shape (n,)
+        [s]
+    sampled : sequence of ndarray, shape (n,)
+        Rows at which each signal has a value.
+    row_name : callable
+        Place of row k (from 0) in the file.
+
+    Raises
+    ------
+    RecordingError
+        Names the first bad row and its time; for jitter the worst one.
+    """
+    for row in np.flatnonzero(~np.isfinite(time))[:1]:
+        raise RecordingError(
+            f"{label}, {row_name(row)}: expected a finite time, got a blank cell or NaN; "
+            "complete or delete the row"
+        )
+    steps = np.diff(time)
+    for row in np.flatnonzero(steps <= 0.0)[:1] + 1:
+        was, now = time[row - 1], time[row]
+        if now == was:
+            raise RecordingError(
+                f"{label}, {row_name(row)}: time {now:.9g} s stands twice; put what was sampled "
+                "at one instant into one row, and log time with enough digits"
+            )
+        raise RecordingError(
+            f"{label}, {row_name(row)}: time goes back from {was:.9g} s to {now:.9g} s; "
+            "expected rows in the order of time, cut the recording there"
+        )
+    row = _worst_step(time)
+    if row is None or _each_on_its_own_clock(time, sampled):
+        return
+    step, mean = time[row] - time[row - 1], float(np.mean(steps))
+    what = "there is a gap of" if step > 1.5 * float(np.median(steps)) else "a step takes"
+    raise RecordingError(
+        f"{label}, {row_name(row)}, at {time[row]:.9g} s: {what} {step:.6g} s, expected steps "
+        f"within {100 * JITTER:.0f} % of their mean {mean:.6g} s; cut the recording there or "
+        "resample it"
+    )
+
+
+def _worst_step(time: NDArray[np.float64]) -> int | None:
+    """Row after the step that differs most from the mean; None where all are near enough."""
+    if time.size < 3:
+        return None
+    steps = np.diff(time)
+    deviation = np.abs(steps - steps.mean())
+    worst = int(np.argmax(deviation))
+    # The tolerance is for round-off in a clock with a large offset, such as seconds since 1970.
+    slack = 4.0 * np.spacing(np.max(np.abs(time)))
+    return worst + 1 if deviation[worst] > JITTER * steps.mean() + slack else None
+
+
+def _each_on_its_own_clock(time: NDArray[np.float64], sampled: Sequence[NDArray[np.bool_]]) -> bool:
+    masks = [mask for mask in sampled if mask.any()]
+    if not masks or any(mask.all() for mask in masks):
+        return False
+    return all(_worst_step(time[mask]) is None for mask in masks)

@@ -1,0 +1,197 @@
+"""Recordings as CSV: our own format, and what loggers and spreadsheets write.
+
+Understood: `# name = value` lines, units in the header's brackets or in a row of their own,
+`,`, `;` or tab between cells, decimal comma, quoted names, a byte-order mark, any line ends.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns import Column, RecordedColumns
+from gmfbo.recordings.csv_head import head_lines, read_head
+from gmfbo.recordings.csv_header import header_cell, read_header, read_units_row
+from gmfbo.recordings.recording import Recording
+
+_BLANK = {"", "nan", "NaN", "NAN"}
+_QUOTED = re.compile(r'"[^"]*"')
+
+
+def csv_text(recording: Recording, version: str) -> str:
+    """Our own CSV: numbers in full, so that reading gives the same bits; blank is not sampled.
+
+    Parameters
+    ----------
+    recording : Recording
+        What to write.
+    version : str
+        Version of gmfbo, for the first line.
+
+    Raises
+    ------
+    RecordingError
+        A name cannot be written so that it is read back.
+    """
+    columns = {**recording.signals, **recording.schedules}
+    if len(columns) < len(recording.signals) + len(recording.schedules) or "time" in columns:
+        raise RecordingError("expected a name for one column only, and none called 'time'; rename")
+    header = [header_cell("time", "s")]
+    header += [header_cell(name, recording.units.get(name, "")) for name in columns]
+    texts = [_cells(values) for values in (recording.time, *columns.values())]
+    rows = [",".join(row) for row in zip(*texts, strict=True)]
+    return "\n".join([*head_lines(recording, version), ",".join(header), *rows, ""])
+
+
+def _cells(values: NDArray[np.float64]) -> list[str]:
+    return ["" if value != value else repr(value) for value in values.tolist()]
+
+
+def read_csv(path: Path) -> RecordedColumns:
+    """Read the columns of a CSV file.
+
+    Raises
+    ------
+    RecordingError
+        There is no table, or a row does not fit the header; names the line.
+    OSError
+        The file cannot be read.
+    """
+    label = path.name
+    lines = re.split(r"\r\n|\n|\r", _text(path.read_bytes(), label))
+    head = read_head([line for line in lines if line.lstrip().startswith("#")], label)
+    places = [
+        number
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not places:
+        raise RecordingError(
+            f"{label}: expected a header such as 'time [s],position [rad]' and rows, got an empty "
+            "file; record again"
+        )
+    delimiter = _delimiter(lines[places[0] - 1])
+    table = list(csv.reader((lines[place - 1] for place in places), delimiter=delimiter))
+    if len(table) != len(places):
+        raise RecordingError(f"{label}: a quotation mark is not closed; correct the file")
+    header, rows = table[0], table[1:]
+    if (
+        len(header) > 1
+        and not header[-1].strip()
+        and not any("".join(r[len(header) - 1 :]).strip() for r in rows)
+    ):
+        header = header[:-1]  # a delimiter ends each line
+    names, units = read_header(header, label)
+    places = places[1:]
+    below = read_units_row(rows[0]) if rows else None
+    if below is not None:
+        units = [unit or other for unit, other in zip(units, below, strict=False)]
+        rows, places = rows[1:], places[1:]
+    table_rows = _Rows(label, rows, places, delimiter)
+    table_rows.check_width(len(names))
+    return RecordedColumns(
+        label=label,
+        columns=tuple(
+            table_rows.column(index, name, unit, infinite=head.notes.own)
+            for index, (name, unit) in enumerate(zip(names, units, strict=True))
+        ),
+        scalars=head.parameters,
+        declared=True,
+        unreadable=head.unreadable,
+        notes=head.notes,
+        row_name=lambda row: f"line {places[row]}",
+    )
+
+
+class _Rows:
+    """Cells below the header, with the lines on which they stand."""
+
+    def __init__(
+        self, label: str, rows: list[list[str]], places: list[int], delimiter: str
+    ) -> None:
+        self.label = label
+        self.delimiter = delimiter
+        # A row of delimiters alone is what a spreadsheet makes of an empty line.
+        keep = [k for k, row in enumerate(rows) if any(cell.strip() for cell in row)]
+        self.rows = [rows[k] for k in keep]
+        places[:] = [places[k] for k in keep]
+        self.places = places
+
+    def check_width(self, width: int) -> None:
+        for row, place in zip(self.rows, self.places, strict=True):
+            if len(row) < width or any(cell.strip() for cell in row[width:]):
+                hint = (
+                    "a decimal comma needs ';' between the cells"
+                    if self.delimiter == "," and len(row) > width
+                    else "complete or delete the line"
+                )
+                raise RecordingError(
+                    f"{self.label}, line {place}: expected {width} cells as in the header, got "
+                    f"{len(row)}; {hint}"
+                )
+
+    def column(self, index: int, name: str, unit: str, *, infinite: bool) -> Column:
+        """Numbers of one column; `infinite` lets infinity pass, as a diverged run may hold it."""
+        cells = [row[index].strip() for row in self.rows]
+        texts = ["nan" if cell in _BLANK else cell for cell in cells]
+        if self.delimiter != "," and any("," in text for text in texts):
+            if any("." in text for text in texts):
+                texts = [text if "," not in text else f"{text} " for text in texts]
+            else:
+                texts = [text.replace(",", ".") for text in texts]
+        try:
+            values = np.array(texts, dtype=np.float64) if texts else np.empty(0)
+            # NumPy reads 1_000 as a thousand and 1e999 as infinity.
+            sound = infinite or not np.isinf(values).any()
+            if sound and not any("_" in text for text in texts):
+                return Column(name, values, unit)
+        except ValueError:
+            pass
+        return self._faulty(name, unit, cells, texts)
+
+    def _faulty(self, name: str, unit: str, cells: list[str], texts: list[str]) -> Column:
+        values = np.full(len(cells), np.nan)
+        fault = ""
+        for row, text in enumerate(texts):
+            number = _number(text)
+            if number is not None:
+                values[row] = number
+            elif not fault:
+                fault = (
+                    f"{self.label}, line {self.places[row]}, column '{name}': expected a number, "
+                    f"got '{cells[row]}'; correct the cell, or leave it blank if not sampled"
+                )
+        return Column(name, values, unit, fault)
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return None if "_" in text or np.isinf(value) else value
+
+
+def _delimiter(header: str) -> str:
+    bare = _QUOTED.sub("", header)
+    return next((mark for mark in (";", "\t", ",") if mark in bare), ",")
+
+
+def _text(content: bytes, label: str) -> str:
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    if b"\0" in content:
+        raise RecordingError(
+            f"{label}: expected text, got a binary file; export the recording as CSV, or give "
+            "the file its right ending"
+        )
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")  # what Windows loggers write

@@ -1,0 +1,138 @@
+"""The `# name = value` lines at the top of a CSV recording.
+
+Names of our own: `gmfbo` (version that wrote the file), `use`, `start_time` and those that begin
+with `gmfbo.`; any other number is an FMU parameter in force.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns import FileNotes
+from gmfbo.recordings.recording import Recording, Trajectory
+
+RESERVED = ("gmfbo", "use", "start_time")
+OWN = "gmfbo."
+
+
+@dataclass(frozen=True)
+class CsvHead:
+    """What stands above the header.
+
+    Attributes
+    ----------
+    parameters : dict of str to float
+        FMU parameters in force.
+    unreadable : dict of str to str
+        Messages about values that are no numbers, by name.
+    notes : FileNotes
+        What the file says about itself.
+    """
+
+    parameters: dict[str, float] = field(default_factory=dict)
+    unreadable: dict[str, str] = field(default_factory=dict)
+    notes: FileNotes = field(default_factory=FileNotes)
+
+
+def head_lines(recording: Recording, version: str) -> list[str]:
+    """Lines to write above the header, without line ends.
+
+    Raises
+    ------
+    RecordingError
+        A parameter's name cannot stand in such a line.
+    """
+    lines = [f"# gmfbo = {version}"]
+    if not is_ours(recording):
+        lines.append(f"# {OWN}logger = {json.dumps('other')}")
+    if recording.use is not None:
+        lines.append(f"# use = {recording.use[0]!r}:{recording.use[1]!r}")
+    if recording.start_time:
+        lines.append(f"# start_time = {recording.start_time}")
+    if isinstance(recording, Trajectory):
+        for key in ("status", "message", "stopped_at", "seconds"):
+            lines.append(f"# {OWN}{key} = {json.dumps(getattr(recording, key))}")
+    lines += [f"# {OWN}schedule = {name}" for name in recording.schedules]
+    for name, value in recording.parameters.items():
+        if name in RESERVED or name.startswith(OWN) or name != name.strip() or "\n" in name:
+            raise RecordingError(
+                f"parameter '{name}' cannot be written into a CSV file, where this name has "
+                "another meaning; write .h5 instead"
+            )
+        lines.append(f"# {name} = {float(value)!r}")
+    return lines
+
+
+def is_ours(recording: Recording) -> bool:
+    """Whether gmfbo made these signals, so that they follow its convention of time.
+
+    A recording of another logger does not become one of ours by being written again.
+    """
+    return isinstance(recording, Trajectory) or bool(recording.written_by)
+
+
+def read_head(lines: Sequence[str], label: str) -> CsvHead:
+    """Understand the `#` lines; those without `=` are remarks.
+
+    Raises
+    ------
+    RecordingError
+        `use` is not two times.
+    """
+    parameters: dict[str, float] = {}
+    unreadable: dict[str, str] = {}
+    own: dict[str, Any] = {}
+    schedules = []
+    for line in lines:
+        text = line.lstrip().lstrip("#").strip()
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            continue
+        if key in RESERVED:
+            own[key] = value
+        elif key == f"{OWN}schedule":
+            schedules.append(value)
+        elif key.startswith(OWN):
+            own[key] = json.loads(value)
+        else:
+            # A quoted FMI name may itself hold an equals sign; a number cannot.
+            name, _, value = (part.strip() for part in text.rpartition("="))
+            try:
+                parameters[name] = float(_decimal_point(value))
+            except ValueError:
+                unreadable[name] = (
+                    f"{label}: '# {name} = {value}': expected a number for this FMU parameter; "
+                    "correct the line"
+                )
+    copied = own.pop(f"{OWN}logger", None) is not None
+    run = {key.removeprefix(OWN): value for key, value in own.items() if key.startswith(OWN)}
+    notes = FileNotes(
+        use=_use(own["use"], label) if "use" in own else None,
+        start_time=own.get("start_time", ""),
+        written_by="" if copied else own.get("gmfbo", ""),
+        own="gmfbo" in own,
+        schedules=frozenset(schedules),
+        run=run or None,
+    )
+    return CsvHead(parameters, unreadable, notes)
+
+
+def _use(text: str, label: str) -> tuple[float, float]:
+    first, colon, last = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return float(_decimal_point(first)), float(_decimal_point(last))
+    except ValueError:
+        raise RecordingError(
+            f"{label}: '# use = {text}': expected first and last time in seconds, such as "
+            "'# use = 0.20:3.40'; correct the line"
+        ) from None
+
+
+def _decimal_point(text: str) -> str:
+    return text.strip().replace(",", ".") if text.count(",") == 1 else text.strip()

@@ -1,0 +1,106 @@
+"""Recordings as HDF5: a trial or trajectory of ours, or plain datasets of equal length."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns import Column, FileNotes, RecordedColumns
+from gmfbo.recordings.equal_length import columns_of_equal_length
+from gmfbo.recordings.hdf5_group import is_recording_group, read_recording_group
+from gmfbo.recordings.recording import Recording, Trajectory
+
+
+def read_hdf5(path: Path) -> RecordedColumns:
+    """Read the columns of an HDF5 file.
+
+    Plain files hold datasets of equal length, in groups if need be (`group/name`), with an
+    attribute `unit` or `units`; single values and numeric attributes of the root are scalars.
+
+    Raises
+    ------
+    RecordingError
+        The file is no HDF5 file, is a whole study, or holds no clock.
+    OSError
+        The file cannot be read.
+    """
+    if not h5py.is_hdf5(path):
+        with path.open("rb"):  # a missing right to read is said as such
+            pass
+        raise RecordingError(
+            f"{path.name}: expected an HDF5 file, got something else or a part of one; write it "
+            "again, or give the file its right ending"
+        )
+    with h5py.File(path, "r", locking=False) as file:
+        if is_recording_group(file):
+            return _ours(path.name, file)
+        if "trials" in file and isinstance(file["trials"], h5py.Group):
+            raise RecordingError(
+                f"{path.name}: expected one recording, got a study of {len(file['trials'])} "
+                "trials; name the file of one trial, such as trials/000001.h5 of the study folder"
+            )
+        return _plain(path.name, file)
+
+
+def _ours(label: str, file: Any) -> RecordedColumns:
+    attributes = dict(file.attrs)
+    recording = read_recording_group(file, attributes)
+    gains = dict(
+        zip(map(str, attributes.get("gain_names", ())), attributes.get("gains", ()), strict=True)
+    )
+    written_by = recording.written_by
+    if isinstance(recording, Trajectory):  # a trial file says it among its versions
+        written_by = written_by or str(attributes.get("version.gmfbo", ""))
+    parameters = {**recording.parameters, **gains}
+    return columns_of_recording(
+        replace(recording, parameters=parameters, written_by=written_by), label
+    )
+
+
+def columns_of_recording(recording: Recording, label: str) -> RecordedColumns:
+    """Take a recording of ours apart again, so that a twin can give it a meaning."""
+    run = None
+    if isinstance(recording, Trajectory):
+        run = {
+            key: getattr(recording, key) for key in ("status", "message", "stopped_at", "seconds")
+        }
+    named = {**recording.signals, **recording.schedules}
+    columns = [Column("time", recording.time, "s")]
+    columns += [Column(n, values, recording.units.get(n, "")) for n, values in named.items()]
+    return RecordedColumns(
+        label=label,
+        columns=tuple(columns),
+        scalars=dict(recording.parameters),
+        declared=True,
+        notes=FileNotes(
+            use=recording.use,
+            start_time=recording.start_time,
+            written_by=recording.written_by,
+            own=True,
+            schedules=frozenset(recording.schedules),
+            run=run,
+        ),
+    )
+
+
+def _plain(label: str, file: Any) -> RecordedColumns:
+    arrays: dict[str, Any] = {}
+    units: dict[str, str] = {}
+
+    def visit(name: str, item: Any) -> None:
+        if not isinstance(item, h5py.Dataset) or item.shape is None:
+            return
+        arrays[name] = item[()]
+        unit = item.attrs.get("unit", item.attrs.get("units", ""))
+        units[name] = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+
+    file.visititems(visit)
+    for name, value in file.attrs.items():
+        if np.ndim(value) == 0 and np.asarray(value).dtype.kind in "biuf":
+            arrays.setdefault(name, value)
+    return columns_of_equal_length(label, arrays, units)
