@@ -45,7 +45,7 @@ class Gmfbo:
 
         data = observations_of(state, "IS1", "IS2", "IS3")
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        model = _model(data)
+        model = fit_surrogate(data)
         acquisition = CostAwareExpectedImprovement(
             model,
             {"IS1": float(data.values[data.of("IS1")].min())},
@@ -57,10 +57,11 @@ class Gmfbo:
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least posterior mean of the real axis over the box."""
-        return least_expected(_model(observations_of(state, "IS1", "IS2", "IS3")), state)
+        return least_expected(fit_surrogate(observations_of(state, "IS1", "IS2", "IS3")), state)
 
 
-def _model(data: Observations) -> SourceModel:
+def fit_surrogate(data: Observations) -> SourceModel:
+    """Fit the three-source surrogate to all observations."""
     from gmfbo.surrogate.model import SourceModel, SurrogateSettings
 
     settings = SurrogateSettings(

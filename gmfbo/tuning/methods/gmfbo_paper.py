@@ -37,7 +37,7 @@ class PrintedGmfbo:
         from gmfbo.correction.mismatch import query_cost
 
         data, mismatch = _data(state), _mismatch(state)
-        model = _model(data, mismatch)
+        model = fit_surrogate(data, mismatch)
         twin = data.values[data.of("IS2") | data.of("IS3")]
         acquisition = CostAwareExpectedImprovement(
             model,
@@ -50,7 +50,7 @@ class PrintedGmfbo:
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least posterior mean of the real axis over the box."""
-        return least_expected(_model(_data(state), _mismatch(state)), state)
+        return least_expected(fit_surrogate(_data(state), _mismatch(state)), state)
 
 
 def _data(state: TuningState) -> Observations:
@@ -72,7 +72,8 @@ def _mismatch(state: TuningState) -> float:
     return relative_mismatch(*corrected_and_twin(state, scaled=False))
 
 
-def _model(data: Observations, mismatch: float) -> SourceModel:
+def fit_surrogate(data: Observations, mismatch: float) -> SourceModel:
+    """Fit the printed surrogate, with l_g0 set by the mismatch."""
     from gmfbo.correction.mismatch import source_lengthscale
     from gmfbo.surrogate.model import SourceModel, SurrogateSettings
 

@@ -1,0 +1,130 @@
+"""Time of one step of gmfbo at 60 data points on one thread, simulation excluded.
+
+A twin step fits the surrogate and maximises the acquisition; a real step refits the correction
+and makes four corrected predictions before that. Limits: 0.5 s and 1.0 s. The data come from a
+study of the drive.
+
+    python tests/benchmarks/step_time.py
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from gmfbo import FmuTwin, Study, Tuner
+from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
+from gmfbo.acquisition.maximise import maximise
+from gmfbo.correction.trajectory_gp import CorrectionSettings, Pair, TrajectoryCorrection
+from gmfbo.sources.models import models_folder
+from gmfbo.surrogate.observations import Observations
+from gmfbo.tuning.methods.beliefs import search_of
+from gmfbo.tuning.methods.gmfbo import fit_surrogate
+from gmfbo.tuning.state import TuningState
+
+RESULT = Path(__file__).parent / "results" / "step_time.txt"
+POINTS = 60
+REPEATS = 5
+TWIN_LIMIT_S, REAL_LIMIT_S = 0.5, 1.0
+
+STUDY = """
+seed = 0
+method = "gmfbo"
+[is1]
+twin = {twin}
+[is2]
+twin = {twin}
+parameters = {{ "map.noise" = 0.5, "map.seed" = "seed" }}
+[budget]
+iterations = 100
+"""
+
+Made = TypeVar("Made")
+
+
+def study_of(folder: Path) -> tuple[TuningState, Pair]:
+    """Run a study until it holds enough observations; the last run of axis and twin."""
+    twin = models_folder() / "drive_twin.toml"
+    file = folder / "drive.toml"
+    file.write_text(STUDY.format(twin=json.dumps(twin.as_posix())), encoding="utf-8")
+    with Tuner(Study.read(file)) as tuner, FmuTwin(twin) as axis:
+        while len(tuner.history.observations()) < POINTS:
+            request = tuner.ask()
+            if request is None:
+                raise SystemExit(f"the budget ended before {POINTS} observations")
+            tuner.tell(request, axis.run(request.gains, tuner.experiment.reference))
+        history, signal = tuner.history, tuner.experiment.signal
+        beside = [trial for trial in history.of("IS2") if trial.parent is not None][-1]
+        real = next(trial for trial in history.of("IS1") if trial.number == beside.parent)
+        pair = Pair(
+            beside.recording.time, beside.recording.signal(signal), real.recording.signal(signal)
+        )
+        return TuningState(tuner.gains.space, history.observations()[:POINTS], {}), pair
+
+
+def timed(action: Callable[[], Made]) -> tuple[Made, float]:
+    """Result, and the median time [s] of some repeats."""
+    seconds = []
+    for _ in range(REPEATS):
+        began = time.perf_counter()
+        made = action()
+        seconds.append(time.perf_counter() - began)
+    return made, float(np.median(seconds))
+
+
+def main() -> int:
+    """Measure, print where the time goes, and keep it."""
+    with tempfile.TemporaryDirectory() as folder:
+        state, pair = study_of(Path(folder))
+    data = Observations.gather([(o.point, o.source, o.objective) for o in state.observations])
+    model, fit_s = timed(lambda: fit_surrogate(data))
+    best = float(data.values[data.of("IS1")].min())
+    acquisition = CostAwareExpectedImprovement(
+        model, {"IS1": best}, {"IS1": 1.0, "IS2": 0.3}, value="axis"
+    )
+    _, search_s = timed(lambda: maximise(acquisition, search_of(state), ["IS1", "IS2"], data))
+    correction, correction_s = timed(lambda: TrajectoryCorrection.fit([pair]))
+    _, corrected_s = timed(
+        lambda: [correction.correct(pair.time, pair.simulated) for _ in range(4)]
+    )
+    exact, exact_s = timed_once(
+        lambda: TrajectoryCorrection.fit([pair], CorrectionSettings(exact=True))
+    )
+    twin_s = fit_s + search_s
+    real_s = twin_s + correction_s + corrected_s
+    rows = [
+        (f"surrogate fit, {len(data)} points", fit_s),
+        ("acquisition, two sources", search_s),
+        (f"twin step (limit {TWIN_LIMIT_S} s)", twin_s),
+        (f"correction fit, {len(pair.time)} samples thinned", correction_s),
+        ("four corrected trajectories", corrected_s),
+        (f"real step (limit {REAL_LIMIT_S} s)", real_s),
+        ("for comparison: exact correction fit", exact_s),
+    ]
+    text = "\n".join(f"{label:<42}{seconds:8.3f} s" for label, seconds in rows)
+    text += (
+        f"\nheld-out error of the correction      {correction.held_out_error:.3e}"
+        f"\nerror of the exact fit, on its samples {exact.held_out_error:.3e}"
+        f"\nuncorrected                            {correction.uncorrected_error:.3e}\n"
+    )
+    RESULT.parent.mkdir(exist_ok=True)
+    RESULT.write_text(f"$ python tests/benchmarks/step_time.py\n{text}", encoding="utf-8")
+    print(text)
+    return 0 if twin_s <= TWIN_LIMIT_S and real_s <= REAL_LIMIT_S else 1
+
+
+def timed_once(action: Callable[[], Made]) -> tuple[Made, float]:
+    """Result and time [s] of one call that is too slow to repeat."""
+    began = time.perf_counter()
+    return action(), time.perf_counter() - began
+
+
+if __name__ == "__main__":
+    sys.exit(main())
