@@ -22,7 +22,7 @@ import torch
 from botorch.acquisition.acquisition import AcquisitionFunction
 from botorch.acquisition.analytic import PosteriorMean
 from botorch.exceptions.warnings import OptimizationWarning
-from botorch.optim.optimize import optimize_acqf
+from botorch.generation.gen import gen_candidates_scipy
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
@@ -211,18 +211,15 @@ def _polish(
     fixed: Mapping[int, float],
 ) -> NDArray[np.float64]:
     dimension = starts.shape[1]
-    bounds = torch.tensor([[0.0] * dimension + [column], [1.0] * dimension + [column]], dtype=DTYPE)
     initial = np.hstack([starts, np.full((len(starts), 1), column)])
     with exact_algebra(), warnings.catch_warnings():
         # A descent that stalls leaves its start in the pool, so nothing is lost.
         warnings.simplefilter("ignore", OptimizationWarning)
-        polished, _ = optimize_acqf(
+        polished, _ = gen_candidates_scipy(
+            torch.tensor(initial, dtype=DTYPE)[:, None, :],
             acquisition,
-            bounds=bounds,
-            q=1,
-            num_restarts=len(starts),
-            batch_initial_conditions=torch.tensor(initial, dtype=DTYPE)[:, None, :],
+            lower_bounds=torch.tensor([0.0] * dimension + [column], dtype=DTYPE),
+            upper_bounds=torch.tensor([1.0] * dimension + [column], dtype=DTYPE),
             fixed_features={**fixed, dimension: column},
-            return_best_only=False,
         )
-    return np.clip(polished[:, 0, :-1].numpy(), 0.0, 1.0)
+    return np.clip(polished[:, 0, :-1].detach().numpy(), 0.0, 1.0)
