@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 if str(ROOT) not in sys.path:  # run as a script, or loaded by its path
     sys.path.insert(0, str(ROOT))
 
+from fmu_build.archive import members  # noqa: E402
 from fmu_build.compile import Compiler, CompilerName, find_compiler  # noqa: E402
 from fmu_build.declaration import Declaration, read_declaration  # noqa: E402
 from fmu_build.failure import BuildError  # noqa: E402
@@ -48,7 +49,8 @@ def build_all(
     translate : bool
         Translate Modelica sources to C first (Python 3.12 or later).
     check : bool
-        Compare the bytes of a fresh build with the files in `output`, and write nothing.
+        Compare the bytes of a fresh build with the files in `output`, and write nothing; with
+        `platforms`, what an FMU holds for others is left aside.
     report : callable
         Gets one line a file.
     platforms : sequence of str
@@ -67,13 +69,14 @@ def build_all(
     targets = _targets(platforms, compiler)
     differing = []
     with tempfile.TemporaryDirectory(prefix="gmfbo-build-") as folder:
+        # zig builds system libraries first, for a minute; whoever builds often keeps them.
         cache = Path(os.environ.get("ZIG_GLOBAL_CACHE_DIR", Path(folder) / "cache"))
         chosen = find_compiler(compiler, cache, targets)
         for name in names:
             work = Path(folder) / name
             work.mkdir()
             for path, data in _products(name, chosen, targets, work, output):
-                same = path.is_file() and path.read_bytes() == data
+                same = path.is_file() and _agree(path, data, whole=not (check and platforms))
                 if not same and check:
                     differing.append(path.name)
                 elif not same:
@@ -83,6 +86,13 @@ def build_all(
     if differing:
         files = ", ".join(differing)
         raise BuildError(f"a fresh build differs in {files}: run gmfbo build, commit the result")
+
+
+def _agree(path: Path, data: bytes, whole: bool) -> bool:
+    if whole or path.suffix != ".fmu":
+        return path.read_bytes() == data
+    there = members(path.read_bytes())
+    return all(there.get(name) == content for name, content in members(data).items())
 
 
 def model_folders() -> list[Path]:

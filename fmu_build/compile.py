@@ -31,7 +31,7 @@ class Compiler:
     command : tuple of str
         How it is called.
     cache : Path or None
-        Folder for zig's caches; None for a system compiler.
+        Folder for zig's copies of the system libraries; None for a system compiler.
     """
 
     command: tuple[str, ...]
@@ -70,7 +70,7 @@ class Compiler:
         if self.cache is not None:
             environment |= {
                 "ZIG_GLOBAL_CACHE_DIR": str(self.cache),
-                "ZIG_LOCAL_CACHE_DIR": str(self.cache / "local"),
+                "ZIG_LOCAL_CACHE_DIR": str(folder / ".zig-cache"),
             }
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
         if done.returncode != 0:

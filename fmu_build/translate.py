@@ -62,7 +62,7 @@ def _require_translator(source: Path) -> None:
     if sys.version_info < (3, 12):
         raise BuildError(
             f"{source.name}: translating Modelica needs Python 3.12 or later, this is "
-            f"{sys.version_info.major}.{sys.version_info.minor}; build without --translate to use "
+            f"{sys.version_info[0]}.{sys.version_info[1]}; build without --translate to use "
             "the committed C"
         )
     if importlib.util.find_spec("modelica") is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -18,6 +19,15 @@ if str(ROOT) not in sys.path:  # last, so that an installed gmfbo is the one tha
 from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu  # noqa: E402
 
 NewInstance = Callable[..., FmuInstance]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def zig_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """One copy of zig's system libraries for all tests; the models are compiled anew each time."""
+    with pytest.MonkeyPatch.context() as patch:
+        if "ZIG_GLOBAL_CACHE_DIR" not in os.environ:
+            patch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path_factory.mktemp("zig")))
+        yield Path(os.environ["ZIG_GLOBAL_CACHE_DIR"])
 
 
 @pytest.fixture(scope="session")

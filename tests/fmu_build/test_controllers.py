@@ -160,7 +160,7 @@ def test_the_fmu_computes_its_difference_equation(
 @pytest.mark.parametrize("name", sorted(CASES))
 def test_the_command_is_held_between_samples(new_instance: NewInstance, name: str) -> None:
     controller = new_instance(name).start(sample_time=2e-3, kp=3.0)
-    signals = {"reference": np.linspace(1.0, 20.0, 20)}
+    signals: Signals = {"reference": np.linspace(1.0, 20.0, 20)}
     commands = controller.run(signals, ["u"], 1e-3)[1:, 0]
     np.testing.assert_array_equal(commands[0::2], commands[1::2])
     assert np.all(np.diff(commands[0::2]) > 0.0)
@@ -184,7 +184,7 @@ def test_far_from_its_limits_the_pid_is_the_sum_of_its_three_parts(
     new_instance: NewInstance,
 ) -> None:
     """On the ramp r = t: k_p t + k_i (t^2 - t T_s) / 2 (forward Euler) + k_d."""
-    t = np.arange(400) * 1e-3
+    t = np.linspace(0.0, 0.399, 400)
     controller = new_instance("pid").start(kp=2.0, ki=3.0, kd=0.5, derivative_weight=1.0)
     u = controller.run({"reference": t}, ["u"], 1e-3)[1:, 0]
     expected = 2.0 * t + 1.5 * (t**2 - t * 1e-3) + 0.5

@@ -226,9 +226,7 @@ def test_a_foreign_guid_is_refused(unpacked: Callable[[str], Path]) -> None:
         FmuInstance(unpacked("linear_axis"), guid="0" * 32)
 
 
-def test_resources_path_is_decoded_from_its_uri(
-    tmp_path: Path,
-) -> None:
+def test_resources_path_is_decoded_from_its_uri(tmp_path: Path, zig_cache: Path) -> None:
     """A blank and a percent sign in the path survive; checked on the wrapper's own function."""
     for name in ("resources.c", "resources.h"):
         shutil.copy(WRAPPER / name, tmp_path)
@@ -237,7 +235,7 @@ def test_resources_path_is_decoded_from_its_uri(
         '__attribute__((visibility("default"))) char *decode(const char *uri);\n'
         "char *decode(const char *uri) { return path_of_uri(uri); }\n"
     )
-    compiler = find_compiler("zig", tmp_path / "cache", [this_platform()])
+    compiler = find_compiler("zig", zig_cache, [this_platform()])
     compiler.shared_library(tmp_path, ["resources.c", "visible.c"], "decoding", this_platform())
     library = ctypes.CDLL(str(next(tmp_path.glob("decoding.*"))))
     library.decode.restype = ctypes.c_char_p

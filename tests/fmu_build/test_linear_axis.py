@@ -93,7 +93,7 @@ def written_slope(t: float, y: NDArray[np.float64], voltage: float) -> NDArray[n
 
 
 @pytest.fixture(scope="module")
-def generated_slope(tmp_path_factory: pytest.TempPathFactory) -> Slope:
+def generated_slope(tmp_path_factory: pytest.TempPathFactory, zig_cache: Path) -> Slope:
     """`rhs` of the C that was translated from Modelica, compiled by itself."""
     folder = tmp_path_factory.mktemp("generated")
     for name in ("LinearAxis.c", "LinearAxis.h"):
@@ -103,7 +103,7 @@ def generated_slope(tmp_path_factory: pytest.TempPathFactory) -> Slope:
         '__attribute__((visibility("default"))) void slope(double t, const double *y,\n'
         "    const double *p, double *w, double *dy) { rhs(t, y, p, w, dy); }\n"
     )
-    compiler = find_compiler("zig", folder / "cache", [this_platform()])
+    compiler = find_compiler("zig", zig_cache, [this_platform()])
     compiler.shared_library(folder, ["LinearAxis.c", "visible.c"], "generated", this_platform())
     library = ctypes.CDLL(str(next(folder.glob("generated.*"))))
     vector = np.ctypeslib.ndpointer(dtype=np.float64, flags="C")
