@@ -1,0 +1,197 @@
+"""One run of a twin: from a recording to a job, and from outputs to a trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.binding import Binding
+from gmfbo.sources.job import Job, Outcome, Port, Wire
+from gmfbo.sources.parameters import RunParameters
+from gmfbo.sources.sampling import sample, steps_to_cover
+from gmfbo.sources.signals import as_logged, input_columns, to_fmu, to_si
+
+Arrays = tuple[Job, NDArray[np.float64], NDArray[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """What one run follows, on the communication grid.
+
+    Attributes
+    ----------
+    binding : Binding
+        The twin.
+    parameters : RunParameters
+        What is set.
+    name : str
+        Of the recording that is followed.
+    step : float
+        [s] Communication step.
+    grid : ndarray, shape (rows,)
+        [s] Communication points; the last has no step after it.
+    inputs : mapping of str to ndarray, shape (rows,)
+        Signals of [inputs] [SI].
+    schedules : mapping of str to ndarray, shape (rows,)
+        Parameters that change [FMU's unit].
+    """
+
+    binding: Binding
+    parameters: RunParameters
+    name: str
+    step: float
+    grid: NDArray[np.float64]
+    inputs: Mapping[str, NDArray[np.float64]]
+    schedules: Mapping[str, NDArray[np.float64]]
+
+    @classmethod
+    def prepare(
+        cls, binding: Binding, recording: Recording, parameters: RunParameters, step: float
+    ) -> Experiment:
+        """Lay a recording on the communication grid.
+
+        Parameters
+        ----------
+        binding : Binding
+            The twin.
+        recording : Recording
+            What is followed.
+        parameters : RunParameters
+            What is set.
+        step : float
+            [s] Communication step.
+
+        Raises
+        ------
+        RecordingError
+            The recording cannot drive this twin.
+        """
+        steps = steps_to_cover(recording.time, step)
+        grid = recording.time[0] + np.arange(steps + 1) * step
+        return cls(
+            binding=binding,
+            parameters=parameters,
+            name=recording.name,
+            step=step,
+            grid=grid,
+            inputs=input_columns(binding, recording, grid),
+            schedules={
+                name: sample(recording.time, column, grid, "hold", name)
+                for name, column in parameters.schedules.items()
+            },
+        )
+
+    def job(self, lead: int) -> Arrays:
+        """Return the run, after `lead` steps under the first row: job, inputs, schedules."""
+        steps = self.grid.size - 1
+        rows = np.concatenate([np.zeros(lead, dtype=int), np.arange(steps)])
+        schedules = tuple(
+            self.binding.variables[name].port(column) for column, name in enumerate(self.schedules)
+        )
+        return (
+            self._job(lead + steps, self.grid[0] - lead * self.step, schedules),
+            np.ascontiguousarray(self._driven()[rows]),
+            np.ascontiguousarray(_table(self.schedules, self.grid.size)[rows]),
+        )
+
+    def probe(self, steps: int) -> Arrays:
+        """Some steps under the first row, up to the first communication point."""
+        first = self._driven()[:1]
+        return (
+            self._job(steps, self.grid[0] - steps * self.step, ()),
+            np.ascontiguousarray(np.repeat(first, steps, axis=0)),
+            np.empty((steps, 0)),
+        )
+
+    def trajectory(
+        self, outcome: Outcome, outputs: NDArray[np.float64], lead: int, seconds: float
+    ) -> Trajectory:
+        """Make the trajectory of a run.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            How it ended; only its valid rows are kept, and one of NaN where there is none.
+        outputs : ndarray, shape (lead + rows, n_outputs)
+            [FMU's units]
+        lead : int
+            Steps before the first communication point, which are dropped.
+        seconds : float
+            [s] Wall-clock time of the run.
+        """
+        entries = self.binding.file.outputs
+        rows = min(max(outcome.rows - lead, 0), self.grid.size)
+        kept = outputs[lead : lead + rows] if rows else np.full((1, len(entries)), np.nan)
+        signals = {}
+        for column, (name, entry) in enumerate(entries.items()):
+            variable = self.binding.variables[entry.variable].variable
+            signals[name] = to_si(variable, as_logged(entry, kept[:, column]))
+        signals |= {name: values[: len(kept)] for name, values in self.inputs.items()}
+        stopped = None if outcome.status == "ok" else float(self.grid[len(kept) - 1])
+        return Trajectory(
+            time=self.grid[: len(kept)],
+            signals=signals,
+            units=self._units(),
+            name=self.binding.file.name,
+            parameters=self.parameters.in_force,
+            schedules={name: values[: len(kept)] for name, values in self.schedules.items()},
+            status=outcome.status,
+            message=outcome.message,
+            stopped_at=stopped,
+            seconds=seconds,
+        )
+
+    def _job(self, steps: int, start: float, schedules: tuple[Port, ...]) -> Job:
+        file, variables = self.binding.file, self.binding.variables
+        return Job(
+            steps=steps,
+            start=float(start),
+            step=self.step,
+            settings=self.parameters.settings,
+            inputs=tuple(
+                variables[file.inputs[name].variable].port(column)
+                for column, name in enumerate(self.inputs)
+            ),
+            schedules=schedules,
+            wires=self._wires(),
+            outputs=tuple(
+                variables[entry.variable].port(column)
+                for column, entry in enumerate(file.outputs.values())
+            ),
+        )
+
+    def _wires(self) -> tuple[Wire, ...]:
+        variables = self.binding.variables
+        return tuple(
+            variables[target].wire_from(variables[source])
+            for target, source in self.binding.file.wires.items()
+        )
+
+    def _driven(self) -> NDArray[np.float64]:
+        """Inputs in the FMU's units, shape (rows, n_inputs)."""
+        file, variables = self.binding.file, self.binding.variables
+        return _table(
+            {
+                name: to_fmu(variables[file.inputs[name].variable].variable, values)
+                for name, values in self.inputs.items()
+            },
+            self.grid.size,
+        )
+
+    def _units(self) -> dict[str, str]:
+        file, variables = self.binding.file, self.binding.variables
+        entries = {**file.inputs, **file.outputs}
+        units = {name: variables[e.variable].variable.si_unit for name, e in entries.items()}
+        return {
+            name: unit
+            for name, unit in units.items()
+            if unit and (name in file.outputs or name in self.inputs)
+        }
+
+
+def _table(columns: Mapping[str, NDArray[np.float64]], rows: int) -> NDArray[np.float64]:
+    return np.column_stack(list(columns.values())) if columns else np.empty((rows, 0))

@@ -1,0 +1,281 @@
+"""One FMU's library, loaded once, and its instances."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import fmpy.fmi2
+from fmpy.fmi1 import FMICallException
+
+from gmfbo.errors import FmuFileError, SimulationError
+from gmfbo.sources.job import Setting, Stage, ValueType
+from gmfbo.sources.unpacked_fmu import UnpackedFmu
+
+STATUS_WORDS = ("ok", "warning", "discard", "error", "fatal", "pending")
+_REQUIRED = (
+    "fmi2Instantiate",
+    "fmi2FreeInstance",
+    "fmi2SetupExperiment",
+    "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode",
+    "fmi2SetReal",
+    "fmi2GetReal",
+    "fmi2DoStep",
+)
+_SETTERS: dict[ValueType, tuple[str, Any]] = {
+    ValueType.REAL: ("fmi2SetReal", ctypes.c_double),
+    ValueType.INTEGER: ("fmi2SetInteger", ctypes.c_int),
+    ValueType.BOOLEAN: ("fmi2SetBoolean", ctypes.c_int),
+}
+_ERROR = 3
+_KEPT_MESSAGES = 5
+
+
+class FmuCallError(SimulationError):
+    """An FMU refused a call; the text says which, and what the FMU logged.
+
+    Attributes
+    ----------
+    stage : Stage
+        What it was asked for.
+    status : int
+        FMI status of the answer.
+    """
+
+    def __init__(self, message: str, stage: Stage, status: int) -> None:
+        super().__init__(message)
+        self.stage = stage
+        self.status = status
+
+
+def _absent(*_: object) -> int:
+    return _ERROR
+
+
+_ABSENT = ctypes.CFUNCTYPE(ctypes.c_int)(_absent)
+
+
+class FMU2TolerantSlave(fmpy.fmi2.FMU2Slave):  # type: ignore[misc]  # fmpy is untyped
+    """A slave whose library may lack optional functions, as some vendors' do.
+
+    fmpy tells the FMI version by the first letters of the class name.
+    """
+
+    def _loadFunctions(self) -> None:
+        self.absent = {
+            name for name in dir(self) if name.startswith("fmi2") and not hasattr(self.dll, name)
+        }
+        for name in self.absent:
+            setattr(self.dll, name, _ABSENT)
+        super()._loadFunctions()
+
+
+class LoadedFmu:
+    """The library of one FMU; it stays loaded, since unloading crashes some vendors' FMUs.
+
+    Parameters
+    ----------
+    unpacked : UnpackedFmu
+        Where it lies.
+
+    Raises
+    ------
+    FmuFileError
+        The library cannot be loaded; the message names what is missing and the cure.
+    """
+
+    def __init__(self, unpacked: UnpackedFmu) -> None:
+        self.name = unpacked.name
+        self._log: list[str] = []
+        folder = Path.cwd()
+        try:
+            self._slave = FMU2TolerantSlave(
+                guid=unpacked.guid,
+                modelIdentifier=unpacked.identifier,
+                unzipDirectory=unpacked.folder,
+                libraryPath=unpacked.library,
+            )
+        except Exception as error:
+            # fmpy raises a bare Exception with the loader's text.
+            raise FmuFileError(_load_problem(unpacked, str(error))) from None
+        finally:
+            os.chdir(folder)  # fmpy leaves it elsewhere when loading fails
+        missing = sorted(set(_REQUIRED) & self._slave.absent)
+        if missing:
+            raise FmuFileError(
+                f"'{unpacked.name}': its library lacks {', '.join(missing)}; expected FMI 2.0 "
+                "co-simulation; ask its vendor for a complete export"
+            )
+        self._callbacks = self._make_callbacks()
+
+    def instantiate(self) -> Instance:
+        """Make a new instance.
+
+        Raises
+        ------
+        FmuCallError
+            The FMU refused.
+        """
+        self._log.clear()
+        self._slave.component = None
+        try:
+            self._slave.instantiate(callbacks=self._callbacks)
+        except Exception:
+            # fmpy raises a bare Exception when the FMU returns a null pointer.
+            if self._slave.component is not None:
+                raise
+            refused = self.refusal("fmi2Instantiate", None)
+            raise FmuCallError(refused, Stage.INSTANTIATE, _ERROR) from None
+        return Instance(self, self._slave, ctypes.c_void_p(self._slave.component))
+
+    def refusal(self, call: str, status: int | None) -> str:
+        """Message for a call that was not answered with ok.
+
+        Parameters
+        ----------
+        call : str
+            FMI function.
+        status : int or None
+            What it answered; None where it returns a pointer.
+        """
+        answer = "" if status is None else f" with '{_status_word(status)}'"
+        said = f": {'; '.join(self._log)}" if self._log else ""
+        return f"'{self.name}' refused {call}{answer}{said}"
+
+    def _make_callbacks(self) -> Any:
+        """Callbacks that keep the last messages; fmpy's own print them."""
+
+        def keep(_: object, __: object, status: int, ___: object, text: bytes | None) -> None:
+            line = " ".join((text or b"").decode("utf-8", "replace").split())
+            if status > 0 and line:
+                self._log.append(line)
+                del self._log[:-_KEPT_MESSAGES]
+
+        callbacks = fmpy.fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(keep)
+        callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        # Messages are printf formats with arguments, which only C can put together; fmpy has no
+        # library for that on some machines, and then the bare format is kept.
+        with contextlib.suppress(Exception):
+            from fmpy.logging import addLoggerProxy
+
+            addLoggerProxy(ctypes.byref(callbacks))
+        return callbacks
+
+
+class Instance:
+    """One instance of an FMU, from instantiation until `free`."""
+
+    def __init__(self, fmu: LoadedFmu, slave: FMU2TolerantSlave, component: ctypes.c_void_p) -> None:
+        self.fmu = fmu
+        self.component = component
+        self._slave = slave
+
+    def initialise(self, start: float, settings: Sequence[Setting]) -> None:
+        """Set parameters and go through initialisation; no stop time is announced.
+
+        Parameters
+        ----------
+        start : float
+            [s] Time of the first communication point.
+        settings : sequence of Setting
+            Parameters of this FMU.
+
+        Raises
+        ------
+        FmuCallError
+            The FMU refused.
+        """
+        for value_type, (name, c_type) in _SETTERS.items():
+            chosen = [setting for setting in settings if setting.type == value_type]
+            if chosen:
+                numbers = (setting.value for setting in chosen)
+                whole = numbers if value_type == ValueType.REAL else (round(v) for v in numbers)
+                self.call(
+                    name,
+                    Stage.INITIALISE,
+                    _references(setting.reference for setting in chosen),
+                    len(chosen),
+                    (c_type * len(chosen))(*whole),
+                )
+        # Of 78 third-party FMUs, 27 refuse the last step when a stop time was announced.
+        self.call("fmi2SetupExperiment", Stage.INITIALISE, 0, 0.0, start, 0, 0.0)
+        self.call("fmi2EnterInitializationMode", Stage.INITIALISE)
+        self.call("fmi2ExitInitializationMode", Stage.INITIALISE)
+
+    def call(self, function: str, stage: Stage, *arguments: Any) -> int:
+        """Call one FMI function on the component; the status, at most a warning.
+
+        Parameters
+        ----------
+        function : str
+            FMI name.
+        stage : Stage
+            For the error.
+        *arguments
+            After the component.
+
+        Raises
+        ------
+        FmuCallError
+            The status is discard or above.
+        """
+        try:
+            return int(getattr(self._slave, function)(self.component, *arguments))
+        except FMICallException as error:
+            refused = self.fmu.refusal(function, error.status)
+            raise FmuCallError(refused, stage, error.status) from None
+
+    def address(self, function: str) -> int | None:
+        """Address of an FMI function of the library; None where the library lacks it."""
+        if function in self._slave.absent:
+            return None
+        return ctypes.cast(getattr(self._slave.dll, function), ctypes.c_void_p).value
+
+    def free(self) -> None:
+        """Free the instance; the library stays loaded."""
+        self._slave.fmi2FreeInstance(self.component)
+
+
+def _references(references: Iterable[int]) -> Any:
+    values = list(references)
+    return (ctypes.c_uint * len(values))(*values)
+
+
+def _status_word(status: int) -> str:
+    return STATUS_WORDS[status] if 0 <= status < len(STATUS_WORDS) else f"status {status}"
+
+
+def _load_problem(unpacked: UnpackedFmu, text: str) -> str:
+    """What is wrong and what to do, from the loader's words."""
+    beginning = f"'{unpacked.name}': its library cannot be loaded"
+    if missing := re.search(r"(\S+): cannot open shared object", text):
+        return (
+            f"{beginning}: it needs the system library {missing[1]}, which is not installed; "
+            f"install the package that provides {missing[1]}"
+        )
+    if version := re.search(r"version [`'](\w+_[\d.]+)' not found", text):
+        return (
+            f"{beginning}: it needs {version[1]}, this system is older; use a newer system, or ask "
+            "its vendor for a build for older ones"
+        )
+    if symbol := re.search(r"undefined symbol: (\S+)", text):
+        return (
+            f"{beginning}: it needs the function {symbol[1]}, which no loaded library has; ask its "
+            "vendor for an export with all its libraries"
+        )
+    if re.search(r"invalid ELF header|wrong ELF class|not a valid Win32|incompatible arch", text):
+        return f"{beginning}: it was built for another kind of machine; ask its vendor"
+    if "or one of its dependencies" in text:
+        return (
+            f"{beginning}: it needs another DLL, often the Microsoft Visual C++ Redistributable; "
+            "install that, or ask its vendor which it is"
+        )
+    return f"{beginning} ({' '.join(text.split())}); ask its vendor"

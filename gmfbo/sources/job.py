@@ -1,0 +1,144 @@
+"""One run of wired FMUs, told in value references: what is set, stepped and read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Literal, NamedTuple
+
+
+class ValueType(IntEnum):
+    """How a variable crosses the FMI interface; enumerations are integers."""
+
+    REAL = 0
+    INTEGER = 1
+    BOOLEAN = 2
+
+
+class Port(NamedTuple):
+    """A variable of one FMU and the column of the array it is read from or written to."""
+
+    fmu: int
+    reference: int
+    type: int
+    column: int
+
+
+class Wire(NamedTuple):
+    """Input = scale * output, before every step of the FMU that owns the input."""
+
+    to_fmu: int
+    to_reference: int
+    to_type: int
+    from_fmu: int
+    from_reference: int
+    from_type: int
+    scale: float = 1.0
+
+
+class Setting(NamedTuple):
+    """A parameter that is set before initialisation."""
+
+    fmu: int
+    reference: int
+    type: int
+    value: float
+
+
+@dataclass(frozen=True)
+class Job:
+    """A whole run; arrays travel beside it.
+
+    Attributes
+    ----------
+    steps : int
+        Communication steps.
+    start : float
+        [s] Time of row 0.
+    step : float
+        [s] Communication step; row k is at start + k * step.
+    settings : tuple of Setting
+        Parameters before initialisation.
+    inputs, schedules, outputs : tuple of Port
+        Columns of u (steps, n_u), s (steps, n_s) and y (steps + 1, n_y).
+    wires : tuple of Wire
+        From outputs to inputs.
+    """
+
+    steps: int
+    start: float
+    step: float
+    settings: tuple[Setting, ...] = ()
+    inputs: tuple[Port, ...] = ()
+    schedules: tuple[Port, ...] = ()
+    wires: tuple[Wire, ...] = ()
+    outputs: tuple[Port, ...] = ()
+
+    @property
+    def shapes(self) -> tuple[tuple[int, int], tuple[int, int], tuple[int, int]]:
+        """Shapes of u, s and y."""
+        return (
+            (self.steps, len(self.inputs)),
+            (self.steps, len(self.schedules)),
+            (self.steps + 1, len(self.outputs)),
+        )
+
+    @classmethod
+    def from_json(cls, raw: Mapping[str, Any]) -> Job:
+        """Read back what `json.dumps(dataclasses.asdict(job))` wrote."""
+        return cls(
+            steps=raw["steps"],
+            start=raw["start"],
+            step=raw["step"],
+            settings=tuple(Setting(*entry) for entry in raw["settings"]),
+            inputs=tuple(Port(*entry) for entry in raw["inputs"]),
+            schedules=tuple(Port(*entry) for entry in raw["schedules"]),
+            wires=tuple(Wire(*entry) for entry in raw["wires"]),
+            outputs=tuple(Port(*entry) for entry in raw["outputs"]),
+        )
+
+
+class Stage(IntEnum):
+    """What an FMU is being asked for."""
+
+    IDLE = 0
+    LOAD = 1
+    INSTANTIATE = 2
+    INITIALISE = 3
+    STEP = 4
+    FREE = 5
+
+    @property
+    def words(self) -> str:
+        """For messages: crashed while ..."""
+        return {
+            Stage.IDLE: "waiting",
+            Stage.LOAD: "being loaded",
+            Stage.INSTANTIATE: "being instantiated",
+            Stage.INITIALISE: "initialising",
+            Stage.STEP: "stepping",
+            Stage.FREE: "being freed",
+        }[self]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended.
+
+    Attributes
+    ----------
+    status : {"ok", "diverged", "failed", "crashed", "timeout"}
+        As that of a trajectory.
+    rows : int
+        Leading rows of y that are valid.
+    message : str
+        What happened, in one line; empty when `status` is `ok`.
+    warnings : int
+        FMI calls that answered with a warning.
+    """
+
+    status: Literal["ok", "diverged", "failed", "crashed", "timeout"]
+    rows: int
+    message: str = ""
+    warnings: int = 0

@@ -1,0 +1,66 @@
+"""A temporary folder that is gone once its owner is, however the owner ended."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import IO
+
+_PREFIX = "gmfbo-"
+_LOCK = "owner.lock"
+_ALONE_AFTER_S = 60.0
+
+
+class PrivateFolder:
+    """A folder for one twin's unpacked FMUs and shared arrays.
+
+    The owner holds a lock in it, which the system releases however the owner dies. A folder that
+    is found unlocked was left by a process that was killed together with its worker, and is
+    removed by whoever makes the next one.
+    """
+
+    def __init__(self) -> None:
+        _remove_abandoned()
+        self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
+        self._lock: IO[bytes] | None = (self.path / _LOCK).open("wb")
+        _try_lock(self._lock)
+
+    def remove(self) -> None:
+        """Remove the folder and all in it; a second call does nothing."""
+        if self._lock is None:
+            return
+        self._lock.close()
+        self._lock = None
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _remove_abandoned() -> None:
+    for folder in Path(tempfile.gettempdir()).glob(_PREFIX + "*"):
+        # Another user's folder, or one that vanishes meanwhile, is not ours to complain about.
+        with contextlib.suppress(OSError):
+            # A folder is locked a moment after it is made.
+            if time.time() - folder.stat().st_mtime < _ALONE_AFTER_S:
+                continue
+            with (folder / _LOCK).open("r+b") as lock:
+                abandoned = _try_lock(lock)
+            if abandoned:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+def _try_lock(lock: IO[bytes]) -> bool:
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(lock.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

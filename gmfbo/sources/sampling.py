@@ -1,0 +1,78 @@
+"""Recorded signals on the communication grid."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+
+# A sample that comes late by less than this share of a step belongs to the grid point before:
+# a clock's jitter of 10 ns must not delay a held reference by a whole step.
+_LATE_SHARE = 0.1
+# A recording that ends this share of a step after a grid point needs no further point.
+_END_SHARE = 1e-3
+
+
+def steps_to_cover(time: NDArray[np.float64], step: float) -> int:
+    """Communication steps from the first row that reach the last row.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s] Increasing.
+    step : float
+        [s] Communication step.
+    """
+    return max(0, int(np.ceil((time[-1] - time[0]) / step - _END_SHARE)))
+
+
+def sample(
+    time: NDArray[np.float64],
+    values: NDArray[np.float64],
+    grid: NDArray[np.float64],
+    interpolation: Literal["hold", "linear"],
+    name: str,
+) -> NDArray[np.float64]:
+    """Values of a recorded signal at grid points, shape of `grid`.
+
+    Before its first sample a signal has the value of that sample; rows that hold NaN were not
+    sampled and do not count.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s] Increasing.
+    values : ndarray, shape (n,)
+        NaN where not sampled.
+    grid : ndarray
+        [s] Evenly spaced.
+    interpolation : {"hold", "linear"}
+        Between rows.
+    name : str
+        Of the signal, for the message.
+
+    Raises
+    ------
+    RecordingError
+        There is no sample at all, or an infinite one.
+    """
+    sampled = ~np.isnan(values)
+    if not sampled.any():
+        raise RecordingError(f"signal '{name}': expected values to drive the twin, all are blank")
+    if np.isinf(values).any():
+        row = int(np.argmax(np.isinf(values)))
+        raise RecordingError(f"signal '{name}': row {row} is infinite; expected a finite value")
+    known_time, known = time[sampled], values[sampled]
+    if interpolation == "linear":
+        return np.interp(grid, known_time, known)
+    # Between rows of both clocks: jitter counts against the finer of the two.
+    spacing = min(
+        float(np.median(np.diff(known_time))) if known_time.size > 1 else np.inf,
+        float(grid[1] - grid[0]) if grid.size > 1 else np.inf,
+    )
+    late = _LATE_SHARE * spacing if np.isfinite(spacing) else 0.0
+    rows = np.searchsorted(known_time, grid + late, side="right") - 1
+    return known[np.clip(rows, 0, None)]

@@ -1,0 +1,32 @@
+"""An FMU on disk, ready to be loaded by this or another process."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+
+@dataclass(frozen=True)
+class UnpackedFmu:
+    """Where an FMU was unpacked to.
+
+    Attributes
+    ----------
+    name : str
+        File name, for messages.
+    guid, identifier : str
+        As in the model description.
+    folder : str
+        Where it is unpacked.
+    library : str
+        Path of the shared library.
+    """
+
+    name: str
+    guid: str
+    identifier: str
+    folder: str
+    library: str
+
+    def as_dict(self) -> dict[str, str]:
+        """Plain values, for another process."""
+        return asdict(self)

@@ -1,0 +1,127 @@
+"""Opening FMU archives: nothing outside the folder, nothing that fills the disk."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Callable
+from pathlib import Path, PurePosixPath
+
+from gmfbo.errors import FmuFileError
+
+# Real FMUs unpack to at most some 20 times their size; a 298 kB file was seen to fill 300 MB.
+LARGEST_BYTES = 4 * 2**30
+LARGEST_RATIO = 100
+RATIO_FREE_BYTES = 64 * 2**20
+LARGEST_COUNT = 100_000
+
+
+def open_archive(path: Path) -> zipfile.ZipFile:
+    """Open an FMU for reading; the caller closes it.
+
+    Parameters
+    ----------
+    path : Path
+        The `.fmu` file.
+
+    Raises
+    ------
+    FmuFileError
+        It is missing, cannot be read, is no zip archive, or would unpack to too much.
+    """
+    if not path.exists():
+        raise FmuFileError(f"no FMU at '{path}'; check the path")
+    try:
+        archive = zipfile.ZipFile(path)
+    except zipfile.BadZipFile:
+        raise FmuFileError(
+            f"'{path}' is no FMU: expected a zip archive; the file is damaged, cut short or of "
+            "another kind, export or copy it again"
+        ) from None
+    except OSError as error:
+        raise FmuFileError(f"cannot read '{path}': {error.strerror or error}") from None
+    try:
+        _check_sizes(path, archive)
+    except FmuFileError:
+        archive.close()
+        raise
+    return archive
+
+
+def member_path(path: Path, name: str) -> PurePosixPath:
+    """Place of an archive member below the folder that it is unpacked to.
+
+    Parameters
+    ----------
+    path : Path
+        The archive, for the message.
+    name : str
+        Name of the member; some exporters on Windows write backslashes.
+
+    Raises
+    ------
+    FmuFileError
+        The name points outside the folder.
+    """
+    member = PurePosixPath(name.replace("\\", "/"))
+    if member.is_absolute() or ".." in member.parts or ":" in name or "\0" in name:
+        raise FmuFileError(
+            f"'{path}' is refused: its member '{name}' would be written outside the folder that it "
+            "is unpacked to; get the FMU from a source you trust"
+        )
+    return member
+
+
+def unpack(path: Path, folder: Path, wanted: Callable[[PurePosixPath], bool]) -> None:
+    """Unpack the wanted members of an FMU into a folder.
+
+    Parameters
+    ----------
+    path : Path
+        The `.fmu` file.
+    folder : Path
+        Exists; everything is written below it.
+    wanted : callable
+        Told each member's path, answers whether to write it.
+
+    Raises
+    ------
+    FmuFileError
+        The archive is unsafe, damaged or encrypted, or the disk is full.
+    """
+    with open_archive(path) as archive:
+        members = [(info, member_path(path, info.filename)) for info in archive.infolist()]
+        try:
+            for info, member in members:
+                if info.is_dir() or not wanted(member):
+                    continue
+                target = folder / member
+                target.parent.mkdir(parents=True, exist_ok=True)
+                with archive.open(info) as source, target.open("wb") as written:
+                    shutil.copyfileobj(source, written)
+        except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError) as error:
+            raise FmuFileError(
+                f"'{path}' is damaged or encrypted ({error}); export or copy it again"
+            ) from None
+        except OSError as error:
+            raise FmuFileError(
+                f"cannot unpack '{path}' into '{folder}': {error.strerror or error}; free some "
+                "space or set TMPDIR to a folder with room"
+            ) from None
+
+
+def _check_sizes(path: Path, archive: zipfile.ZipFile) -> None:
+    infos = archive.infolist()
+    # zipfile reads no more of a member than it declares, so the declared sizes bound the disk.
+    unpacked = sum(info.file_size for info in infos)
+    packed = path.stat().st_size
+    if (
+        unpacked > LARGEST_BYTES
+        or len(infos) > LARGEST_COUNT
+        or (unpacked > RATIO_FREE_BYTES and unpacked > LARGEST_RATIO * packed)
+    ):
+        raise FmuFileError(
+            f"'{path}' is refused: {packed / 1e6:.3g} MB would unpack to "
+            f"{unpacked / 1e6:.4g} MB in {len(infos)} files; expected at most "
+            f"{LARGEST_RATIO} times its size"
+        )

@@ -1,0 +1,85 @@
+"""What is wrong with a file, in one line: from pydantic's list of errors."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from gmfbo.errors import did_you_mean
+
+_SHOWN = 3
+
+
+def describe_problems(error: ValidationError, model: type[BaseModel]) -> str:
+    """Tell the first few problems with key, what was expected and what came.
+
+    Parameters
+    ----------
+    error : ValidationError
+        What the model raised.
+    model : type
+        The model, to name the keys that would be valid.
+    """
+    problems = list(
+        dict.fromkeys(_describe(entry, model) for entry in error.errors(include_url=False))
+    )
+    more = len(problems) - _SHOWN
+    tail = f"; and {more} more" if more > 0 else ""
+    return "; ".join(problems[:_SHOWN]) + tail
+
+
+def _describe(entry: Any, model: type[BaseModel]) -> str:
+    place = [str(part) for part in entry["loc"]]
+    if entry["type"] == "extra_forbidden":
+        *table, key = place
+        where = _where(table)
+        return f"{where}unknown key '{key}'" + did_you_mean(key, _keys(model, table))
+    if entry["type"] == "missing":
+        *table, key = place
+        return f"{_where(table)}'{key}' is missing"
+    where = _where(place)
+    if entry["type"] == "value_error":
+        return f"{where}{entry['ctx']['error']}"
+    expected = entry["msg"].removeprefix("Input should be ").removeprefix("a valid ")
+    return f"{where}expected {expected}, got {_shown(entry['input'])}"
+
+
+def _where(place: list[str]) -> str:
+    """[outputs] 'position' scale: ... , as the file writes it."""
+    if not place:
+        return ""
+    # A union's branch (`str`, `float`) is no key of the file.
+    place = [part for part in place if part.isdigit() or not _is_branch(part)]
+    if len(place) == 1:
+        return f"{place[0]}: "
+    table, name, *rest = place
+    inside = f" {'.'.join(rest)}" if rest else ""
+    return f"[{table}] '{name}'{inside}: "
+
+
+def _is_branch(part: str) -> bool:
+    return part in ("str", "float", "constrained-str", "constrained-float") or "[" in part
+
+
+def _keys(model: type[BaseModel], table: list[str]) -> list[str]:
+    """Keys that the table at this place knows."""
+    found: Any = model
+    for part in table:
+        if isinstance(found, type) and issubclass(found, BaseModel):
+            field = found.model_fields.get(part)
+            found = field.annotation if field else None
+            inner = [
+                choice
+                for choice in get_args(found)
+                if isinstance(choice, type) and issubclass(choice, BaseModel)
+            ]
+            found = inner[0] if inner else found
+    return (
+        list(found.model_fields) if isinstance(found, type) and issubclass(found, BaseModel) else []
+    )
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
