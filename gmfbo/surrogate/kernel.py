@@ -161,6 +161,6 @@ def _source_matern(lengthscale: float | None, cap: float) -> MaternKernel:
     if lengthscale <= 0.0:
         raise InputError(f"expected a positive source lengthscale, got {lengthscale}")
     kernel = MaternKernel(nu=2.5).to(DTYPE)
-    kernel.lengthscale = lengthscale
+    kernel.lengthscale = torch.tensor(lengthscale, dtype=DTYPE)
     kernel.raw_lengthscale.requires_grad_(False)
     return kernel

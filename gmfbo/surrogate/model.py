@@ -100,13 +100,11 @@ class SourceModel(SingleTaskGP):
 
     @classmethod
     def fit(
-        cls,
-        observations: Observations,
-        settings: SurrogateSettings | None = None,
-        *,
-        previous: SourceModel | None = None,
+        cls, observations: Observations, settings: SurrogateSettings | None = None
     ) -> SourceModel:
         """Fit the hyperparameters by maximum a posteriori; the same data gives the same model.
+
+        It starts afresh each time, so that a resumed study goes on exactly as it would have.
 
         Parameters
         ----------
@@ -114,8 +112,6 @@ class SourceModel(SingleTaskGP):
             Points, sources and values.
         settings : SurrogateSettings, optional
             How the surrogate is built.
-        previous : SourceModel, optional
-            A model with the same settings whose hyperparameters are one more starting point.
         """
         settings = settings or SurrogateSettings()
         train_X = observations.train_X()
@@ -133,7 +129,7 @@ class SourceModel(SingleTaskGP):
                 per_source=settings.noise_per_source, floor=settings.noise_floor
             ),
         )
-        model.note = fit_by_map(model, warm_start=previous)
+        model.note = fit_by_map(model)
         return model
 
     def predict(

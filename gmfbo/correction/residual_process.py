@@ -1,0 +1,124 @@
+"""What the twin leaves unexplained, as a Gaussian process over whole trajectories.
+
+The residual of run i, r_i(t) = y_real(t; k_i) - y_sim(t; k_i), is a function of time that changes
+smoothly with the gains k. With a separable covariance c(k, k') S(t, t') (matrix normal
+distribution, Dawid 1981) and one set of times for all runs, the posterior at new gains is
+
+    mean  r(t; k) = c(k)' C^-1 R,        R of shape (runs, times),
+    covariance    = (c(k, k) - c(k)' C^-1 c(k)) S,
+
+so that one small matrix of the size of the number of runs serves all times, and S is estimated
+by its maximum likelihood R' C^-1 R / n (Bonilla, Chai and Williams 2008, for tasks). The same
+process with the twin's own trajectories in the place of residuals is an emulator of the twin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import gpytorch
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
+"""Candidates of the lengthscale in the unit cube; the likelihood chooses among them."""
+
+NUGGET = 1e-4
+"""Variance of a run about its neighbourhood over that of the process: quantisation, friction."""
+
+_PRIOR_MEDIAN, _PRIOR_SPREAD = 0.4, 0.7  # of the lengthscale, log-normal
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualProcess:
+    """Posterior of functions of time over the gains.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, d)
+        Gains of the runs, scaled to the unit cube.
+    lengthscale : float
+        Of the Matern 5/2 covariance over the unit cube.
+    """
+
+    points: NDArray[np.float64]
+    lengthscale: float
+    _factor: NDArray[np.float64]
+    _whitened: NDArray[np.float64]
+    _centre: NDArray[np.float64]
+
+    @classmethod
+    def fit(
+        cls,
+        points: NDArray[np.float64],
+        functions: NDArray[np.float64],
+        *,
+        centred: bool = False,
+    ) -> Self:
+        """Fit to functions of time, one a run.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, d)
+            Gains in the unit cube.
+        functions : ndarray, shape (n, m)
+            Residual, or trajectory, at the same m times for each run [unit of the signal].
+        centred : bool
+            Far from all runs return to their mean instead of zero.
+        """
+        centre = functions.mean(axis=0) if centred else np.zeros(functions.shape[1])
+        fits = []
+        for lengthscale in LENGTHSCALES:
+            covariance = _covariance(points, points, lengthscale)
+            factor = cholesky(covariance + NUGGET * np.eye(len(points)), lower=True)
+            whitened = solve_triangular(factor, functions - centre, lower=True)
+            fits.append((_loss(factor, whitened, lengthscale), lengthscale, factor, whitened))
+        _, lengthscale, factor, whitened = min(fits, key=lambda fit: fit[0])
+        return cls(points, lengthscale, factor, whitened, centre)
+
+    def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
+        return self._centre + self._solved(points).T @ self._whitened
+
+    def share(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Posterior standard deviation over the prior's, shape (q,), within [0, 1]."""
+        explained = np.sum(self._solved(points) ** 2, axis=0)
+        return np.sqrt(np.clip(1.0 - explained, 0.0, 1.0))
+
+    def deviations(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Draws of the prior about its mean, shape (count, m); times `share` they are posterior.
+
+        Parameters
+        ----------
+        count : int
+            Number of draws.
+        rng : numpy.random.Generator
+            Source of randomness.
+        """
+        runs = len(self._whitened)
+        return rng.standard_normal((count, runs)) @ self._whitened / np.sqrt(runs)
+
+    def _solved(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        across = _covariance(self.points, points, self.lengthscale)
+        return np.asarray(solve_triangular(self._factor, across, lower=True))
+
+
+def _covariance(
+    one: NDArray[np.float64], other: NDArray[np.float64], lengthscale: float
+) -> NDArray[np.float64]:
+    kernel = gpytorch.kernels.MaternKernel(nu=2.5).double()
+    kernel.lengthscale = lengthscale
+    with torch.no_grad():
+        dense = kernel(torch.from_numpy(one), torch.from_numpy(other)).to_dense()
+    return np.asarray(dense.numpy())
+
+
+def _loss(factor: NDArray[np.float64], whitened: NDArray[np.float64], lengthscale: float) -> float:
+    """Negative log posterior of the lengthscale, per time, the scale integrated out."""
+    runs = len(factor)
+    scale = float(np.mean(whitened**2)) + np.finfo(float).tiny
+    likelihood = 0.5 * runs * np.log(scale) + float(np.log(np.diag(factor)).sum())
+    return likelihood + 0.5 * (np.log(lengthscale / _PRIOR_MEDIAN) / _PRIOR_SPREAD) ** 2
