@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,12 @@ class GainChoice:
     fixed: Mapping[str, float]
 
     @classmethod
-    def combine(cls, twin: GainSpace | None, study: Mapping[str, GainRange]) -> GainChoice:
+    def combine(
+        cls,
+        twin: GainSpace | None,
+        study: Mapping[str, GainRange],
+        parameters: Collection[str] = (),
+    ) -> GainChoice:
         """Lay the study's ranges over those of the twin file.
 
         Parameters
@@ -38,6 +43,8 @@ class GainChoice:
             Box of the twin file.
         study : mapping of str to GainRange
             Part `[gains]` of the study file.
+        parameters : collection of str
+            FMU parameters, which a study may tune though the twin file does not name them.
 
         Raises
         ------
@@ -47,9 +54,10 @@ class GainChoice:
         known = {gain.name: gain for gain in twin.gains} if twin else {}
         if twin:
             for name in study:
-                if name not in known:
+                if name not in known and name not in parameters:
                     raise StudyFileError(
-                        f"[gains]: the twin file has no gain '{name}'" + did_you_mean(name, known)
+                        f"[gains]: no FMU parameter '{name}'"
+                        + did_you_mean(name, {*known, *parameters})
                     )
         fixed = {name: rng.low for name, rng in study.items() if rng.low == rng.high}
         chosen = {

@@ -37,6 +37,8 @@ class StudySources:
         Real runs before the change.
     gains : GainSpace or None
         Box of the twin file; None where the twin is the user's own source.
+    parameters : tuple of str
+        All FMU parameters of the twin; empty where it is the user's own source.
     reference_unit : str
         SI unit of the reference; empty where unknown.
     """
@@ -47,6 +49,7 @@ class StudySources:
     changed_is1: Source | None = None
     change_after: int | None = None
     gains: GainSpace | None = None
+    parameters: tuple[str, ...] = ()
     reference_unit: str = ""
 
     @classmethod
@@ -80,6 +83,7 @@ class StudySources:
         if is1 is not None and change is not None:
             raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
         changed, gains, unit = None, None, ""
+        parameters: tuple[str, ...] = ()
         with ExitStack() as opened:
             opener = _Opener(study.seed, folder, opened)
             if is1 is None and plant.twin is not None:
@@ -88,7 +92,7 @@ class StudySources:
                     changed = opener.twin(plant.twin, {**plant.parameters, **change.parameters})
             if is2 is None:
                 is2 = twin = opener.twin(study.is2.twin, study.is2.parameters)
-                gains = twin.gains
+                gains, parameters = twin.gains, tuple(twin.parameter_tunable())
                 signal = twin.signal_specs().get(study.reference.signal)
                 unit = signal.unit if signal else ""
             return cls(
@@ -98,6 +102,7 @@ class StudySources:
                 changed_is1=changed,
                 change_after=change.after_runs if change else None,
                 gains=gains,
+                parameters=parameters,
                 reference_unit=unit,
             )
 

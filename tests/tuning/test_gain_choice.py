@@ -31,8 +31,15 @@ def test_a_number_fixes_a_gain_but_it_stays_in_force() -> None:
     assert choice.point(values) == np.array([50.0])
 
 
+def test_a_study_may_tune_a_parameter_that_the_twin_file_does_not_name() -> None:
+    choice = GainChoice.combine(TWIN, {"ctl.Ki": GainRange(low=0.0, high=1.0)}, ["ctl.Ki"])
+    assert choice.space.names == ("ctl.Kp", "ctl.Kd", "ctl.Ki")
+
+
 def test_an_unknown_gain_is_refused_with_the_nearest() -> None:
-    with pytest.raises(StudyFileError, match=r"no gain 'ctl\.kp'; did you mean 'ctl\.Kp'\?"):
+    with pytest.raises(
+        StudyFileError, match=r"no FMU parameter 'ctl\.kp'; did you mean 'ctl\.Kp'\?"
+    ):
         GainChoice.combine(TWIN, {"ctl.kp": GainRange(low=1.0, high=2.0)})
 
 
