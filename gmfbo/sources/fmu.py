@@ -173,7 +173,9 @@ class LoadedFmu:
 class Instance:
     """One instance of an FMU, from instantiation until `free`."""
 
-    def __init__(self, fmu: LoadedFmu, slave: FMU2TolerantSlave, component: ctypes.c_void_p) -> None:
+    def __init__(
+        self, fmu: LoadedFmu, slave: FMU2TolerantSlave, component: ctypes.c_void_p
+    ) -> None:
         self.fmu = fmu
         self.component = component
         self._slave = slave

@@ -86,7 +86,7 @@ class Job:
 
     @classmethod
     def from_json(cls, raw: Mapping[str, Any]) -> Job:
-        """Read back what `json.dumps(dataclasses.asdict(job))` wrote."""
+        """Read back what `json.dumps(vars(job))` wrote."""
         return cls(
             steps=raw["steps"],
             start=raw["start"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
 import sys
 import tempfile
@@ -10,7 +11,7 @@ import time
 from pathlib import Path
 from typing import IO
 
-_PREFIX = "gmfbo-"
+_PREFIX = "gmfbo-twin-"
 _LOCK = "owner.lock"
 _ALONE_AFTER_S = 60.0
 
@@ -25,13 +26,19 @@ class PrivateFolder:
 
     def __init__(self) -> None:
         _remove_abandoned()
+        self._owner = os.getpid()
         self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
         self._lock: IO[bytes] | None = (self.path / _LOCK).open("wb")
         _try_lock(self._lock)
 
+    @property
+    def is_mine(self) -> bool:
+        """This process made it, and is not a forked copy of the one that did."""
+        return os.getpid() == self._owner
+
     def remove(self) -> None:
-        """Remove the folder and all in it; a second call does nothing."""
-        if self._lock is None:
+        """Remove the folder and all in it; nothing in a forked copy, or a second time."""
+        if self._lock is None or not self.is_mine:
             return
         self._lock.close()
         self._lock = None
