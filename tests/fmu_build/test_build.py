@@ -15,6 +15,7 @@ from fmu_build.declaration import read_declaration
 from fmu_build.failure import BuildError
 from fmu_build.fmu import build_fmu
 from fmu_build.platforms import PLATFORMS, this_platform
+from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu
 
 HERE = [this_platform().name]
 
@@ -142,3 +143,40 @@ def test_translating_without_the_translator_says_what_is_needed(
     monkeypatch.setattr("sys.version_info", (3, 11, 9, "final", 0))
     with pytest.raises(BuildError, match=r"needs Python 3\.12 or later, this is 3\.11; build"):
         build_all(tmp_path, [path.parent.name], translate=True, report=silent)
+
+
+LAG = """
+#include <math.h>
+#include "model.h"
+struct Model { double v[N_VARIABLES]; };
+const size_t model_bytes = sizeof(struct Model);
+const char *model_initialise(Model *m, const char *r) { (void)r; m->v[V_y] = 1.0; return NULL; }
+const char *model_step(Model *m, double t, double h) {
+    (void)t;
+    m->v[V_y] *= exp(-h / m->v[V_lag_time_constant]);
+    return NULL;
+}
+const char *model_parameter_changed(Model *m, int index) { (void)m, (void)index; return NULL; }
+"""
+
+
+def test_the_declaration_in_the_documentation_builds_and_runs(
+    tmp_path: Path, zig_cache: Path
+) -> None:
+    page = (SOURCES.parent / "notebooks" / "docs" / "fmus.md").read_text(encoding="utf-8")
+    table = page.split("```toml\n")[1].split("```")[0]
+    output = '\n[[variable]]\nname = "y"\ncausality = "output"\ndescription = "Decay from 1"\n'
+    folder, work = tmp_path / "first_order", tmp_path / "work"
+    folder.mkdir()
+    work.mkdir()
+    (folder / "model.toml").write_text(table + output)
+    (folder / "first_order.c").write_text(LAG)
+    compiler = find_compiler("zig", zig_cache, [this_platform()])
+    declaration = read_declaration(folder / "model.toml")
+    path = tmp_path / "first_order.fmu"
+    path.write_bytes(build_fmu(declaration, compiler, [this_platform()], work))
+    with unpacked_fmu(path) as unpacked:
+        lag = FmuInstance(unpacked).start(lag__time_constant=0.2)
+        lag.step(0.0, 0.1)
+        assert lag.get("y") == pytest.approx(0.6065306597126334, rel=1e-15)
+        lag.close()
