@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.binding import Binding
-from gmfbo.sources.job import Job, Outcome, Port, Wire
+from gmfbo.sources.job import Job, Port, Wire
 from gmfbo.sources.parameters import RunParameters
+from gmfbo.sources.runner import Order, Result
 from gmfbo.sources.sampling import sample, steps_to_cover
 from gmfbo.sources.signals import as_logged, input_columns, to_fmu, to_si
-
-Arrays = tuple[Job, NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,47 +84,44 @@ class Experiment:
             },
         )
 
-    def job(self, lead: int) -> Arrays:
-        """Return the run, after `lead` steps under the first row: job, inputs, schedules."""
+    def order(self, lead: int) -> Order:
+        """Order the run, after `lead` steps under the first row."""
         steps = self.grid.size - 1
         rows = np.concatenate([np.zeros(lead, dtype=int), np.arange(steps)])
         schedules = tuple(
             self.binding.variables[name].port(column) for column, name in enumerate(self.schedules)
         )
-        return (
+        return Order(
             self._job(lead + steps, self.grid[0] - lead * self.step, schedules),
             np.ascontiguousarray(self._driven()[rows]),
             np.ascontiguousarray(_table(self.schedules, self.grid.size)[rows]),
         )
 
-    def probe(self, steps: int) -> Arrays:
-        """Some steps under the first row, up to the first communication point."""
+    def probe(self, steps: int) -> Order:
+        """Order some steps under the first row, up to the first communication point."""
         first = self._driven()[:1]
-        return (
+        return Order(
             self._job(steps, self.grid[0] - steps * self.step, ()),
             np.ascontiguousarray(np.repeat(first, steps, axis=0)),
             np.empty((steps, 0)),
         )
 
-    def trajectory(
-        self, outcome: Outcome, outputs: NDArray[np.float64], lead: int, seconds: float
-    ) -> Trajectory:
-        """Make the trajectory of a run.
+    def trajectory(self, result: Result, lead: int, seconds: float) -> Trajectory:
+        """Make the trajectory of a run; one row of NaN where there is none.
 
         Parameters
         ----------
-        outcome : Outcome
-            How it ended; only its valid rows are kept, and one of NaN where there is none.
-        outputs : ndarray, shape (lead + rows, n_outputs)
-            [FMU's units]
+        result : Result
+            How the run ended, and its outputs [FMU's units].
         lead : int
             Steps before the first communication point, which are dropped.
         seconds : float
             [s] Wall-clock time of the run.
         """
+        outcome = result.outcome
         entries = self.binding.file.outputs
         rows = min(max(outcome.rows - lead, 0), self.grid.size)
-        kept = outputs[lead : lead + rows] if rows else np.full((1, len(entries)), np.nan)
+        kept = result.y[lead : lead + rows] if rows else np.full((1, len(entries)), np.nan)
         signals = {}
         for column, (name, entry) in enumerate(entries.items()):
             variable = self.binding.variables[entry.variable].variable

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import weakref
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.errors import FmuFileError
+from gmfbo.errors import FmuFileError, SimulationError
 from gmfbo.sources.binding import Binding
-from gmfbo.sources.job import Job, Outcome, Stage
-from gmfbo.sources.post_mortem import crash_message, timeout_message
+from gmfbo.sources.job import Outcome, Stage
+from gmfbo.sources.post_mortem import WhereItStood, crash_message, timeout_message
 from gmfbo.sources.private_folder import PrivateFolder
-from gmfbo.sources.runner import once_only, unpack_fmus
+from gmfbo.sources.runner import Order, Result, once_only, unpack_fmus
 from gmfbo.sources.shared_arrays import SharedArrays, reserve
 from gmfbo.sources.worker_process import WorkerDied, WorkerProcess, WorkerTimeout
 
@@ -63,38 +63,32 @@ class Isolated:
         self._once_only = bool(once_only(binding))
         self._begin()
 
-    def run(
-        self, job: Job, u: NDArray[np.float64], s: NDArray[np.float64]
-    ) -> tuple[Outcome, NDArray[np.float64]]:
-        """Simulate once; outputs of shape (steps + 1, n_outputs), valid up to the outcome's rows.
+    def run(self, *orders: Order) -> list[Result]:
+        """Simulate each order on new instances, up to the first that does not end well.
 
         Parameters
         ----------
-        job : Job
-            What is set, stepped and read.
-        u, s : ndarray, shape (steps, n)
-            Inputs and scheduled parameters.
+        *orders : Order
+            What is set, stepped and read. A worker that dies ends the last one it began.
 
         Raises
         ------
         FmuFileError
             A library cannot be loaded.
         SimulationError
-            The disk has no room for the run.
+            The disk has no room for the runs.
         """
         if not self._belongings.folder.is_mine:
             self._begin()  # a forked copy must not talk to its parent's worker
-        try:
-            outcome, outputs = self._run_once(job, u, s)
-            if outcome is None:
-                # The worker fell after the last answer, while it freed instances or waited.
-                outcome, outputs = self._run_once(job, u, s)
-        except BaseException:
-            self._drop_worker()  # the answer under way is nobody's
-            raise
-        if self._once_only:
+        if not self._once_only:
+            return self._run_together(orders)
+        results: list[Result] = []
+        for order in orders:
+            results += self._run_together([order])
             self._drop_worker()
-        return outcome or self._crashed(job, outputs, -9), outputs
+            if results[-1].outcome.status != "ok":
+                break
+        return results
 
     def close(self) -> None:
         """End the worker and remove its files."""
@@ -112,28 +106,44 @@ class Isolated:
             self.close()
             raise
 
-    def _run_once(
-        self, job: Job, u: NDArray[np.float64], s: NDArray[np.float64]
-    ) -> tuple[Outcome | None, NDArray[np.float64]]:
-        """Run on the present worker; no outcome where it was gone before the run began."""
-        arrays = self._room_for(job)
-        shared_u, shared_s, shared_y = arrays.arrays(job.shapes)
-        shared_u[:], shared_s[:], shared_y[:] = u, s, np.nan
+    def _run_together(self, orders: Sequence[Order]) -> list[Result]:
         try:
-            worker = self._worker()
-            answer = worker.ask({"arrays": self._arrays_path, "job": vars(job)}, self._time_limit_s)
+            results = self._ask(orders)
+            if results is None:
+                # The worker fell after the last answer, while it freed instances or waited.
+                results = self._ask(orders)
+        except BaseException:
+            self._drop_worker()  # the answer under way is nobody's
+            raise
+        if results is None:
+            raise SimulationError(
+                f"the worker process of {', '.join(self._names)} is killed again and again "
+                "before it begins; check the limits on memory and processes"
+            )
+        return results
+
+    def _ask(self, orders: Sequence[Order]) -> list[Result] | None:
+        """Run on the present worker; None where it was gone before the run began."""
+        shapes = tuple(shape for order in orders for shape in order.job.shapes)
+        arrays = self._room_for(sum(rows * columns for rows, columns in shapes))
+        tables = arrays.arrays(shapes)
+        for order, u, s, y in zip(orders, tables[::3], tables[1::3], tables[2::3], strict=True):
+            u[:], s[:], y[:] = order.u, order.s, np.nan
+        command = {"arrays": self._arrays_path, "jobs": [vars(order.job) for order in orders]}
+        outputs = tables[2::3]
+        try:
+            answer = self._worker().ask(command, self._time_limit_s)
         except WorkerTimeout:
-            outcome = self._timed_out(job, shared_y)
+            outcomes = self._lost(orders, outputs, None)
         except WorkerDied as death:
-            outcome = self._crashed(job, shared_y, death.exit_code)
             if self._stage() in _BEFORE_THE_RUN:
                 self._drop_worker()
-                return None, shared_y.copy()
+                return None
+            outcomes = self._lost(orders, outputs, death.exit_code)
         else:
-            self._replace_if_grown(answer.pop("memory"))
-            return Outcome(**answer), shared_y.copy()
-        self._drop_worker()
-        return outcome, shared_y.copy()
+            self._replace_if_grown(answer["memory"])
+            outcomes = [Outcome(**outcome) for outcome in answer["outcomes"]]
+        return [Result(outcome, y.copy()) for outcome, y in zip(outcomes, outputs, strict=False)]
 
     def _worker(self) -> WorkerProcess:
         """Return the present worker, or a fresh one that has loaded the FMUs."""
@@ -159,43 +169,53 @@ class Isolated:
         if memory > self._first_memory + _GROWTH_BYTES:
             self._drop_worker()
 
-    def _room_for(self, job: Job) -> SharedArrays:
-        doubles = sum(rows * columns for rows, columns in job.shapes)
+    def _room_for(self, doubles: int) -> SharedArrays:
         if self._arrays is None or self._arrays.room < doubles:
-            folder = self._belongings.folder.path
-            path = folder / f"arrays{doubles}"
+            path = self._belongings.folder.path / f"arrays{doubles}"
             reserve(path, max(doubles, _LEAST_ROOM))
             if self._arrays is not None:
-                Path(
-                    self._arrays_path
-                ).unlink()  # the worker keeps its mapping until the next command
+                # The worker keeps its mapping until the next command.
+                Path(self._arrays_path).unlink()
             self._arrays, self._arrays_path = SharedArrays(path), str(path)
             self._first_memory = 0
         return self._arrays
+
+    def _lost(
+        self,
+        orders: Sequence[Order],
+        outputs: Sequence[NDArray[np.float64]],
+        exit_code: int | None,
+    ) -> list[Outcome]:
+        """What became of each order when the worker died, or without exit code, hung."""
+        stage, fmu = self._stage(), self._fmu()
+        said = self._belongings.worker.last_words() if self._belongings.worker else ""
+        self._drop_worker()
+        outcomes = []
+        for order, y in zip(orders, outputs, strict=True):
+            rows = _filled_rows(y)
+            if rows == len(y) and order is not orders[-1]:
+                outcomes.append(Outcome("ok", rows))
+                continue
+            time = order.job.start + (rows - 1) * order.job.step if rows else None
+            where = WhereItStood(self._names, stage, fmu, time, said)
+            if exit_code is None:
+                limit = START_LIMIT_S if stage == Stage.LOAD else self._time_limit_s
+                outcomes.append(Outcome("timeout", rows, timeout_message(where, limit)))
+            else:
+                outcomes.append(Outcome("crashed", rows, crash_message(where, exit_code)))
+            break
+        return outcomes
 
     def _stage(self) -> Stage:
         assert self._arrays is not None
         return Stage(int(self._arrays.progress[0]))
 
-    def _crashed(self, job: Job, outputs: NDArray[np.float64], exit_code: int) -> Outcome:
-        rows, circumstances = self._circumstances(job, outputs)
-        return Outcome("crashed", rows, crash_message(exit_code=exit_code, **circumstances))
-
-    def _timed_out(self, job: Job, outputs: NDArray[np.float64]) -> Outcome:
-        rows, circumstances = self._circumstances(job, outputs)
-        limit = START_LIMIT_S if self._stage() == Stage.LOAD else self._time_limit_s
-        return Outcome("timeout", rows, timeout_message(limit_s=limit, **circumstances))
-
-    def _circumstances(self, job: Job, outputs: NDArray[np.float64]) -> tuple[int, dict[str, Any]]:
-        """Count the rows that were filled, and say where the worker stood."""
+    def _fmu(self) -> int:
         assert self._arrays is not None
-        blank = np.isnan(outputs).any(axis=1)
-        rows = int(np.argmax(blank)) if blank.any() else len(outputs)
-        worker = self._belongings.worker
-        return rows, {
-            "names": self._names,
-            "stage": self._stage(),
-            "fmu": int(self._arrays.progress[1]),
-            "time": job.start + (rows - 1) * job.step if rows else None,
-            "said": worker.last_words() if worker else "",
-        }
+        return int(self._arrays.progress[1])
+
+
+def _filled_rows(y: NDArray[np.float64]) -> int:
+    """Leading rows without NaN: outputs are NaN until they are written."""
+    blank = np.isnan(y).any(axis=1)
+    return int(np.argmax(blank)) if blank.any() else len(y)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from gmfbo.sources.job import Stage
 
@@ -15,64 +16,77 @@ _CURES = {
 }
 
 
-def crash_message(
-    names: Sequence[str], stage: Stage, fmu: int, exit_code: int, time: float | None, said: str
-) -> str:
+@dataclass(frozen=True)
+class WhereItStood:
+    """What is known of a worker that gave no answer.
+
+    Attributes
+    ----------
+    names : sequence of str
+        FMUs in order of computation.
+    stage : Stage
+        What the worker was busy with.
+    fmu : int
+        Which FMU, outside of steps.
+    time : float or None
+        [s] Last communication point that was reached.
+    said : str
+        What it printed last.
+    """
+
+    names: Sequence[str]
+    stage: Stage
+    fmu: int
+    time: float | None
+    said: str
+
+    @property
+    def who(self) -> str:
+        """FMU that is to blame, or all that stepped together."""
+        if self.stage == Stage.STEP and len(self.names) > 1:
+            return "one of " + ", ".join(f"'{name}'" for name in self.names)
+        return f"'{self.names[self.fmu]}'"
+
+    @property
+    def doing(self) -> str:
+        """What it was doing, and when."""
+        at = f" after t = {self.time:g} s" if self.time is not None else ""
+        return self.stage.words + (at if self.stage == Stage.STEP else "")
+
+    @property
+    def quote(self) -> str:
+        """Its last words, to append."""
+        return f"; it printed last: {self.said!r}" if self.said else ""
+
+
+def crash_message(where: WhereItStood, exit_code: int) -> str:
     """One line on a worker that is gone.
 
     Parameters
     ----------
-    names : sequence of str
-        FMUs in order of computation.
-    stage : Stage
-        What the worker was busy with.
-    fmu : int
-        Which FMU, outside of steps.
+    where : WhereItStood
+        What is known.
     exit_code : int
         Negative where a signal ended it.
-    time : float or None
-        [s] Last communication point that was reached.
-    said : str
-        What it printed last.
     """
-    cure = _CURES.get(stage, "try other gains or parameters, or ask its vendor")
-    return (
-        f"{_who(names, stage, fmu)} {_end(exit_code)} while {stage.words}{_at(stage, time)}; "
-        f"{cure}{_quoted(said)}"
-    )
+    cure = _CURES.get(where.stage, "try other gains or parameters, or ask its vendor")
+    return f"{where.who} {_end(exit_code)} while {where.doing}; {cure}{where.quote}"
 
 
-def timeout_message(
-    names: Sequence[str], stage: Stage, fmu: int, limit_s: float, time: float | None, said: str
-) -> str:
+def timeout_message(where: WhereItStood, limit_s: float) -> str:
     """One line on a worker that did not answer in time.
 
     Parameters
     ----------
-    names : sequence of str
-        FMUs in order of computation.
-    stage : Stage
-        What the worker was busy with.
-    fmu : int
-        Which FMU, outside of steps.
+    where : WhereItStood
+        What is known.
     limit_s : float
         [s] Wall-clock time that it had.
-    time : float or None
-        [s] Last communication point that was reached.
-    said : str
-        What it printed last.
     """
     return (
-        f"{_who(names, stage, fmu)} did not finish within {limit_s:g} s, stopped while "
-        f"{stage.words}{_at(stage, time)}; raise time_limit_s if it is slow, else it "
-        f"hangs there{_quoted(said)}"
+        f"{where.who} did not finish within {limit_s:g} s, stopped while {where.doing}; raise "
+        f"time_limit_s if it is slow, else it hangs there{where.quote}"
     )
-
-
-def _who(names: Sequence[str], stage: Stage, fmu: int) -> str:
-    if stage == Stage.STEP and len(names) > 1:
-        return "one of " + ", ".join(f"'{name}'" for name in names)
-    return f"'{names[fmu]}'"
 
 
 def _end(exit_code: int) -> str:
@@ -84,11 +98,3 @@ def _end(exit_code: int) -> str:
         return f"crashed ({signal.Signals(-exit_code).name})"
     except ValueError:
         return f"crashed (signal {-exit_code})"
-
-
-def _at(stage: Stage, time: float | None) -> str:
-    return f" after t = {time:g} s" if stage == Stage.STEP and time is not None else ""
-
-
-def _quoted(said: str) -> str:
-    return f"; it printed last: {said!r}" if said else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path, PurePosixPath
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,26 @@ from gmfbo.sources.unpacking import unpack
 _NOT_NEEDED = ("sources", "documentation")
 
 
+class Order(NamedTuple):
+    """A job and its arrays: inputs u and schedules s, shape (steps, n)."""
+
+    job: Job
+    u: NDArray[np.float64]
+    s: NDArray[np.float64]
+
+
+class Result(NamedTuple):
+    """How a job ended, and its outputs y, shape (steps + 1, n): rows up to `outcome.rows`."""
+
+    outcome: Outcome
+    y: NDArray[np.float64]
+
+
 class Runner(Protocol):
     """Runs jobs of one twin, one after the other."""
 
-    def run(
-        self, job: Job, u: NDArray[np.float64], s: NDArray[np.float64]
-    ) -> tuple[Outcome, NDArray[np.float64]]:
-        """Simulate once; outputs of shape (steps + 1, n_outputs)."""
+    def run(self, *orders: Order) -> list[Result]:
+        """Simulate each order on new instances, up to the first that does not end well."""
         ...
 
     def close(self) -> None:
@@ -99,15 +112,18 @@ class InProcess:
             self._folder.remove()
             raise
 
-    def run(
-        self, job: Job, u: NDArray[np.float64], s: NDArray[np.float64]
-    ) -> tuple[Outcome, NDArray[np.float64]]:
-        """Simulate once; outputs of shape (steps + 1, n_outputs)."""
-        outputs = np.full(job.shapes[2], np.nan)
+    def run(self, *orders: Order) -> list[Result]:
+        """Simulate each order on new instances, up to the first that does not end well."""
+        results = []
         try:
-            return self._simulator.run(job, u, s, outputs), outputs
+            for order in orders:
+                y = np.full(order.job.shapes[2], np.nan)
+                results.append(Result(self._simulator.run(order.job, order.u, order.s, y), y))
+                if results[-1].outcome.status != "ok":
+                    break
         finally:
             self._simulator.free()
+        return results
 
     def close(self) -> None:
         """Remove the unpacked FMUs; their libraries stay loaded."""

@@ -12,7 +12,6 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.errors import FmuFileError, InputError
 from gmfbo.recordings.recording import Recording, Trajectory
@@ -22,8 +21,8 @@ from gmfbo.sources.content import content_hash
 from gmfbo.sources.experiment import Experiment
 from gmfbo.sources.job import Outcome
 from gmfbo.sources.parameters import run_parameters
-from gmfbo.sources.runner import InProcess, Runner, once_only
-from gmfbo.sources.settling import steps_to_settle
+from gmfbo.sources.runner import InProcess, Result, Runner, once_only
+from gmfbo.sources.settling import is_settling, probe_lengths, settled_after
 from gmfbo.sources.signals import signal_specs
 from gmfbo.sources.twin_file import TwinFile
 
@@ -166,11 +165,13 @@ class FmuTwin:
         experiment = Experiment.prepare(self._binding, reference, chosen, self.step)
         with self._lock:
             runner = self._runner = self._runner or self._start()
-            lead = 0 if self.file.initial else self._steps_to_settle(runner, experiment)
-            outcome, outputs = runner.run(*experiment.job(lead))
-        self._warn(outcome)
+            if self.file.initial:
+                lead, result = 0, runner.run(experiment.order(0))[0]
+            else:
+                lead, result = _run_from_rest(runner, experiment)
+        self._warn(result.outcome)
         seconds = time.perf_counter() - started
-        return experiment.trajectory(outcome, outputs, lead, seconds)
+        return experiment.trajectory(result, lead, seconds)
 
     def close(self) -> None:
         """End the worker and remove its files; a later run starts anew."""
@@ -205,13 +206,6 @@ class FmuTwin:
 
         return Isolated(self._binding, time_limit_s=self._time_limit_s)
 
-    def _steps_to_settle(self, runner: Runner, experiment: Experiment) -> int:
-        def probe(steps: int) -> NDArray[np.float64] | None:
-            outcome, outputs = runner.run(*experiment.probe(steps))
-            return outputs if outcome.status == "ok" else None
-
-        return steps_to_settle(probe, self.step)
-
     def _warn(self, outcome: Outcome) -> None:
         if outcome.warnings:
             warnings.warn(
@@ -219,6 +213,29 @@ class FmuTwin:
                 RuntimeWarning,
                 stacklevel=3,
             )
+
+
+def _run_from_rest(runner: Runner, experiment: Experiment) -> tuple[int, Result]:
+    """Hold the first reference until the twin settles, then run: steps held, and the result."""
+    first, *longer = probe_lengths(experiment.step)
+    # Most runs begin at rest: then the run is done by the time the probe has told so.
+    results = runner.run(experiment.probe(first), experiment.order(0))
+    if len(results) == 2 and settled_after(results[0].y, experiment.step) == 0:
+        return 0, results[1]
+    lead = 0
+    for steps in longer:
+        probe = runner.run(experiment.probe(steps))[0]
+        if probe.outcome.status != "ok":
+            break
+        settled = settled_after(probe.y, experiment.step)
+        if settled is not None:
+            lead = settled
+            break
+        if not is_settling(probe.y, experiment.step):
+            break
+    if lead == 0 and len(results) == 2:
+        return 0, results[1]
+    return lead, runner.run(experiment.order(lead))[0]
 
 
 _EMPTY = Recording(time=np.zeros(1), signals={})

@@ -1,4 +1,4 @@
-"""The process that runs a twin's FMUs: `python -m gmfbo.sources.worker`, started by `isolation`.
+"""The process that runs a twin's FMUs; `worker_process` starts it.
 
 Commands come as lines of JSON on standard input, answers go as lines of JSON to what was standard
 output; arrays travel through a mapped file. The FMU's own standard output and error go to a log
@@ -10,13 +10,12 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import queue
 import shutil
 import signal
 import sys
-import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -24,25 +23,27 @@ import numpy as np
 
 from gmfbo.errors import GmfboError
 from gmfbo.sources.job import Job, Stage
+from gmfbo.sources.parent_watch import when_parent_is_gone
 from gmfbo.sources.shared_arrays import SharedArrays
 from gmfbo.sources.simulator import Simulator
 from gmfbo.sources.unpacked_fmu import UnpackedFmu
 
-_PARENT_CHECK_S = 1.0
 _LARGEST_LOG_BYTES = 2**20
 
 
 class _Worker:
     """State between commands."""
 
-    def __init__(self, commands: Callable[[], dict[str, Any]], answers: IO[str]) -> None:
+    def __init__(self, commands: IO[str], answers: IO[str]) -> None:
         self._commands, self._answers = commands, answers
         self._mapped = ""
         self._arrays: SharedArrays | None = None
 
     def serve(self) -> None:
         """Load the FMUs, then run jobs until standard input ends."""
-        first = self._commands()
+        first = json.loads(self._commands.readline() or "null")
+        if first is None:
+            return
         self._map(first)
         try:
             fmus = [UnpackedFmu(**fmu) for fmu in first["fmus"]]
@@ -51,21 +52,30 @@ class _Worker:
             self._answer({"error": str(error)})
             return
         self._answer({"loaded": True})
-        while True:
-            command = self._commands()
+        for line in self._commands:
             _shorten_log()
-            self._map(command)
-            assert self._arrays is not None
-            job = Job.from_json(command["job"])
-            outcome = simulator.run(job, *self._arrays.arrays(job.shapes))
-            # Answered before the instances are freed, since some FMUs crash when freed.
-            self._answer({**asdict(outcome), "memory": _resident_bytes()})
-            simulator.free()
+            self._run(simulator, json.loads(line))
 
-    def _map(self, command: Mapping[str, Any]) -> None:
-        if command["arrays"] != self._mapped:
+    def _run(self, simulator: Simulator, command: Mapping[str, Any]) -> None:
+        """Run jobs until one does not end well; they share the room of the arrays."""
+        arrays = self._map(command)
+        jobs = [Job.from_json(raw) for raw in command["jobs"]]
+        tables = iter(arrays.arrays(tuple(shape for job in jobs for shape in job.shapes)))
+        outcomes = []
+        for job in jobs:
+            outcomes.append(simulator.run(job, next(tables), next(tables), next(tables)))
+            if outcomes[-1].status != "ok":
+                break
+        # Answered before the last instances are freed, since some FMUs crash when freed.
+        answer = [asdict(outcome) for outcome in outcomes]
+        self._answer({"outcomes": answer, "memory": _resident_bytes()})
+        simulator.free()
+
+    def _map(self, command: Mapping[str, Any]) -> SharedArrays:
+        if self._arrays is None or command["arrays"] != self._mapped:
             self._mapped = command["arrays"]
             self._arrays = SharedArrays(Path(self._mapped))
+        return self._arrays
 
     def _mark(self, stage: Stage, fmu: int) -> None:
         if self._arrays is not None:
@@ -82,13 +92,14 @@ def main() -> None:
     _prepare_process()
     # What the FMU prints must not get between the answers.
     commands = os.fdopen(os.dup(0), "r", encoding="utf-8")
+    when_parent_is_gone(commands.fileno(), partial(_leave, folder))
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.dup2(2, 1)
     with contextlib.suppress(BrokenPipeError):
-        _Worker(_reader_of(commands, folder), answers).serve()
-    os._exit(0)
+        _Worker(commands, answers).serve()
+    _leave(folder)
 
 
 def _prepare_process() -> None:
@@ -99,31 +110,6 @@ def _prepare_process() -> None:
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash is expected, its dump is not
     np.seterr(all="ignore")
-
-
-def _reader_of(commands: IO[str], folder: Path) -> Callable[[], dict[str, Any]]:
-    """Read commands in a thread, which sees the parent's end even while an FMU hangs."""
-    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-    parent = os.getppid()
-
-    def read() -> None:
-        for line in commands:
-            lines.put(line)
-        _leave(folder)
-
-    def next_command() -> dict[str, Any]:
-        while True:
-            try:
-                command: dict[str, Any] = json.loads(lines.get(timeout=_PARENT_CHECK_S))
-            except queue.Empty:
-                # A process forked from the parent may hold the pipe open after the parent's end.
-                if os.getppid() != parent:
-                    _leave(folder)
-            else:
-                return command
-
-    threading.Thread(target=read, daemon=True).start()
-    return next_command
 
 
 def _leave(folder: Path) -> None:
@@ -143,7 +129,3 @@ def _resident_bytes() -> int:
         pages = int(Path("/proc/self/statm").read_bytes().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
     return 0
-
-
-if __name__ == "__main__":
-    main()
