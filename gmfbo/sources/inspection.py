@@ -1,0 +1,108 @@
+"""What an FMU is, for somebody who sees it for the first time; none of its code runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from gmfbo.errors import FmuFileError
+from gmfbo.sources.description import FmuDescription, FmuVariable, read_description
+from gmfbo.sources.starting_twin import starting_twin_file
+
+__all__ = ["FmuReport", "FmuVariable", "inspect_fmu", "starting_twin_file"]
+
+
+@dataclass(frozen=True)
+class FmuReport:
+    """What `gmfbo inspect` tells.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    name, description, generation_tool : str
+        As the file states.
+    fmi_version : str
+        Such as `2.0`.
+    kinds : tuple of str
+        Of `co-simulation` and `model exchange`.
+    platforms : tuple of str
+        Folders below `binaries/` that hold a library.
+    obstacle : str
+        Why gmfbo cannot run it on this machine, and the cure; empty where it can.
+    inputs, outputs, parameters : tuple of FmuVariable
+        By causality, in the order of the file.
+    capabilities : mapping of str to bool or int
+        Flags of co-simulation by their names in the standard.
+    default_step : float or None
+        [s] Step of the default experiment.
+    findings : tuple of str
+        Violations of the standard; many FMUs with findings work.
+    """
+
+    path: Path
+    name: str
+    description: str
+    generation_tool: str
+    fmi_version: str
+    kinds: tuple[str, ...]
+    platforms: tuple[str, ...]
+    obstacle: str
+    inputs: tuple[FmuVariable, ...]
+    outputs: tuple[FmuVariable, ...]
+    parameters: tuple[FmuVariable, ...]
+    capabilities: Mapping[str, bool | int]
+    default_step: float | None
+    findings: tuple[str, ...]
+
+
+def inspect_fmu(path: str | Path) -> FmuReport:
+    """Read what an FMU says of itself and check it against the standard.
+
+    Parameters
+    ----------
+    path : str or Path
+        The `.fmu` file.
+
+    Raises
+    ------
+    FmuFileError
+        It is missing, not a zip archive, unsafe, or has no readable model description.
+    """
+    path = Path(path)
+    description = read_description(path)
+    return FmuReport(
+        path=path,
+        name=description.model_name,
+        description=description.description,
+        generation_tool=description.generation_tool,
+        fmi_version=description.fmi_version,
+        kinds=description.kinds,
+        platforms=description.platforms,
+        obstacle=_obstacle(description),
+        inputs=_of(description, "input"),
+        outputs=_of(description, "output"),
+        parameters=_of(description, "parameter"),
+        capabilities=description.capabilities,
+        default_step=description.default_step,
+        findings=_findings(path),
+    )
+
+
+def _of(description: FmuDescription, causality: str) -> tuple[FmuVariable, ...]:
+    return tuple(v for v in description.variables.values() if v.causality == causality)
+
+
+def _obstacle(description: FmuDescription) -> str:
+    try:
+        description.library()
+    except FmuFileError as error:
+        return str(error)
+    return ""
+
+
+def _findings(path: Path) -> tuple[str, ...]:
+    from fmpy.validation import validate_fmu
+
+    return tuple(" ".join(str(finding).split()) for finding in validate_fmu(str(path)))
