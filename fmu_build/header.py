@@ -9,7 +9,8 @@ from fmu_build.declaration import Declaration, Variable, c_name
 
 
 def variables_header(declaration: Declaration) -> str:
-    """Enumerators `V_<name>` (index into v[], first element of an array) and `N_VARIABLES`."""
+    """Enumerators `V_<name>` (index into v[], of an array its first element), `N_VARIABLES`, and
+    `INTERNAL_STEP` [s]."""
     lines = [
         "/* Generated from model.toml. */",
         "#ifndef GMFBO_VARIABLES_H",
@@ -18,7 +19,8 @@ def variables_header(declaration: Declaration) -> str:
         "enum {",
     ]
     lines += [f"    {c_name(name)} = {first}," for name, (first, _) in declaration.arrays.items()]
-    lines += [f"    N_VARIABLES = {len(declaration.variables)}", "};", "", "#endif", ""]
+    lines += [f"    N_VARIABLES = {len(declaration.variables)}", "};", ""]
+    lines += [f"#define INTERNAL_STEP {declaration.internal_step!r} /* [s] */", "", "#endif", ""]
     return "\n".join(lines)
 
 

@@ -6,8 +6,6 @@
 #include "model.h"
 #include "sampling.h"
 
-static const double INTERNAL_STEP = 1e-4; /* [s] */
-
 struct Model {
     double v[N_VARIABLES];
     Sampler sampler;
