@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,14 +31,7 @@ def read_hdf5(path: Path) -> RecordedColumns:
     OSError
         The file cannot be read.
     """
-    if not h5py.is_hdf5(path):
-        with path.open("rb"):  # a missing right to read is said as such
-            pass
-        raise RecordingError(
-            f"{path.name}: expected an HDF5 file, got something else or a part of one; write it "
-            "again, or give the file its right ending"
-        )
-    with h5py.File(path, "r", locking=False) as file:
+    with open_hdf5(path, "an HDF5") as file:
         if is_recording_group(file):
             return _ours(path.name, file)
         if "trials" in file and isinstance(file["trials"], h5py.Group):
@@ -45,6 +40,36 @@ def read_hdf5(path: Path) -> RecordedColumns:
                 "trials; name the file of one trial, such as trials/000001.h5 of the study folder"
             )
         return _plain(path.name, file)
+
+
+@contextmanager
+def open_hdf5(path: Path, kind: str) -> Iterator[Any]:
+    """Open an HDF5 file for reading, without a lock.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    kind : str
+        What was expected, with its article, for the message.
+
+    Raises
+    ------
+    RecordingError
+        It is no HDF5 file, or a damaged one.
+    OSError
+        The file cannot be opened.
+    """
+    with path.open("rb"):  # a missing right to read is an error of its own
+        pass
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            yield file
+    except (OSError, KeyError, RuntimeError, ValueError) as error:
+        raise RecordingError(
+            f"{path.name}: expected {kind} file, got something else or a damaged one ({error}); "
+            "write or copy it again, or give it its right ending"
+        ) from error
 
 
 def _ours(label: str, file: Any) -> RecordedColumns:

@@ -59,7 +59,7 @@ def recording_from(file: RecordedColumns, twin: SignalReading | None) -> Recordi
     others = {column.name: column for column in file.columns if column is not clock}
     reading = _Reading()
     if twin is None:
-        _read_all(file, others, reading)
+        _read_all(others, reading, file.notes.schedules)
         reading.parameters.update(file.scalars)
     else:
         _read_signals(file, others, twin.signal_specs(), reading)
@@ -67,7 +67,8 @@ def recording_from(file: RecordedColumns, twin: SignalReading | None) -> Recordi
         for name in [name for name in others if name in tunable]:
             _read_parameter(file, others.pop(name), tunable[name], time, reading)
         kept = {n: c for n, c in others.items() if n not in reading.signals and not c.fault}
-        _read_all(file, kept, reading)
+        # A schedule of a parameter that this twin has not is a column like others.
+        _read_all(kept, reading, schedules=frozenset())
         reading.parameters.update(_known_scalars(file, tunable))
     columns = (*reading.signals.values(), *reading.schedules.values())
     check_clock(file.label, time, [np.isfinite(values) for values in columns], file.row_name)
@@ -99,7 +100,7 @@ def _time(file: RecordedColumns, clock: Column) -> NDArray[np.float64]:
     return unit.to_si(clock.values)
 
 
-def _read_all(file: RecordedColumns, columns: Mapping[str, Column], reading: _Reading) -> None:
+def _read_all(columns: Mapping[str, Column], reading: _Reading, schedules: frozenset[str]) -> None:
     """Keep columns under their own names; one that holds no number at all is text, and skipped."""
     for name, column in columns.items():
         if column.fault:
@@ -109,7 +110,7 @@ def _read_all(file: RecordedColumns, columns: Mapping[str, Column], reading: _Re
         values, unit = plain_values(column.values, column.unit)
         if unit:
             reading.units[name] = unit
-        target = reading.schedules if name in file.notes.schedules else reading.signals
+        target = reading.schedules if name in schedules else reading.signals
         target[name] = values
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns import RecordedColumns
 from gmfbo.recordings.equal_length import columns_of_equal_length
+from gmfbo.recordings.hdf5_file import open_hdf5
 
 _NUMBERS = {
     "double", "single", "logical", "int8", "uint8", "int16", "uint16",
@@ -38,10 +39,10 @@ def read_mat(path: Path) -> RecordedColumns:
 def _read_v5(path: Path) -> dict[str, Any]:
     from scipy.io import loadmat
 
+    with path.open("rb"):  # a missing right to read is an error of its own
+        pass
     try:
         content = loadmat(path, simplify_cells=True)
-    except OSError:
-        raise
     except Exception as error:  # SciPy's reader raises what its parsing trips over
         raise RecordingError(
             f"{path.name}: expected a MATLAB file of version 5 or 7.3, got something else "
@@ -71,6 +72,6 @@ def _read_v73(path: Path) -> dict[str, Any]:
             empty = "MATLAB_empty" in item.attrs
             arrays[name.replace("/", ".")] = np.empty(0) if empty else item[()]
 
-    with h5py.File(path, "r", locking=False) as file:
+    with open_hdf5(path, "a MATLAB") as file:
         file.visititems(visit)
     return arrays

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -174,6 +175,9 @@ class StudyStore:
             raise StoreError(
                 f"{path}: cannot store trial {trial.number}: {cause(error)}"
             ) from error
+        # The trial is safe by now; an index that lags behind is mended by the next refresh.
+        with contextlib.suppress(StoreError):
+            self.refresh_index()
         return path
 
     def log(self, event: str, **fields: Any) -> None:
