@@ -248,8 +248,11 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         yield f"{where}: expected a number, '{name}' is of type {found.variable.type}"
     elif not fits(found.variable):
         choices = [known for known, v in binding.variables.items() if fits(v.variable)]
+        # A name that exists is no slip of the pen, so the nearest spelling is no help.
+        shown = ", ".join(choices[:6]) + (", ..." if len(choices) > 6 else "")
+        valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
-        yield f"{where}: expected {words} of the FMU, {is_a}" + did_you_mean(name, choices)
+        yield f"{where}: expected {words} of the FMU, {is_a}{valid}"
 
 
 def _scale_problem(binding: Binding, where: str, entry: SignalEntry) -> Iterator[str]:

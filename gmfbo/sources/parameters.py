@@ -66,12 +66,7 @@ def run_parameters(
                 f"{label}: no FMU parameter '{name}'" + did_you_mean(name, binding.parameters)
             )
     for words, given in (("parameter", override), ("gain", gains)):
-        for name in given:
-            if name not in binding.parameters:
-                raise InputError(
-                    f"{binding.file.name}: no FMU parameter '{name}' for {words} '{name}'"
-                    + did_you_mean(name, binding.parameters)
-                )
+        _check_names(binding, words, given)
     explicit = {**override, **gains}
     first, changing = _split_schedules(binding, recording, explicit)
     in_force = {**recording.parameters, **first, **explicit}
@@ -87,6 +82,35 @@ def run_parameters(
         binding.variables[name].check_value(float(value))
     settings = tuple(binding.variables[n].setting(float(v)) for n, v in values.items())
     return RunParameters(settings, in_force, changing)
+
+
+def check_parameters(binding: Binding, override: Mapping[str, float]) -> None:
+    """Refuse a parameter of the twin file, or one given over it, before anything is run.
+
+    Parameters
+    ----------
+    binding : Binding
+        The twin.
+    override : mapping of str to float
+        Given for the twin [FMU's unit].
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or a value outside the FMU's bounds.
+    """
+    _check_names(binding, "parameter", override)
+    for name, value in {**binding.preset, **binding.file.parameters, **override}.items():
+        binding.variables[name].check_value(float(value))
+
+
+def _check_names(binding: Binding, words: str, given: Mapping[str, float]) -> None:
+    for name in given:
+        if name not in binding.parameters:
+            raise InputError(
+                f"{binding.file.name}: no FMU parameter '{name}' for {words} '{name}'"
+                + did_you_mean(name, binding.parameters)
+            )
 
 
 def _split_schedules(
@@ -138,6 +162,11 @@ def initial_values(binding: Binding, recording: Recording) -> dict[str, float]:
         if not isinstance(source, str):
             values[name] = float(source)
         elif source != "fit":
+            if source not in recording.signals:
+                raise RecordingError(
+                    f"{recording.name or 'recording'}: [initial] takes '{name}' from the recorded "
+                    f"signal '{source}', which is not there; record it, or give a number"
+                )
             column = recording.signal(source)
             sampled = np.flatnonzero(~np.isnan(column))
             if sampled.size == 0:

@@ -20,7 +20,7 @@ from gmfbo.sources.binding import bind
 from gmfbo.sources.content import content_hash
 from gmfbo.sources.experiment import Experiment
 from gmfbo.sources.job import Outcome
-from gmfbo.sources.parameters import run_parameters
+from gmfbo.sources.parameters import check_parameters, run_parameters
 from gmfbo.sources.runner import InProcess, Result, Runner, once_only
 from gmfbo.sources.settling import is_settling, probe_lengths, settled_after
 from gmfbo.sources.signals import signal_specs
@@ -86,7 +86,7 @@ class FmuTwin:
         self.step: float = step or self.file.step
         self._binding = bind(self.file, path.resolve().parent, path.name)
         self._parameters = dict(parameters or {})
-        run_parameters(self._binding, _EMPTY, self._parameters, {})
+        check_parameters(self._binding, self._parameters)
         self._isolated, self._time_limit_s = isolated, time_limit_s
         self._runner: Runner | None = None
         self._lock = threading.Lock()
@@ -238,7 +238,7 @@ def _run_from_rest(runner: Runner, experiment: Experiment) -> tuple[int, Result]
     return lead, runner.run(experiment.order(lead))[0]
 
 
-_EMPTY = Recording(time=np.zeros(1), signals={})
+
 
 
 def _warn_without_master() -> None:

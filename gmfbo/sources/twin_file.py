@@ -32,9 +32,10 @@ KNOWN_STATES = (
 )
 CONTROLLER_KINDS = ("pd_filtered", "cascade_p_pi", "pid")
 
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+# Strict: a number in quotes is a mistake, not a number.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)]
 Text = Annotated[str, Field(min_length=1)]
 
 

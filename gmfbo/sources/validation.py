@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -64,20 +64,14 @@ def _is_branch(part: str) -> bool:
 
 def _keys(model: type[BaseModel], table: list[str]) -> list[str]:
     """Keys that the table at this place knows."""
-    found: Any = model
+    found: object = model
     for part in table:
         if isinstance(found, type) and issubclass(found, BaseModel):
-            field = found.model_fields.get(part)
-            found = field.annotation if field else None
-            inner = [
-                choice
-                for choice in get_args(found)
-                if isinstance(choice, type) and issubclass(choice, BaseModel)
-            ]
-            found = inner[0] if inner else found
-    return (
-        list(found.model_fields) if isinstance(found, type) and issubclass(found, BaseModel) else []
-    )
+            found = found.model_fields[part].annotation if part in found.model_fields else None
+        elif get_origin(found) is dict:  # the part is a key of the user's own
+            found = get_args(found)[1]
+    is_model = isinstance(found, type) and issubclass(found, BaseModel)
+    return list(found.model_fields) if is_model else []  # type: ignore[attr-defined]
 
 
 def _shown(value: object) -> str:
