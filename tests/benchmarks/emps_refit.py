@@ -24,7 +24,7 @@ from gmfbo.objective.fit import compare_at
 from gmfbo.sources.models import models_folder
 
 SIGNALS = ("position", "drive_voltage")
-PUBLISHED = {"mech.M": 95.1089, "mech.Fv": 203.5034}
+PUBLISHED = {"mass": 95.1089, "viscous_friction": 203.5034}
 
 
 def main() -> int:
@@ -36,15 +36,19 @@ def main() -> int:
         recording = Recording.read(Path(os.environ["GMFBO_DATA"]) / "emps/DATA_EMPS.mat", twin)
         middle = 0.5 * (recording.time[0] + recording.time[-1])
         fitted = refit(twin, recording, middle)
-        print(f"published  M = {PUBLISHED['mech.M']:8.3f} kg, Fv = {PUBLISHED['mech.Fv']:8.3f} N s/m")
-        print(f"refitted   M = {fitted['mech.M']:8.3f} kg, Fv = {fitted['mech.Fv']:8.3f} N s/m")
-        print(f"{'second half':<16}{'NRMSE published':>18}{'NRMSE refitted':>18}{'relative 2-norm':>18}")
+        print(
+            f"published  M = {PUBLISHED['mass']:8.3f} kg, Fv = {PUBLISHED['viscous_friction']:8.3f} N s/m"
+        )
+        print(
+            f"refitted   M = {fitted['mass']:8.3f} kg, Fv = {fitted['viscous_friction']:8.3f} N s/m"
+        )
+        print(
+            f"{'second half':<16}{'NRMSE published':>18}{'NRMSE refitted':>18}{'relative 2-norm':>18}"
+        )
         for signal in SIGNALS:
             before = scored(twin, recording, PUBLISHED, signal, middle)
             after = scored(twin, recording, fitted, signal, middle)
-            print(
-                f"{signal:<16}{before[0]:>17.4%} {after[0]:>17.4%} {after[1]:>17.2%}"
-            )
+            print(f"{signal:<16}{before[0]:>17.4%} {after[0]:>17.4%} {after[1]:>17.2%}")
     return 0
 
 
@@ -66,7 +70,9 @@ def refit(twin: FmuTwin, recording: Recording, until: float) -> dict[str, float]
 
 def named(share: NDArray[np.float64]) -> dict[str, float]:
     """Parameters from their share of the published value."""
-    return {name: float(s) * value for s, (name, value) in zip(share, PUBLISHED.items(), strict=True)}
+    return {
+        name: float(s) * value for s, (name, value) in zip(share, PUBLISHED.items(), strict=True)
+    }
 
 
 def scored(

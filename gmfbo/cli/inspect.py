@@ -1,0 +1,78 @@
+"""`gmfbo inspect`: what an FMU is, without running it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from gmfbo.sources.inspection import FmuReport, FmuVariable
+
+MOST_ROWS = 60
+"""Variables of a kind that are listed; a lookup table may have hundreds."""
+
+
+def inspect(
+    fmu: Annotated[Path, typer.Argument(help="FMU file.")],
+    twin_file: Annotated[
+        bool, typer.Option("--twin-file", help="Print a twin file to start from.")
+    ] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help=f"List more than {MOST_ROWS} variables of a kind.")
+    ] = False,
+) -> None:
+    """Print what an FMU is: signals, parameters, capabilities, platforms, findings."""
+    from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
+
+    report = inspect_fmu(fmu)
+    if twin_file:
+        typer.echo(starting_twin_file(report))
+        return
+    _print_head(report)
+    for title, variables in (
+        ("inputs", report.inputs),
+        ("outputs", report.outputs),
+        ("parameters", report.parameters),
+    ):
+        _print_variables(title, variables, None if everything else MOST_ROWS)
+    typer.echo("capabilities")
+    for name, value in report.capabilities.items():
+        typer.echo(f"  {name} = {str(value).lower()}")
+    typer.echo(f"findings: {len(report.findings) or 'none'}")
+    for finding in report.findings:
+        typer.echo(f"  {finding}")
+
+
+def _print_head(report: FmuReport) -> None:
+    typer.echo(f"{report.name}: {report.description}" if report.description else report.name)
+    typer.echo(f"FMI {report.fmi_version}, {' and '.join(report.kinds)}")
+    if report.generation_tool:
+        typer.echo(f"made by {report.generation_tool}")
+    typer.echo(f"platforms: {', '.join(report.platforms) or 'none'}")
+    typer.echo(f"runs here: no, {report.obstacle}" if report.obstacle else "runs here: yes")
+    if report.default_step is not None:
+        typer.echo(f"step: {report.default_step:g} s")
+
+
+def _print_variables(title: str, variables: Sequence[FmuVariable], most: int | None) -> None:
+    typer.echo(f"{title}: {len(variables) or 'none'}")
+    for variable in variables[:most]:
+        unit = f" [{variable.unit}]" if variable.unit else ""
+        start = "" if variable.start is None else f" = {variable.start:g}"
+        bounds = (
+            ""
+            if variable.minimum is None and variable.maximum is None
+            else f" in [{_bound(variable.minimum)}, {_bound(variable.maximum)}]"
+        )
+        words = f"  {variable.description}" if variable.description else ""
+        typer.echo(f"  {variable.name}{unit}{start}{bounds}{words}")
+    if most is not None and len(variables) > most:
+        typer.echo(f"  and {len(variables) - most} more; --all lists them")
+
+
+def _bound(value: float | None) -> str:
+    return "" if value is None else f"{value:g}"

@@ -1,0 +1,74 @@
+"""`gmfbo tune`: a tuning study, shown while it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gmfbo.cli.console import console, gains_text
+
+if TYPE_CHECKING:
+    from gmfbo.tuning.request import TuningResult
+    from gmfbo.tuning.study import Study
+
+
+def tune(
+    study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a study that was stopped.")
+    ] = False,
+) -> None:
+    """Run a tuning study; every trajectory of every source is kept."""
+    from gmfbo.tuning.study import Study
+
+    run_study(Study.read(study), resume=resume)
+
+
+def run_study(study: Study, *, resume: bool) -> TuningResult:
+    """Run a study with its progress on the terminal, and print what it came to.
+
+    Parameters
+    ----------
+    study : Study
+        Not begun, or with `resume` stopped.
+    resume : bool
+        Go on where it was stopped.
+
+    Returns
+    -------
+    TuningResult
+        Best observed gains and, separately, the recommended ones.
+    """
+    from gmfbo.cli.study_display import StudyDisplay
+    from gmfbo.tuning.tuner import Tuner
+
+    with Tuner(study, resume=resume) as tuner, StudyDisplay(console) as display:
+        result = tuner.run(display.show)
+    _print_result(study, result)
+    return result
+
+
+def _print_result(study: Study, result: TuningResult) -> None:
+    console.print(
+        f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
+        f"{result.queries} queries after the initial data, "
+        f"cost {result.cost:.1f} real runs"
+    )
+    if result.best is None:
+        console.print("no real run succeeded, so there are no gains to take")
+    else:
+        console.print(f"best observed      {gains_text(result.best.gains)}")
+        console.print(f"                   objective {result.best.objective:.4f}")
+        for name, value in result.best.metrics.items():
+            console.print(f"                   {name.replace('_', ' '):<15} {_metric(name, value)}")
+    if result.recommendation is not None:
+        advised = result.recommendation
+        console.print(f"model recommends   {gains_text(advised.gains)}")
+        console.print(f"                   expected {advised.mean:.4f} +- {advised.std:.4f}")
+    console.print(f"study folder       {study.location}")
+
+
+def _metric(name: str, value: float) -> str:
+    return f"{value:.2f} %" if name == "overshoot" else f"{value:.4f} s"
