@@ -115,11 +115,12 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     """
     for name in ("time", "t", "timestamp"):
         for column in columns:
-            if column.name.lower() == name:
+            # T is a temperature.
+            if column.name == name or (name != "t" and column.name.lower() == name):
                 return column
         for column in columns:
             # MATLAB structures and HDF5 groups: log.time, log/time
-            if column.name.lower().replace("/", ".").endswith(f".{name}"):
+            if column.name.replace("/", ".").endswith(f".{name}"):
                 return column
     for column in columns:
         unit = parse_unit(column.unit)

@@ -77,9 +77,7 @@ def read_csv(path: Path) -> RecordedColumns:
             "file; record again"
         )
     delimiter = _delimiter(lines[places[0] - 1])
-    table = list(csv.reader((lines[place - 1] for place in places), delimiter=delimiter))
-    if len(table) != len(places):
-        raise RecordingError(f"{label}: a quotation mark is not closed; correct the file")
+    table = _cells_of([lines[place - 1] for place in places], delimiter, label)
     header, rows = table[0], table[1:]
     if (
         len(header) > 1
@@ -107,6 +105,17 @@ def read_csv(path: Path) -> RecordedColumns:
         notes=head.notes,
         row_name=lambda row: f"line {places[row]}",
     )
+
+
+def _cells_of(lines: list[str], delimiter: str, label: str) -> list[list[str]]:
+    """Cells of each line; none may reach over the end of its line."""
+    try:
+        table = list(csv.reader(lines, delimiter=delimiter))
+    except csv.Error:  # a cell beyond the module's limit of size
+        table = []
+    if len(table) != len(lines):
+        raise RecordingError(f"{label}: a quotation mark is not closed; correct the file")
+    return table
 
 
 class _Rows:

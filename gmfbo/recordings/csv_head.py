@@ -17,6 +17,7 @@ from gmfbo.recordings.recording import Recording, Trajectory
 
 RESERVED = ("gmfbo", "use", "start_time")
 OWN = "gmfbo."
+_RUN = ("status", "message", "stopped_at", "seconds")  # what a Trajectory has beyond a Recording
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def head_lines(recording: Recording, version: str) -> list[str]:
     if recording.start_time:
         lines.append(f"# start_time = {recording.start_time}")
     if isinstance(recording, Trajectory):
-        for key in ("status", "message", "stopped_at", "seconds"):
+        for key in _RUN:
             lines.append(f"# {OWN}{key} = {json.dumps(getattr(recording, key))}")
     lines += [f"# {OWN}schedule = {name}" for name in recording.schedules]
     for name, value in recording.parameters.items():
@@ -97,7 +98,7 @@ def read_head(lines: Sequence[str], label: str) -> CsvHead:
         elif key == f"{OWN}schedule":
             schedules.append(value)
         elif key.startswith(OWN):
-            own[key] = json.loads(value)
+            own[key] = _json(key, value, label)
         else:
             # A quoted FMI name may itself hold an equals sign; a number cannot.
             name, _, value = (part.strip() for part in text.rpartition("="))
@@ -109,7 +110,7 @@ def read_head(lines: Sequence[str], label: str) -> CsvHead:
                     "correct the line"
                 )
     copied = own.pop(f"{OWN}logger", None) is not None
-    run = {key.removeprefix(OWN): value for key, value in own.items() if key.startswith(OWN)}
+    run = {key: own[OWN + key] for key in _RUN if OWN + key in own}
     notes = FileNotes(
         use=_use(own["use"], label) if "use" in own else None,
         start_time=own.get("start_time", ""),
@@ -119,6 +120,16 @@ def read_head(lines: Sequence[str], label: str) -> CsvHead:
         run=run or None,
     )
     return CsvHead(parameters, unreadable, notes)
+
+
+def _json(key: str, text: str, label: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        raise RecordingError(
+            f"{label}: '# {key} = {text}': expected a number or a quoted text; restore the line, "
+            "or delete it"
+        ) from None
 
 
 def _use(text: str, label: str) -> tuple[float, float]:

@@ -7,6 +7,8 @@ import errno
 import os
 from pathlib import Path
 
+BINARY = getattr(os, "O_BINARY", 0)  # without it Windows changes line ends
+
 _MEANING = {
     errno.ENOSPC: "the disk is full; free some space",
     errno.EDQUOT: "the disk quota is used up; free some space",
@@ -43,7 +45,7 @@ def write_whole(path: Path, content: bytes, *, durable: bool = True) -> None:
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | BINARY, 0o666)
         try:
             write_fully(descriptor, content)
             if durable:

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from gmfbo.recordings.durable import write_fully
+from gmfbo.recordings.durable import BINARY, write_fully
 
 _SEPARATOR = ', "crc32": "'
 
@@ -73,7 +73,7 @@ def append_event(path: Path, line: str) -> None:
     OSError
         It could not be written whole; the file is as it was.
     """
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | BINARY, 0o666)
     try:
         size = os.fstat(descriptor).st_size
         torn = size > 0 and _last_byte(descriptor, size) != b"\n"

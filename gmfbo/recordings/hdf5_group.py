@@ -78,6 +78,8 @@ def write_column(
 ) -> None:
     """Write one dataset, shape (n,), with the attributes `kind` and, where known, `unit`."""
     try:
+        if any(part in ("", ".") for part in name.split("/")):
+            raise ValueError("a path that HDF5 would take for another")
         dataset = group.create_dataset(name, data=np.asarray(values, dtype=np.float64))
     except (ValueError, OSError, RuntimeError, TypeError) as error:
         why = "there are two columns of this name" if name in group else "HDF5 refuses the name"

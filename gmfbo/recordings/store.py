@@ -92,6 +92,8 @@ class StudyStore:
     def open_for_writing(cls, folder: str | Path) -> StudyStore:
         """Open a study folder as its one writer, and clear away what a killed writer left.
 
+        Unfinished files are removed; those and damaged event lines are logged as `repair`.
+
         Raises
         ------
         StoreError
@@ -108,8 +110,7 @@ class StudyStore:
         store = cls(reading, lock)
         try:
             (folder / "trials").mkdir(exist_ok=True)
-            remove_stale(folder)
-            remove_stale(folder / "trials")
+            store._repair([*remove_stale(folder), *remove_stale(folder / "trials")])
             store.refresh_index()
         except OSError as error:
             store.close()
@@ -233,6 +234,19 @@ class StudyStore:
         if self._lock is not None:
             self._lock.release()
             self._lock = None
+
+    def _repair(self, unfinished: list[str]) -> None:
+        """Log what a killed writer left behind, each damaged line once."""
+        lines = self._reading.event_lines()
+        told = {
+            line
+            for event in lines.events
+            if event["event"] == "repair"
+            for line in event["damaged_lines"]
+        }
+        damaged = [line for line in lines.damaged if line not in told]
+        if unfinished or damaged:
+            self.log("repair", unfinished_files=unfinished, damaged_lines=damaged)
 
     def _writable(self) -> FolderReading:
         if self._lock is None or not isinstance(self._reading, FolderReading):

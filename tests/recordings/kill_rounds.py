@@ -105,7 +105,7 @@ def _check_round(folder: Path, stored: set[int], known: set[int], report: KillRe
 def _check_study(folder: Path, known: set[int], asked: set[int], report: KillReport) -> None:
     with StudyStore.open(folder) as store:
         report.torn_lines = len(store.damaged_event_lines())
-        logged = {event["number"] for event in store.events()}
+        logged = {event["number"] for event in store.events() if event["event"] == "ask"}
         report.lost += [f"event {number}" for number in asked - logged]
         for trial in store.trials():
             assert_same_trial(trial, example_trial(trial.number))

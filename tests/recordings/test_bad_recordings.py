@@ -50,6 +50,10 @@ BAD_CSV = {
         "time,a\n" + "".join(f"{k},0\n" for k in (0, 1, 2, 3.2, 4, 5)),
         "line .*: a step takes .* s, expected steps within 10 %",
     ),
+    "a changed line of ours": (
+        "# gmfbo = 0.1.0\n# gmfbo.status = ok\ntime,a\n0,1\n1,2\n",
+        "'# gmfbo.status = ok': expected a number or a quoted text; restore",
+    ),
     "use of nothing": ("# use = 5:6\ntime,a\n0,1\n1,2\n", "use = 5:6 selects nothing"),
     "use backwards": ("# use = 1:0\ntime,a\n0,1\n1,2\n", "use = 1:0 selects nothing"),
     "use without an end": ("# use = 1\ntime,a\n0,1\n", "expected first and last time in seconds"),

@@ -17,6 +17,7 @@ DIALECTS = {
     "units in parentheses": "Time (ms),position (rad)\n0,0\n1,0.5\n2,-1\n",
     "milliseconds": "time [ms],position [mrad]\n0,0\n1,500\n2,-1000\n",
     "clock named by its unit": "position,stamp [ms]\n0,0\n0.5,1\n-1,2\n",
+    "clock beside a temperature": "T [degC],stamp [ms],position\n20,0,0\n20,1,0.5\n20,2,-1\n",
     "semicolon and decimal comma": "time;position\n0;0\n0,001;0,5\n0,002;-1,0\n",
     "tabs": "time\tposition\n0\t0\n0.001\t0.5\n0.002\t-1\n",
     "quoted names": '"time [s]","position [rad]"\n0,0\n0.001,0.5\n0.002,-1\n',

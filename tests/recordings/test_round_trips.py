@@ -153,6 +153,21 @@ def test_one_name_for_a_signal_and_a_schedule_is_refused(tmp_path: Path) -> None
             write_recording(recording, tmp_path / f"run{ending}")
 
 
+@pytest.mark.parametrize("name", ["", ".", "/abs", "a//b", "a/", "time"])
+def test_a_name_that_hdf5_would_take_for_another_is_refused(tmp_path: Path, name: str) -> None:
+    recording = Recording(time=np.array([0.0]), signals={name: np.array([0.0])})
+    with pytest.raises(RecordingError, match=r"cannot be stored in HDF5, .*; rename it"):
+        write_recording(recording, tmp_path / "run.h5")
+
+
+def test_a_name_with_a_slash_is_a_dataset_in_a_group(tmp_path: Path) -> None:
+    recording = Recording(time=np.array([0.0]), signals={"drive/iq": np.array([2.0])})
+    path = write_recording(recording, tmp_path / "run.h5")
+    assert read_recording(path).signal("drive/iq")[0] == 2.0
+    with h5py.File(path) as file:
+        assert file["drive"]["iq"][0] == 2.0
+
+
 def test_another_ending_or_a_missing_folder_is_refused(tmp_path: Path) -> None:
     recording = step_reference()
     with pytest.raises(RecordingError, match=r"ends in \.csv or \.h5, got '\.xlsx'"):

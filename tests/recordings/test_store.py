@@ -182,6 +182,9 @@ def test_the_next_writer_clears_unfinished_files_away(folder: Path) -> None:
     assert len(StudyStore.open(folder).trials()) == 5
     StudyStore.open_for_writing(folder).close()
     assert not list(folder.rglob(".*.tmp"))
+    repair = StudyStore.open(folder).events()[-1]
+    assert repair["event"] == "repair"
+    assert repair["unfinished_files"] == [".index.h5.4711.tmp", ".000006.h5.4711.tmp"]
 
 
 def test_creating_over_a_study_or_other_files_is_refused(folder: Path, tmp_path: Path) -> None:
@@ -247,8 +250,11 @@ def test_a_torn_last_line_is_reported_and_the_next_event_stands(folder: Path, ke
     assert StudyStore.open(folder).damaged_event_lines() == [2]
     with StudyStore.open_for_writing(folder) as store:
         store.log("resume", number=2)
-        assert [event["event"] for event in store.events()] == ["ask", "resume"]
+        assert [event["event"] for event in store.events()] == ["ask", "repair", "resume"]
+        assert store.events()[1]["damaged_lines"] == [2]
         assert store.damaged_event_lines() == [2]
+    StudyStore.open_for_writing(folder).close()
+    assert len(StudyStore.open(folder).events()) == 3, "a damaged line is told once"
 
 
 def test_a_changed_event_fails_its_checksum(folder: Path) -> None:
