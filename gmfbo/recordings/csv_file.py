@@ -21,6 +21,7 @@ from gmfbo.recordings.csv_header import header_cell, read_header, read_units_row
 from gmfbo.recordings.recording import Recording
 
 _BLANK = {"", "nan", "NaN", "NAN"}
+_POINT = re.compile(r"\d\.|\.\d")
 _QUOTED = re.compile(r'"[^"]*"')
 
 
@@ -103,7 +104,7 @@ def read_csv(path: Path) -> RecordedColumns:
         declared=True,
         unreadable=head.unreadable,
         notes=head.notes,
-        row_name=lambda row: f"line {places[row]}",
+        row_name=lambda row: f"line {table_rows.places[row]}",
     )
 
 
@@ -129,8 +130,7 @@ class _Rows:
         # A row of delimiters alone is what a spreadsheet makes of an empty line.
         keep = [k for k, row in enumerate(rows) if any(cell.strip() for cell in row)]
         self.rows = [rows[k] for k in keep]
-        places[:] = [places[k] for k in keep]
-        self.places = places
+        self.places = [places[k] for k in keep]
 
     def check_width(self, width: int) -> None:
         for row, place in zip(self.rows, self.places, strict=True):
@@ -149,11 +149,9 @@ class _Rows:
         """Numbers of one column; `infinite` lets infinity pass, as a diverged run may hold it."""
         cells = [row[index].strip() for row in self.rows]
         texts = ["nan" if cell in _BLANK else cell for cell in cells]
-        if self.delimiter != "," and any("," in text for text in texts):
-            if any("." in text for text in texts):
-                texts = [text if "," not in text else f"{text} " for text in texts]
-            else:
-                texts = [text.replace(",", ".") for text in texts]
+        # A comma beside points may separate thousands: that cell is no number.
+        if self.delimiter != "," and not any(map(_POINT.search, texts)):
+            texts = [text.replace(",", ".") for text in texts]
         try:
             values = np.array(texts, dtype=np.float64) if texts else np.empty(0)
             # NumPy reads 1_000 as a thousand and 1e999 as infinity.

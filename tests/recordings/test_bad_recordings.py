@@ -33,6 +33,8 @@ BAD_CSV = {
     "underscore in a number": ("time,a\n0,1\n1,1_0\n", "line 3, column 'a': .* got '1_0'"),
     "thousands separator": ("time;a\n0;1.5\n1;1,234.5\n", "line 3, column 'a': .* '1,234.5'"),
     "comma beside point": ("time;a\n0;1.5\n1;1,234\n", "line 3, column 'a': .* got '1,234'"),
+    "text beside decimal commas": ("time;a\n0;1,5\n1;n.a.\n", "line 3, column 'a': .* 'n.a.'"),
+    "text below a row of delimiters": ("time;a\n0;1\n;\n1;x\n", "line 4, column 'a': .* 'x'"),
     "short row": ("time,a\n0,1\n1\n", "line 3: expected 2 cells as in the header, got 1; complete"),
     "cut last row": ("time,a,b\n0,1,2\n1,2", "line 3: expected 3 cells .* got 2"),
     "decimal comma between commas": ("time,a\n0,1\n0,1,5\n", "decimal comma needs ';'"),
