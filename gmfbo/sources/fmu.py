@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import os
 import re
@@ -14,6 +13,7 @@ import fmpy.fmi2
 from fmpy.fmi1 import FMICallException
 
 from gmfbo.errors import FmuFileError, SimulationError
+from gmfbo.sources.fmu_log import FmuLog
 from gmfbo.sources.job import Setting, Stage, ValueType
 from gmfbo.sources.unpacked_fmu import UnpackedFmu
 
@@ -34,7 +34,6 @@ _SETTERS: dict[ValueType, tuple[str, Any]] = {
     ValueType.BOOLEAN: ("fmi2SetBoolean", ctypes.c_int),
 }
 _ERROR = 3
-_KEPT_MESSAGES = 5
 
 
 class FmuCallError(SimulationError):
@@ -92,7 +91,7 @@ class LoadedFmu:
 
     def __init__(self, unpacked: UnpackedFmu) -> None:
         self.name = unpacked.name
-        self._log: list[str] = []
+        self._log = FmuLog()
         folder = Path.cwd()
         try:
             self._slave = FMU2TolerantSlave(
@@ -112,7 +111,6 @@ class LoadedFmu:
                 f"'{unpacked.name}': its library lacks {', '.join(missing)}; expected FMI 2.0 "
                 "co-simulation; ask its vendor for a complete export"
             )
-        self._callbacks = self._make_callbacks()
 
     def instantiate(self) -> Instance:
         """Make a new instance.
@@ -122,10 +120,10 @@ class LoadedFmu:
         FmuCallError
             The FMU refused.
         """
-        self._log.clear()
+        self._log.lines.clear()
         self._slave.component = None
         try:
-            self._slave.instantiate(callbacks=self._callbacks)
+            self._slave.instantiate(callbacks=self._log.callbacks)
         except Exception:
             # fmpy raises a bare Exception when the FMU returns a null pointer.
             if self._slave.component is not None:
@@ -145,29 +143,8 @@ class LoadedFmu:
             What it answered; None where it returns a pointer.
         """
         answer = "" if status is None else f" with '{_status_word(status)}'"
-        said = f": {'; '.join(self._log)}" if self._log else ""
+        said = f": {'; '.join(self._log.lines)}" if self._log.lines else ""
         return f"'{self.name}' refused {call}{answer}{said}"
-
-    def _make_callbacks(self) -> Any:
-        """Callbacks that keep the last messages; fmpy's own print them."""
-
-        def keep(_: object, __: object, status: int, ___: object, text: bytes | None) -> None:
-            line = " ".join((text or b"").decode("utf-8", "replace").split())
-            if status > 0 and line:
-                self._log.append(line)
-                del self._log[:-_KEPT_MESSAGES]
-
-        callbacks = fmpy.fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(keep)
-        callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        # Messages are printf formats with arguments, which only C can put together; fmpy has no
-        # library for that on some machines, and then the bare format is kept.
-        with contextlib.suppress(Exception):
-            from fmpy.logging import addLoggerProxy
-
-            addLoggerProxy(ctypes.byref(callbacks))
-        return callbacks
 
 
 class Instance:

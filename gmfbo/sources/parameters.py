@@ -142,6 +142,23 @@ def _split_schedules(
     return first, changing
 
 
+def starts_as_recorded(binding: Binding, recording: Recording) -> bool:
+    """Whether [initial] says where the recording starts, so that nothing has to settle.
+
+    Parameters
+    ----------
+    binding : Binding
+        The twin.
+    recording : Recording
+        A reference to follow holds no measured signal; then [initial] has nothing to say.
+    """
+    initial = binding.file.initial
+    return bool(initial) and all(
+        not isinstance(source, str) or source == "fit" or source in recording.signals
+        for source in initial.values()
+    )
+
+
 def initial_values(binding: Binding, recording: Recording) -> dict[str, float]:
     """Parameters of [initial], from the recording's first row where a signal is named.
 
@@ -150,23 +167,18 @@ def initial_values(binding: Binding, recording: Recording) -> dict[str, float]:
     binding : Binding
         The twin; an entry "fit" keeps the parameter's nominal value.
     recording : Recording
-        Its first value of a signal counts [SI].
+        Its first value of a signal counts [SI]; the nominal value stays where it lacks the signal.
 
     Raises
     ------
     RecordingError
-        The signal is missing or blank throughout.
+        The signal is blank throughout.
     """
     values = {}
     for name, source in binding.file.initial.items():
         if not isinstance(source, str):
             values[name] = float(source)
-        elif source != "fit":
-            if source not in recording.signals:
-                raise RecordingError(
-                    f"{recording.name or 'recording'}: [initial] takes '{name}' from the recorded "
-                    f"signal '{source}', which is not there; record it, or give a number"
-                )
+        elif source != "fit" and source in recording.signals:
             column = recording.signal(source)
             sampled = np.flatnonzero(~np.isnan(column))
             if sampled.size == 0:

@@ -55,18 +55,20 @@ def settled_after(outputs: NDArray[np.float64], step: float) -> int | None:
 
 
 def is_settling(outputs: NDArray[np.float64], step: float) -> bool:
-    """Whether every output that still moves, moves less than half as much as it did.
+    """Whether waiting longer may help: some output moves less than half as much as at first.
 
     Parameters
     ----------
     outputs : ndarray, shape (steps + 1, n_outputs)
-        Of a probe of several windows.
+        Of a probe of several windows; its first and last quarter are compared.
     step : float
         [s] Communication step.
     """
     swings = _swings(outputs, max(1, round(WINDOW_S / step)))
+    quarter = max(1, len(swings) // 4)
+    first, last = swings[:quarter].max(axis=0), swings[-quarter:].max(axis=0)
     allowed = _RELATIVE * np.abs(outputs).max(axis=0) + _ABSOLUTE
-    return bool(((swings[-1] <= allowed) | (swings[-1] < 0.5 * swings.max(axis=0))).all())
+    return bool(((first > allowed) & (last < 0.5 * first)).any())
 
 
 def _swings(outputs: NDArray[np.float64], window: int) -> NDArray[np.float64]:

@@ -20,7 +20,7 @@ from gmfbo.sources.binding import bind
 from gmfbo.sources.content import content_hash
 from gmfbo.sources.experiment import Experiment
 from gmfbo.sources.job import Outcome
-from gmfbo.sources.parameters import check_parameters, run_parameters
+from gmfbo.sources.parameters import check_parameters, run_parameters, starts_as_recorded
 from gmfbo.sources.runner import InProcess, Result, Runner, once_only
 from gmfbo.sources.settling import is_settling, probe_lengths, settled_after
 from gmfbo.sources.signals import signal_specs
@@ -41,8 +41,9 @@ class FmuTwin:
     inputs of t_k act; for an output with `logged = "new"`, what such a logger stores at t_k: the
     output one communication step later, where the last row repeats the one before.
 
-    Without [initial], the first reference is held until the outputs stay put, for at most 5 s;
-    a twin that does not settle starts with its FMU's own start values.
+    Without [initial], or with one that names signals which the recording lacks, the first
+    reference is held until the outputs stay put, for at most 5 s; a twin that does not settle
+    starts with its FMU's own start values.
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ class FmuTwin:
         experiment = Experiment.prepare(self._binding, reference, chosen, self.step)
         with self._lock:
             runner = self._runner = self._runner or self._start()
-            if self.file.initial:
+            if starts_as_recorded(self._binding, reference):
                 lead, result = 0, runner.run(experiment.order(0))[0]
             else:
                 lead, result = _run_from_rest(runner, experiment)
@@ -236,9 +237,6 @@ def _run_from_rest(runner: Runner, experiment: Experiment) -> tuple[int, Result]
     if lead == 0 and len(results) == 2:
         return 0, results[1]
     return lead, runner.run(experiment.order(lead))[0]
-
-
-
 
 
 def _warn_without_master() -> None:

@@ -1,0 +1,67 @@
+"""What FMUs log: the last lines of each, through one callback for all."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+from functools import lru_cache
+from itertools import count
+from typing import Any
+from weakref import WeakValueDictionary
+
+import fmpy.fmi2
+
+_KEPT = 5
+_OK = 0
+_numbers = count(1)
+_logs: WeakValueDictionary[int, FmuLog] = WeakValueDictionary()
+
+
+class FmuLog:
+    """Last warnings and errors of one FMU.
+
+    Attributes
+    ----------
+    callbacks : ctypes.Structure
+        To be handed to `fmi2Instantiate`; the FMU returns its `componentEnvironment`, which
+        tells whose line it is.
+    lines : list of str
+        Newest last.
+    """
+
+    def __init__(self) -> None:
+        self._number = next(_numbers)
+        self.lines: list[str] = []
+        self.callbacks = fmpy.fmi2.fmi2CallbackFunctions.from_buffer_copy(_shared_callbacks())
+        self.callbacks.componentEnvironment = self._number
+        _logs[self._number] = self
+
+    def keep(self, line: str) -> None:
+        """Add a line; only the last few stay."""
+        self.lines.append(line)
+        del self.lines[:-_KEPT]
+
+
+@lru_cache(maxsize=1)
+def _shared_callbacks() -> Any:
+    """Callbacks that all FMUs share, since the part of fmpy in C knows one logger only."""
+    callbacks = fmpy.fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(_keep)
+    callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+    # A message is a printf format with arguments, which only C can put together; fmpy has no
+    # library for that on some machines, and then the bare format is kept.
+    with contextlib.suppress(Exception):
+        from fmpy.logging import addLoggerProxy
+
+        addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
+
+
+def _keep(
+    environment: int | None, name: bytes, status: int, category: bytes, message: bytes | None
+) -> None:
+    line = " ".join((message or b"").decode("utf-8", "replace").split())
+    log = _logs.get(environment or 0)
+    if log is not None and status > _OK and line:
+        log.keep(line)
