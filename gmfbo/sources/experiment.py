@@ -97,14 +97,13 @@ class Experiment:
             np.ascontiguousarray(_table(self.schedules, self.grid.size)[rows]),
         )
 
-    def probe(self, steps: int) -> Order:
+    def probe_at_start(self, steps: int) -> Order:
+        """Order some steps under the first row, from the first communication point."""
+        return self._probe(steps, self.grid[0])
+
+    def probe_before_start(self, steps: int) -> Order:
         """Order some steps under the first row, up to the first communication point."""
-        first = self._driven()[:1]
-        return Order(
-            self._job(steps, self.grid[0] - steps * self.step, ()),
-            np.ascontiguousarray(np.repeat(first, steps, axis=0)),
-            np.empty((steps, 0)),
-        )
+        return self._probe(steps, self.grid[0] - steps * self.step)
 
     def trajectory(self, result: Result, lead: int, seconds: float) -> Trajectory:
         """Make the trajectory of a run; one row of NaN where there is none.
@@ -139,6 +138,14 @@ class Experiment:
             message=outcome.message,
             stopped_at=stopped,
             seconds=seconds,
+        )
+
+    def _probe(self, steps: int, start: float) -> Order:
+        first = self._driven()[:1]
+        return Order(
+            self._job(steps, start, ()),
+            np.ascontiguousarray(np.repeat(first, steps, axis=0)),
+            np.empty((steps, 0)),
         )
 
     def _job(self, steps: int, start: float, schedules: tuple[Port, ...]) -> Job:

@@ -73,6 +73,7 @@ def run_parameters(
     values = {
         **binding.preset,
         **binding.file.parameters,
+        **{name: gain.low for name, gain in binding.file.gains.items() if gain.fixed},
         **recording.parameters,
         **first,
         **initial_values(binding, recording),

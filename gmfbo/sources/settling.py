@@ -54,23 +54,6 @@ def settled_after(outputs: NDArray[np.float64], step: float) -> int | None:
     return 0 if quiet[0] == 0 else (int(quiet[0]) + 1) * window
 
 
-def is_settling(outputs: NDArray[np.float64], step: float) -> bool:
-    """Whether waiting longer may help: some output moves less than half as much as at first.
-
-    Parameters
-    ----------
-    outputs : ndarray, shape (steps + 1, n_outputs)
-        Of a probe of several windows; its first and last quarter are compared.
-    step : float
-        [s] Communication step.
-    """
-    swings = _swings(outputs, max(1, round(WINDOW_S / step)))
-    quarter = max(1, len(swings) // 4)
-    first, last = swings[:quarter].max(axis=0), swings[-quarter:].max(axis=0)
-    allowed = _RELATIVE * np.abs(outputs).max(axis=0) + _ABSOLUTE
-    return bool(((first > allowed) & (last < 0.5 * first)).any())
-
-
 def _swings(outputs: NDArray[np.float64], window: int) -> NDArray[np.float64]:
     """Peak-to-peak of each output in each window, shape (windows, n_outputs)."""
     windows = outputs[1:].reshape(-1, window, outputs.shape[1])

@@ -6,6 +6,7 @@ import threading
 import time
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -22,7 +23,7 @@ from gmfbo.sources.experiment import Experiment
 from gmfbo.sources.job import Outcome
 from gmfbo.sources.parameters import check_parameters, run_parameters, starts_as_recorded
 from gmfbo.sources.runner import InProcess, Result, Runner, once_only
-from gmfbo.sources.settling import is_settling, probe_lengths, settled_after
+from gmfbo.sources.settling import probe_lengths, settled_after
 from gmfbo.sources.signals import signal_specs
 from gmfbo.sources.twin_file import TwinFile
 
@@ -220,23 +221,21 @@ def _run_from_rest(runner: Runner, experiment: Experiment) -> tuple[int, Result]
     """Hold the first reference until the twin settles, then run: steps held, and the result."""
     first, *longer = probe_lengths(experiment.step)
     # Most runs begin at rest: then the run is done by the time the probe has told so.
-    results = runner.run(experiment.probe(first), experiment.order(0))
-    if len(results) == 2 and settled_after(results[0].y, experiment.step) == 0:
-        return 0, results[1]
-    lead = 0
+    probe, *run = runner.run(experiment.probe_at_start(first), experiment.order(0))
+    if probe.outcome.status == "timeout":
+        return 0, Result(replace(probe.outcome, rows=0), probe.y)  # do not wait for it twice
+    if not run:
+        return 0, runner.run(experiment.order(0))[0]
+    if settled_after(probe.y, experiment.step) == 0:
+        return 0, run[0]
     for steps in longer:
-        probe = runner.run(experiment.probe(steps))[0]
-        if probe.outcome.status != "ok":
+        probe = runner.run(experiment.probe_before_start(steps))[0]
+        held = settled_after(probe.y, experiment.step) if probe.outcome.status == "ok" else 0
+        if held:
+            return held, runner.run(experiment.order(held))[0]
+        if held == 0:
             break
-        settled = settled_after(probe.y, experiment.step)
-        if settled is not None:
-            lead = settled
-            break
-        if not is_settling(probe.y, experiment.step):
-            break
-    if lead == 0 and len(results) == 2:
-        return 0, results[1]
-    return lead, runner.run(experiment.order(lead))[0]
+    return 0, run[0]
 
 
 def _warn_without_master() -> None:
