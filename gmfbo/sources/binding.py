@@ -120,12 +120,16 @@ class Binding:
 
     def nominal(self, name: str) -> float:
         """Value [FMU's unit] of a parameter as the twin file leaves it."""
-        if name in self.file.parameters:
-            return self.file.parameters[name]
-        if name in self.preset:
-            return self.preset[name]
+        if name in self.settings:
+            return self.settings[name]
         start = self.variables[name].variable.start
         return 0.0 if start is None else start
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Values [FMU's unit] that the twin file gives to parameters."""
+        fixed = {name: gain.low for name, gain in self.file.gains.items() if gain.fixed}
+        return {**self.preset, **self.file.parameters, **fixed}
 
 
 def bind(file: TwinFile, folder: Path, label: str) -> Binding:

@@ -34,6 +34,7 @@ _SETTERS: dict[ValueType, tuple[str, Any]] = {
     ValueType.BOOLEAN: ("fmi2SetBoolean", ctypes.c_int),
 }
 _ERROR = 3
+_FOREIGN = r"invalid ELF header|wrong ELF class|not a valid Win32|incompatible arch"
 
 
 class FmuCallError(SimulationError):
@@ -235,7 +236,9 @@ def _status_word(status: int) -> str:
 def _load_problem(unpacked: UnpackedFmu, text: str) -> str:
     """What is wrong and what to do, from the loader's words."""
     beginning = f"'{unpacked.name}': its library cannot be loaded"
-    if missing := re.search(r"(\S+): cannot open shared object", text):
+    missing = re.search(r"(\S+): cannot open shared object", text)
+    # The loader says that the library itself is not there when its processor is another.
+    if missing and missing[1] != unpacked.library:
         return (
             f"{beginning}: it needs the system library {missing[1]}, which is not installed; "
             f"install the package that provides {missing[1]}"
@@ -250,8 +253,11 @@ def _load_problem(unpacked: UnpackedFmu, text: str) -> str:
             f"{beginning}: it needs the function {symbol[1]}, which no loaded library has; ask its "
             "vendor for an export with all its libraries"
         )
-    if re.search(r"invalid ELF header|wrong ELF class|not a valid Win32|incompatible arch", text):
-        return f"{beginning}: it was built for another kind of machine; ask its vendor"
+    if missing or re.search(_FOREIGN, text):
+        return (
+            f"{beginning}: it was built for another kind of machine than the folder that it lies "
+            "in says; ask its vendor for a corrected export"
+        )
     if "or one of its dependencies" in text:
         return (
             f"{beginning}: it needs another DLL, often the Microsoft Visual C++ Redistributable; "

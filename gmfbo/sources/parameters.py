@@ -71,9 +71,7 @@ def run_parameters(
     first, changing = _split_schedules(binding, recording, explicit)
     in_force = {**recording.parameters, **first, **explicit}
     values = {
-        **binding.preset,
-        **binding.file.parameters,
-        **{name: gain.low for name, gain in binding.file.gains.items() if gain.fixed},
+        **binding.settings,
         **recording.parameters,
         **first,
         **initial_values(binding, recording),
@@ -101,7 +99,7 @@ def check_parameters(binding: Binding, override: Mapping[str, float]) -> None:
         A name is unknown, or a value outside the FMU's bounds.
     """
     _check_names(binding, "parameter", override)
-    for name, value in {**binding.preset, **binding.file.parameters, **override}.items():
+    for name, value in {**binding.settings, **override}.items():
         binding.variables[name].check_value(float(value))
 
 

@@ -1,0 +1,102 @@
+"""What an FMU is, told without running it, and a twin file to begin from."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from gmfbo import FmuTwin
+from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
+from gmfbo.sources.models import models_folder
+from gmfbo.sources.twin_file import TwinFile
+from tests.sources.conftest import TEST_FMUS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.sources.conftest import Repack
+
+ALL = sorted([*models_folder().glob("*.fmu"), *TEST_FMUS.glob("*.fmu")])
+FMU_3 = b"""<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t">
+  <CoSimulation modelIdentifier="m"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <Float64 name="k" valueReference="2" causality="parameter" variability="tunable" start="1"/>
+    <Float64 name="y" valueReference="1" causality="output"/>
+  </ModelVariables>
+  <ModelStructure><Output valueReference="1"/></ModelStructure>
+</fmiModelDescription>"""
+
+
+def test_the_linear_axis_is_told_as_it_was_declared() -> None:
+    report = inspect_fmu(models_folder() / "linear_axis.fmu")
+    assert report.name == "linear_axis"
+    assert report.fmi_version == "2.0"
+    assert report.kinds == ("co-simulation",)
+    assert report.obstacle == ""
+    assert report.findings == ()
+    assert report.default_step == 1e-3
+    assert report.capabilities["canGetAndSetFMUstate"] is True
+    assert report.capabilities["canBeInstantiatedOnlyOncePerProcess"] is False
+    assert "linux64" in report.platforms
+    names = [variable.name for variable in report.inputs]
+    assert names == ["reference", "port.force", "port.command", "port.sensor"]
+    mass = next(variable for variable in report.parameters if variable.name == "mass")
+    assert (mass.unit, mass.start, mass.minimum, mass.maximum) == ("kg", 95.1089, 1.0, 1e4)
+    assert mass.tunable
+
+
+def test_what_cannot_run_here_is_told_and_not_refused() -> None:
+    report = inspect_fmu(TEST_FMUS / "model_exchange.fmu")
+    assert report.kinds == ("model exchange",)
+    assert "ask its vendor to export FMI 2.0 co-simulation" in report.obstacle
+    assert "has no binary for this machine" in inspect_fmu(TEST_FMUS / "no_binary.fmu").obstacle
+
+
+def test_fmi_3_is_told_with_the_cure(repack: Repack) -> None:
+    report = inspect_fmu(repack(members={"modelDescription.xml": FMU_3}))
+    assert report.fmi_version == "3.0"
+    assert "is FMI 3.0: expected FMI 2.0" in report.obstacle
+    assert [variable.name for variable in report.outputs] == ["y"]
+
+
+def test_violations_of_the_standard_are_findings_and_no_refusal(repack: Repack) -> None:
+    report = inspect_fmu(repack(edits={' start="95.1089"': ""}))
+    assert any("mass" in finding and "start" in finding for finding in report.findings)
+    assert all("\n" not in finding for finding in report.findings)
+    assert report.obstacle == ""
+
+
+def test_inspecting_a_crashing_fmu_runs_none_of_its_code() -> None:
+    assert inspect_fmu(TEST_FMUS / "faulty.fmu").findings == ()
+
+
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+def test_the_starting_twin_file_is_a_valid_twin_file(path: Path) -> None:
+    report = inspect_fmu(path)
+    twin = TwinFile.parse(starting_twin_file(report), "start.toml")
+    assert {entry.variable for entry in twin.outputs.values()} == {v.name for v in report.outputs}
+    assert twin.gains == {}
+    assert twin.ports == {}
+
+
+@pytest.mark.parametrize("path", sorted(models_folder().glob("*.fmu")), ids=lambda path: path.stem)
+def test_the_guesses_of_the_starting_twin_file_fit_the_fmu(path: Path, tmp_path: Path) -> None:
+    """With every comment sign at the start of a line removed it still binds."""
+    text = starting_twin_file(inspect_fmu(path))
+    text = re.sub(r"(?m)^# ", "", text).replace(path.name, str(path))
+    (tmp_path / "twin.toml").write_text(text)
+    twin = FmuTwin(tmp_path / "twin.toml")
+    assert len(twin.file.parameters) > 3
+
+
+def test_names_that_toml_cannot_hold_bare_become_keys(repack: Repack) -> None:
+    fmu = repack(
+        edits={'name="true_position"': 'name="der(x)[1]"', 'name="force"': 'name="der x 1"'}
+    )
+    twin = TwinFile.parse(starting_twin_file(inspect_fmu(fmu)), "start.toml")
+    assert twin.outputs["der_x_1"].variable == "der(x)[1]"
+    assert twin.outputs["der_x_1_2"].variable == "der x 1"
