@@ -20,13 +20,15 @@ import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
+import numpy as np
 import torch
 from botorch.acquisition.analytic import AnalyticAcquisitionFunction
 from botorch.models.model import Model
 from botorch.utils.transforms import t_batch_mode_transform
+from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
-from gmfbo.correction.torch_setup import exact_algebra
+from gmfbo.correction.torch_setup import DTYPE, exact_algebra
 from gmfbo.errors import InputError
 from gmfbo.surrogate.observations import IS1, source_column
 
@@ -52,6 +54,13 @@ def log_expected_improvement(mean: Tensor, sigma: Tensor, incumbent: Tensor | fl
     """
     sigma = sigma.clamp_min(_LEAST_SIGMA)
     return torch.log(sigma) + _log_h((incumbent - mean) / sigma)
+
+
+def log_improvement(mean: ArrayLike, variance: ArrayLike, incumbent: float) -> NDArray[np.float64]:
+    """`log_expected_improvement` for arrays: mean [g] and variance [g^2], shape (q,)."""
+    sigma = torch.tensor(np.sqrt(np.asarray(variance, dtype=float)), dtype=DTYPE)
+    means = torch.tensor(np.asarray(mean, dtype=float), dtype=DTYPE)
+    return np.asarray(log_expected_improvement(means, sigma, incumbent).numpy())
 
 
 def _log_h(u: Tensor) -> Tensor:
