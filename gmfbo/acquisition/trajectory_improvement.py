@@ -1,13 +1,12 @@
 """Expected improvement of a cost that is a known function of a trajectory.
 
 The belief is about trajectories; each draw passes through the metrics, so that the belief about
-the cost keeps their jumps (composite Bayesian optimisation, Astudillo and Frazier 2019, eq. 2).
+the cost keeps their jumps (composite Bayesian optimisation, Astudillo and Frazier 2019).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,45 +14,39 @@ from numpy.typing import NDArray
 from gmfbo.correction.residual_process import ResidualProcess
 
 CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""From trajectories, shape (q, m), to costs g, shape (q,), to be minimised."""
 
 
-@dataclass(frozen=True, eq=False)
-class TrajectoryBelief:
-    """Real trajectory at any gains: emulated twin plus residual.
+def real_cost_draws(
+    points: NDArray[np.float64],
+    simulated: NDArray[np.float64],
+    residual: ResidualProcess,
+    cost_of: CostOf,
+    deviations: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Draws of the real cost where the twin was run.
 
-    Attributes
+    Parameters
     ----------
-    twin : ResidualProcess
-        Fitted to trajectories of the twin.
+    points : ndarray, shape (q, d)
+        Gains in the unit cube.
+    simulated : ndarray, shape (q, m)
+        Trajectory of the twin there [unit of the signal].
     residual : ResidualProcess
-        Fitted to real minus twin trajectories.
+        Fitted to real minus simulated trajectories.
     cost_of : callable
-        From trajectories, shape (..., m), to costs g, shape (...), to be minimised.
+        From trajectories to costs.
+    deviations : ndarray, shape (count, m)
+        From `ResidualProcess.deviations`; the same for all points, so that neighbours compare.
+
+    Returns
+    -------
+    ndarray, shape (count, q)
+        One row a draw.
     """
-
-    twin: ResidualProcess
-    residual: ResidualProcess
-    cost_of: CostOf
-
-    def mean_trajectory(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Expected real trajectory, shape (q, m), at points of the unit cube, shape (q, d)."""
-        return self.twin.mean(points) + self.residual.mean(points)
-
-    def cost_draws(
-        self, points: NDArray[np.float64], count: int, rng: np.random.Generator
-    ) -> NDArray[np.float64]:
-        """Draws of the real cost, shape (count, q), at points of the unit cube, shape (q, d)."""
-        centre = self.mean_trajectory(points)
-        parts = [
-            (process.share(points)[:, None], process.deviations(count, rng))
-            for process in (self.residual, self.twin)
-        ]
-        return np.stack(
-            [
-                self.cost_of(centre + sum(share * draws[row] for share, draws in parts))
-                for row in range(count)
-            ]
-        )
+    corrected = simulated + residual.mean(points)
+    share = residual.share(points)[:, None]
+    return np.stack([cost_of(corrected + share * deviation) for deviation in deviations])
 
 
 def expected_improvement(cost_draws: NDArray[np.float64], incumbent: float) -> NDArray[np.float64]:

@@ -23,13 +23,8 @@ import torch
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
-"""Candidates of the lengthscale in the unit cube; the likelihood chooses among them."""
-
 NUGGET = 1e-4
 """Variance of a run about its neighbourhood over that of the process: quantisation, friction."""
-
-_PRIOR_MEDIAN, _PRIOR_SPREAD = 0.4, 0.7  # of the lengthscale, log-normal
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +51,10 @@ class ResidualProcess:
         points: NDArray[np.float64],
         functions: NDArray[np.float64],
         *,
+        lengthscale: float,
         centred: bool = False,
     ) -> Self:
-        """Fit to functions of time, one a run.
+        """Condition on functions of time, one a run.
 
         Parameters
         ----------
@@ -66,17 +62,21 @@ class ResidualProcess:
             Gains in the unit cube.
         functions : ndarray, shape (n, m)
             Residual, or trajectory, at the same m times for each run [unit of the signal].
+        lengthscale : float
+            Over the unit cube.
         centred : bool
             Far from all runs return to their mean instead of zero.
+
+        Notes
+        -----
+        Without any run the residual is believed to be zero: nothing else is known of its size.
         """
+        if not len(points):
+            return cls(points, lengthscale, np.eye(0), functions, np.zeros(functions.shape[1]))
         centre = functions.mean(axis=0) if centred else np.zeros(functions.shape[1])
-        fits = []
-        for lengthscale in LENGTHSCALES:
-            covariance = _covariance(points, points, lengthscale)
-            factor = cholesky(covariance + NUGGET * np.eye(len(points)), lower=True)
-            whitened = solve_triangular(factor, functions - centre, lower=True)
-            fits.append((_loss(factor, whitened, lengthscale), lengthscale, factor, whitened))
-        _, lengthscale, factor, whitened = min(fits, key=lambda fit: fit[0])
+        covariance = _covariance(points, points, lengthscale) + NUGGET * np.eye(len(points))
+        factor = cholesky(covariance, lower=True)
+        whitened = solve_triangular(factor, functions - centre, lower=True)
         return cls(points, lengthscale, factor, whitened, centre)
 
     def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -99,9 +99,13 @@ class ResidualProcess:
             Source of randomness.
         """
         runs = len(self._whitened)
-        return rng.standard_normal((count, runs)) @ self._whitened / np.sqrt(runs)
+        if not runs:
+            return np.zeros((count, self._centre.size))
+        return np.asarray(rng.standard_normal((count, runs)) @ self._whitened / np.sqrt(runs))
 
     def _solved(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        if not len(self.points):
+            return np.zeros((0, len(points)))
         across = _covariance(self.points, points, self.lengthscale)
         return np.asarray(solve_triangular(self._factor, across, lower=True))
 
@@ -114,11 +118,3 @@ def _covariance(
     with torch.no_grad():
         dense = kernel(torch.from_numpy(one), torch.from_numpy(other)).to_dense()
     return np.asarray(dense.numpy())
-
-
-def _loss(factor: NDArray[np.float64], whitened: NDArray[np.float64], lengthscale: float) -> float:
-    """Negative log posterior of the lengthscale, per time, the scale integrated out."""
-    runs = len(factor)
-    scale = float(np.mean(whitened**2)) + np.finfo(float).tiny
-    likelihood = 0.5 * runs * np.log(scale) + float(np.log(np.diag(factor)).sum())
-    return likelihood + 0.5 * (np.log(lengthscale / _PRIOR_MEDIAN) / _PRIOR_SPREAD) ** 2

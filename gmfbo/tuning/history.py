@@ -16,7 +16,7 @@ from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.trial import SourceName, Trial
 from gmfbo.tuning.experiment import StepExperiment
 from gmfbo.tuning.gain_choice import GainChoice
-from gmfbo.tuning.state import Observation
+from gmfbo.tuning.state import Observation, TuningState
 from gmfbo.tuning.study_sections import StudyFile
 
 if TYPE_CHECKING:
@@ -45,12 +45,21 @@ class History:
         What every source repeats.
     gains : GainChoice
         What is tuned.
+    survey : int
+        Runs of the twin over the box that the method wants before the first query.
     """
 
     def __init__(
-        self, store: StudyStore, study: StudyFile, experiment: StepExperiment, gains: GainChoice
+        self,
+        store: StudyStore,
+        study: StudyFile,
+        experiment: StepExperiment,
+        gains: GainChoice,
+        *,
+        survey: int = 0,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
+        self.survey = survey
         self.trials: list[Trial] = store.trials()
         self._observations: list[Observation] = []
         self._seen = 0
@@ -81,10 +90,14 @@ class History:
 
     @property
     def queries(self) -> int:
-        """Queries of either source after the initial ones; pairs and IS3 are none."""
-        twin = sum(trial.parent is None for trial in self.of("IS2"))
-        budget = self.study.budget
+        """Queries of either source after the initial ones; survey, pairs and IS3 are none."""
+        budget, twin = self.study.budget, self.unprompted_twin_runs - self.survey
         return max(twin - budget.initial_is2, 0) + max(len(self.of("IS1")) - budget.initial_is1, 0)
+
+    @property
+    def unprompted_twin_runs(self) -> int:
+        """Twin runs that no real run caused: initial ones, survey and queries."""
+        return sum(trial.parent is None for trial in self.of("IS2"))
 
     @property
     def used_up(self) -> bool:
@@ -206,6 +219,23 @@ class History:
         self.store.write_trial(trial)
         self.trials.append(trial)
         return trial
+
+    def state(self, fixed: Mapping[str, float]) -> TuningState:
+        """All that a method may know.
+
+        Parameters
+        ----------
+        fixed : mapping of str to float
+            Gains to be held at a value in the proposal.
+        """
+        return TuningState(
+            space=self.gains.space,
+            observations=self.observations(),
+            fixed=fixed,
+            trials=tuple(self.trials),
+            experiment=self.experiment,
+            objective=self.objective,
+        )
 
     def observations(self) -> tuple[Observation, ...]:
         """All runs as the surrogate sees them; draws of IS3 that were not accepted are left out."""

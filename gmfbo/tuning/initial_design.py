@@ -17,6 +17,7 @@ class Stream(IntEnum):
     INITIAL_IS2 = 1
     IS3 = 2
     PROPOSAL = 3
+    SURVEY = 4
 
 
 def stream(seed: int, purpose: Stream, *numbers: int) -> np.random.Generator:
@@ -46,7 +47,7 @@ def initial_points(space: GainSpace, seed: int, purpose: Stream, count: int) -> 
     seed : int
         Of the study.
     purpose : Stream
-        `INITIAL_IS1` or `INITIAL_IS2`.
+        `INITIAL_IS1`, `INITIAL_IS2` or `SURVEY`.
     count : int
         Number of points.
     """

@@ -62,10 +62,13 @@ class CorrectionOptions:
     at_border : {"project", "reflect"}
         What happens to draws outside the box: projected onto its faces (as printed), or folded
         back, so that they do not pile up there.
+    survey : int
+        Runs of the twin over the box, made once before the first query.
     """
 
     memory: Literal["latest", "accumulate"] = "latest"
     at_border: Literal["project", "reflect"] = "project"
+    survey: int = 0
 
 
 class Method(Protocol):

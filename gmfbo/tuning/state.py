@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.recordings.trial import SourceName
+from gmfbo.objective.cost import Objective
+from gmfbo.recordings.trial import SourceName, Trial
 from gmfbo.space import GainSpace
+from gmfbo.tuning.experiment import StepExperiment
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +61,20 @@ class TuningState:
         In the order in which they were made.
     fixed : mapping of str to float
         Gains to be held at a value in this proposal.
+    trials : tuple of Trial
+        The runs themselves, for methods that look at trajectories.
+    experiment : StepExperiment
+        What every source repeats.
+    objective : Objective
+        From metrics to cost.
     """
 
     space: GainSpace
     observations: tuple[Observation, ...]
     fixed: Mapping[str, float]
+    trials: tuple[Trial, ...]
+    experiment: StepExperiment
+    objective: Objective
 
     def of(self, *sources: SourceName) -> tuple[Observation, ...]:
         """Observations of some sources, in order."""

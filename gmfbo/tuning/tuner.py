@@ -66,7 +66,9 @@ class Tuner:
         with ExitStack() as closing:
             self._sources = StudySources.open(study.file, study.origin, is1=is1, is2=is2)
             closing.callback(self._sources.close)
-            self.gains = GainChoice.combine(self._sources.gains, study.file.gains)
+            self.gains = GainChoice.combine(
+                self._sources.gains, study.file.gains, self._sources.parameters
+            )
             self.experiment = StepExperiment.from_section(
                 study.file.reference,
                 study.file.objective.signal,
@@ -74,7 +76,11 @@ class Tuner:
                 unit=self._sources.reference_unit,
             )
             self._store = closing.enter_context(study.open_for_writing(resume=resume))
-            self.history = History(self._store, study.file, self.experiment, self.gains)
+            correction = self.method.correction
+            survey = correction.survey if correction else 0
+            self.history = History(
+                self._store, study.file, self.experiment, self.gains, survey=survey
+            )
             study.log_begin(self._store, self._sources.content_hashes)
             self._closing = closing.pop_all()
         self._twin = TwinRuns(
@@ -234,6 +240,7 @@ class Tuner:
         if pending is not None and all(pending.gains[name] == held[name] for name in held):
             return pending
         self._twin.initial()
+        self._twin.survey()
         self._twin.follow_up()
         if self.history.used_up:
             return None
@@ -256,7 +263,7 @@ class Tuner:
         return TrialRequest(number, proposal.source, gains, proposal.mismatch, proposal.note)
 
     def _state(self, held: Mapping[str, float]) -> TuningState:
-        return TuningState(self.gains.space, self.history.observations(), held)
+        return self.history.state(held)
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._last_request)

@@ -65,6 +65,17 @@ class TwinRuns:
             priced = float(constants.value(run.metrics))
             self.announce("initial", history.write(replace(run, objective=priced)))
 
+    def survey(self) -> None:
+        """Run the twin over the box, once, where the method wants it; after a kill, the rest."""
+        history = self.history
+        points = initial_points(
+            history.gains.space, history.study.seed, Stream.SURVEY, history.survey
+        )
+        done = history.unprompted_twin_runs - history.study.budget.initial_is2
+        for point in points[done:]:
+            trial = history.write(self._run(history.gains_at(point)))
+            self.announce("initial", trial)
+
     def query(self, gains: Mapping[str, float]) -> Trial:
         """Run a point that the method asked for."""
         return self.history.write(self._run(gains))

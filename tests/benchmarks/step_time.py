@@ -26,7 +26,7 @@ from gmfbo.correction.trajectory_gp import CorrectionSettings, Pair, TrajectoryC
 from gmfbo.sources.models import models_folder
 from gmfbo.surrogate.observations import Observations
 from gmfbo.tuning.methods.beliefs import search_of
-from gmfbo.tuning.methods.gmfbo import fit_surrogate
+from gmfbo.tuning.methods.gmfbo_kernel import fit_surrogate
 from gmfbo.tuning.state import TuningState
 
 RESULT = Path(__file__).parent / "results" / "step_time.txt"

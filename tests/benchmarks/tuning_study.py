@@ -32,11 +32,12 @@ from gmfbo import FmuTwin, Study, Tuner, step_reference
 from gmfbo.objective import METRICS, Objective, step_metrics
 from gmfbo.recordings.trial import Trial
 from gmfbo.sources.models import models_folder
+from gmfbo.tuning.methods import find_method
 
 RESULTS = Path(__file__).parent / "results"
 METHODS = ("gmfbo", "gmfbo_paper", "bo_ei", "random")
 GRID_SIDE = 41
-INITIAL_IS1 = 2
+INITIAL_IS1, INITIAL_IS2 = 2, 10
 IS1_RUNS = INITIAL_IS1 + 20
 QUERIES = 100
 NEVER = INITIAL_IS1 + 21
@@ -76,7 +77,9 @@ class Outcome:
     n_star_20 : int
         The same, within 20 queries after the initial data, as the publication counts.
     real_runs, queries : int
-        Made in all.
+        Made in all; the survey of the twin that a method makes at its start is no query.
+    twin_runs : int
+        Made in all, initial ones, survey and corrected runs included.
     seconds_a_query : float
         [s] Wall clock, simulation included.
     regret : float
@@ -89,6 +92,7 @@ class Outcome:
     n_star_20: int
     real_runs: int
     queries: int
+    twin_runs: int
     seconds_a_query: float
     regret: float
 
@@ -177,7 +181,9 @@ def judge(
     least, spread = float(truth.min()), float(np.median(truth) - truth.min())
     best, real, queries = np.inf, 0, 0
     n_star = n_star_20 = NEVER
-    initial_twin = 10
+    correction = find_method(method).correction
+    initial_twin = INITIAL_IS2 + (correction.survey if correction else 0)
+    twin_runs = sum(trial.source != "IS1" for trial in trials)
     for trial in trials:
         if trial.source == "IS1":
             real += 1
@@ -191,7 +197,8 @@ def judge(
         elif trial.source == "IS2" and trial.parent is None:
             initial_twin -= 1
             queries += initial_twin < 0
-    return Outcome(method, seed, n_star, n_star_20, real, queries, seconds, (best - least) / spread)
+    regret = (best - least) / spread
+    return Outcome(method, seed, n_star, n_star_20, real, queries, twin_runs, seconds, regret)
 
 
 def table(outcomes: Sequence[Outcome], methods: Sequence[str]) -> str:
@@ -225,6 +232,7 @@ def table(outcomes: Sequence[Outcome], methods: Sequence[str]) -> str:
     for label, field, form in (
         ("queries", "queries", "{:.1f}"),
         ("real runs", "real_runs", "{:.1f}"),
+        ("twin runs", "twin_runs", "{:.1f}"),
         ("final regret", "regret", "{:.4f}"),
         ("s a query", "seconds_a_query", "{:.2f}"),
     ):

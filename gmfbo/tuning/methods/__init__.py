@@ -6,12 +6,19 @@ from gmfbo.errors import InputError, did_you_mean
 from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods.bo_ei import SingleSourceImprovement
 from gmfbo.tuning.methods.gmfbo import Gmfbo
+from gmfbo.tuning.methods.gmfbo_kernel import KernelGmfbo
 from gmfbo.tuning.methods.gmfbo_paper import PrintedGmfbo
 from gmfbo.tuning.methods.random import RandomSearch
 
 METHODS: dict[str, Method] = {
     method.name: method
-    for method in (Gmfbo(), PrintedGmfbo(), SingleSourceImprovement(), RandomSearch())
+    for method in (
+        Gmfbo(),
+        KernelGmfbo(),
+        PrintedGmfbo(),
+        SingleSourceImprovement(),
+        RandomSearch(),
+    )
 }
 """Methods by name. Add one with `METHODS[mine.name] = mine`; the loop needs no change."""
 
