@@ -6,23 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from gmfbo.errors import FmuFileError
-from gmfbo.recordings.units import parse_unit
-from gmfbo.sources.job import ValueType
+from gmfbo.sources.fmu_variable import FmuVariable, number_from, variable_from
 from gmfbo.sources.platforms import Platform, this_platform
 from gmfbo.sources.unpacking import member_path, open_archive
 
 if TYPE_CHECKING:
-    from fmpy.model_description import ModelDescription, ModelVariable
+    from fmpy.model_description import ModelDescription
 
-_VALUE_TYPES = {
-    "Real": ValueType.REAL,
-    "Integer": ValueType.INTEGER,
-    "Enumeration": ValueType.INTEGER,
-    "Boolean": ValueType.BOOLEAN,
-}
 _CAPABILITIES = (
     "canHandleVariableCommunicationStepSize",
     "canInterpolateInputs",
@@ -34,60 +27,6 @@ _CAPABILITIES = (
     "needsExecutionTool",
 )
 _SYSTEM_OF = {"linux": "Linux", "win": "Windows", "windows": "Windows", "darwin": "macOS"}
-
-
-@dataclass(frozen=True)
-class FmuVariable:
-    """One scalar variable of an FMU.
-
-    Attributes
-    ----------
-    name : str
-        Name in the model description.
-    reference : int
-        Value reference.
-    type : str
-        `Real`, `Integer`, `Enumeration`, `Boolean`, `String`, or a type of FMI 3.0.
-    causality, variability : str
-        As in the standard; the standard's defaults where the file states none.
-    unit : str
-        As the FMU writes it; empty where it states none.
-    to_si, si_zero : float
-        Value in SI = value * to_si + si_zero.
-    start, minimum, maximum : float or None
-        [unit] None where the file states none or the variable is a text.
-    description : str
-        The vendor's words.
-    """
-
-    name: str
-    reference: int
-    type: str
-    causality: str
-    variability: str
-    unit: str = ""
-    to_si: float = 1.0
-    si_zero: float = 0.0
-    start: float | None = None
-    minimum: float | None = None
-    maximum: float | None = None
-    description: str = ""
-
-    @property
-    def tunable(self) -> bool:
-        """A parameter that may change during a run."""
-        return self.causality == "parameter" and self.variability == "tunable"
-
-    @property
-    def value_type(self) -> ValueType | None:
-        """How the value crosses the interface; None for texts."""
-        return _VALUE_TYPES.get(self.type)
-
-    @property
-    def si_unit(self) -> str:
-        """SI unit in gmfbo's spelling; the FMU's own where that is not understood."""
-        known = parse_unit(self.unit) if self.unit else None
-        return known.si if known and not known.needs_scale else self.unit
 
 
 @dataclass(frozen=True)
@@ -215,7 +154,7 @@ def read_description(path: Path) -> FmuDescription:
         )
     libraries = tuple(name for name in names if _is_library(member_path(path, name)))
     units = {unit.name: unit.baseUnit for unit in raw.unitDefinitions}
-    variables = [_variable(variable, units) for variable in raw.modelVariables]
+    variables = [variable_from(variable, units) for variable in raw.modelVariables]
     return FmuDescription(
         path=path,
         model_name=raw.modelName or path.stem,
@@ -229,7 +168,7 @@ def read_description(path: Path) -> FmuDescription:
         libraries=libraries,
         capabilities=MappingProxyType(_capabilities(raw)),
         variables=MappingProxyType({variable.name: variable for variable in variables}),
-        default_step=_number(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
+        default_step=number_from(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
     )
 
 
@@ -276,51 +215,3 @@ def _flag(value: object) -> bool | int:
         return value
     text = str(value)
     return int(text) if text.isdigit() and text not in "01" else text in ("true", "1")
-
-
-def _variable(raw: ModelVariable, units: Mapping[str, Any]) -> FmuVariable:
-    declared = raw.declaredType
-    unit = raw.unit or getattr(declared, "unit", None) or ""
-    to_si, si_zero = _conversion(unit, units.get(unit))
-    minimum = raw.min if raw.min is not None else getattr(declared, "min", None)
-    maximum = raw.max if raw.max is not None else getattr(declared, "max", None)
-    text = raw.type in ("String", "Binary")
-    return FmuVariable(
-        name=raw.name,
-        reference=int(raw.valueReference),
-        type=raw.type,
-        causality=raw.causality or "local",
-        variability=raw.variability or "continuous",
-        unit=unit,
-        to_si=to_si,
-        si_zero=si_zero,
-        start=None if text else _number(raw.start),
-        minimum=None if text else _number(minimum),
-        maximum=None if text else _number(maximum),
-        description=raw.description or "",
-    )
-
-
-def _conversion(unit: str, base: Any) -> tuple[float, float]:
-    """Factor and zero of a unit: gmfbo's own table first, since many FMUs state no base unit."""
-    known = parse_unit(unit) if unit else None
-    if known is not None and not known.needs_scale:
-        import numpy as np
-
-        ends = known.to_si(np.array([0.0, 1.0]))
-        return float(ends[1] - ends[0]), float(ends[0])
-    if base is None:
-        return 1.0, 0.0
-    factor, zero = _number(base.factor), _number(base.offset)
-    return (1.0 if factor is None else factor), (zero or 0.0)
-
-
-def _number(text: object) -> float | None:
-    if text is None:
-        return None
-    if str(text).strip() in ("true", "false"):
-        return 1.0 if str(text).strip() == "true" else 0.0
-    try:
-        return float(str(text))
-    except ValueError:
-        return None

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gmfbo.errors import FmuFileError
-from gmfbo.sources.description import FmuDescription, FmuVariable, read_description
+from gmfbo.sources.description import FmuDescription, read_description
+from gmfbo.sources.fmu_variable import FmuVariable
 from gmfbo.sources.starting_twin import starting_twin_file
 
 __all__ = ["FmuReport", "FmuVariable", "inspect_fmu", "starting_twin_file"]

@@ -8,6 +8,7 @@ import shutil
 import sys
 import tempfile
 import time
+import weakref
 from pathlib import Path
 from typing import IO
 
@@ -28,8 +29,10 @@ class PrivateFolder:
         _remove_abandoned()
         self._owner = os.getpid()
         self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
-        self._lock: IO[bytes] | None = (self.path / _LOCK).open("wb")
-        _try_lock(self._lock)
+        lock = (self.path / _LOCK).open("wb")
+        _try_lock(lock)
+        # Called when this object is forgotten too, and at the interpreter's end.
+        self._remove = weakref.finalize(self, _remove, self.path, lock, self._owner)
 
     @property
     def is_mine(self) -> bool:
@@ -38,11 +41,13 @@ class PrivateFolder:
 
     def remove(self) -> None:
         """Remove the folder and all in it; nothing in a forked copy, or a second time."""
-        if self._lock is None or not self.is_mine:
-            return
-        self._lock.close()
-        self._lock = None
-        shutil.rmtree(self.path, ignore_errors=True)
+        self._remove()
+
+
+def _remove(path: Path, lock: IO[bytes], owner: int) -> None:
+    if os.getpid() == owner:
+        lock.close()
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def _remove_abandoned() -> None:

@@ -12,7 +12,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.signal import SignalSpec
 from gmfbo.recordings.units import parse_unit
 from gmfbo.sources.binding import Binding
-from gmfbo.sources.description import FmuVariable
+from gmfbo.sources.fmu_variable import FmuVariable
 from gmfbo.sources.sampling import sample
 from gmfbo.sources.twin_file import OutputEntry, SignalEntry
 

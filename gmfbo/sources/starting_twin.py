@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gmfbo.sources.description import FmuVariable
+from gmfbo.sources.fmu_variable import FmuVariable
 
 if TYPE_CHECKING:
     from gmfbo.sources.inspection import FmuReport

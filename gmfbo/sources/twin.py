@@ -5,9 +5,9 @@ from __future__ import annotations
 import threading
 import time
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -78,7 +78,7 @@ class FmuTwin:
         time_limit_s: float = 60.0,
         step: float | None = None,
     ) -> None:
-        path = Path(path)
+        path = self._path = Path(path)
         if step is not None and not (step > 0.0 and np.isfinite(step)):
             raise InputError(f"step: expected a positive communication step [s], got {step}")
         if not time_limit_s > 0.0:
@@ -181,6 +181,18 @@ class FmuTwin:
             if self._runner is not None:
                 self._runner.close()
                 self._runner = None
+
+    def __reduce__(self) -> tuple[Callable[[], FmuTwin], tuple[()]]:
+        """Pickle as the way to open it: a copy in another process gets a worker of its own."""
+        opened = partial(
+            FmuTwin,
+            self._path.resolve(),
+            parameters=self._parameters,
+            isolated=self._isolated,
+            time_limit_s=self._time_limit_s,
+            step=self.step,
+        )
+        return opened, ()
 
     def __enter__(self) -> Self:
         return self

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -201,6 +202,7 @@ def child(ending: str, twin: Path) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=True,
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
@@ -229,7 +231,13 @@ def test_nothing_is_left_when_the_parent_is_killed(
 
 @pytest.mark.parametrize(
     ("ending", "code"),
-    [("pass", 0), ("sys.exit(3)", 3), ("raise ValueError", 1), ("del twin", 0)],
+    [
+        ("pass", 0),
+        ("sys.exit(3)", 3),
+        ("raise ValueError", 1),
+        ("del twin", 0),
+        ("here = FmuTwin(sys.argv[1], isolated=False); here.run({}, ramp)", 0),
+    ],
 )
 def test_nothing_is_left_when_a_script_forgets_to_close(
     ending: str, code: int, faulty: Path
@@ -246,7 +254,7 @@ def test_nothing_is_left_when_the_user_interrupts(faulty: Path) -> None:
     with child("twin.run({}, ramp, parameters={'fault': 3})", faulty) as parent:
         time.sleep(0.2)
         workers = children(parent.pid)
-        parent.send_signal(signal.SIGINT)
+        os.killpg(parent.pid, signal.SIGINT)  # as a terminal does: the worker gets it too
         _, complaints = parent.communicate(timeout=20)
         assert parent.returncode != 0
         assert "KeyboardInterrupt" in complaints
@@ -429,3 +437,15 @@ def test_a_twin_without_a_run_starts_no_process(axis: Path, own_temporary_folder
         assert len(twin.signal_specs()) == 3
         assert children() == []
         assert list(own_temporary_folder.iterdir()) == []
+
+
+def test_a_pickled_twin_opens_anew(axis: Path) -> None:
+    with FmuTwin(axis, parameters={"mass": 80.0}, step=5e-4) as twin:
+        expected = twin.run({}, REFERENCE)
+        copy = pickle.loads(pickle.dumps(twin))
+        with copy:
+            assert copy.content_hash == twin.content_hash
+            assert np.array_equal(
+                copy.run({}, REFERENCE).signal("position"), expected.signal("position")
+            )
+            assert len(children()) == 2

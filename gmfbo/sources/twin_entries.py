@@ -1,0 +1,145 @@
+"""Entries of a twin file: numbers, ranges of gains, signals, controllers."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+CONTROLLER_KINDS = ("pd_filtered", "cascade_p_pi", "pid")
+
+# Strict: a number in quotes is a mistake, not a number.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)]
+Text = Annotated[str, Field(min_length=1)]
+
+
+def _as_number(value: object) -> object:
+    # A Boolean parameter is set by true and false; TOML keeps them apart from numbers.
+    return float(value) if isinstance(value, bool) else value
+
+
+def _as_pair(value: object) -> object:
+    if isinstance(value, list) and len(value) == 2:
+        low, high = value
+        if all(isinstance(v, int | float) and math.isfinite(v) for v in value) and low < high:
+            return value
+    raise ValueError(f"expected [low, high] with low < high, got {value}")
+
+
+ParameterValue = Annotated[Number, BeforeValidator(_as_number)]
+Pair = Annotated[tuple[float, float], BeforeValidator(_as_pair)]
+
+
+class Table(BaseModel):
+    """A table of the file; keys that it does not know are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class GainRange(Table):
+    """Range of one gain [unit of the FMU parameter]; a fixed gain has low = high."""
+
+    low: Number
+    high: Number
+    scale: Literal["linear", "log"] = "linear"
+    integer: bool = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_short_form(cls, value: object) -> object:
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return {"low": value, "high": value}
+        if isinstance(value, list):
+            if len(value) != 2:
+                raise ValueError(f"expected [low, high], got {value}")
+            return {"low": value[0], "high": value[1]}
+        return value
+
+    @model_validator(mode="after")
+    def _low_below_high(self) -> Self:
+        if self.low > self.high:
+            raise ValueError(f"expected low <= high, got [{self.low:g}, {self.high:g}]")
+        if self.scale == "log" and self.low <= 0.0:
+            raise ValueError(f"a log scale needs a positive lower bound, got {self.low:g}")
+        return self
+
+    @property
+    def fixed(self) -> bool:
+        """The range holds one value only."""
+        return self.low == self.high
+
+
+class SignalEntry(Table):
+    """One recorded signal and its FMU variable: value in SI = scale * column + offset.
+
+    Attributes
+    ----------
+    variable : str
+        FMU variable.
+    column : str or None
+        Recorded column; the signal's name unless given.
+    scale : float, str or None
+        [SI unit / column unit], or the FMU parameter that holds it.
+    offset : float or "fit"
+        [SI unit] `fit` counts as 0 until the diagnosis refits it.
+    uncertain_scale : float or None
+        Share of the scale that the diagnosis may refit.
+    shift_range : tuple of float or None
+        [s] Within which the diagnosis may shift the signal in time.
+    """
+
+    variable: Text
+    column: Text | None = None
+    scale: Number | Text | None = None
+    offset: Number | Literal["fit"] = 0.0
+    uncertain_scale: Positive | None = None
+    shift_range: Pair | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_name(cls, value: object) -> object:
+        return {"variable": value} if isinstance(value, str) else value
+
+
+class InputEntry(SignalEntry):
+    """A recorded signal that drives an FMU input."""
+
+    interpolation: Literal["hold", "linear"] = "hold"
+
+
+class OutputEntry(SignalEntry):
+    """A recorded signal that an FMU output is compared with.
+
+    Attributes
+    ----------
+    interpolation : {"hold", "linear"}
+        Between recorded rows.
+    logged : {"held", "new", "unknown"}
+        Whether the logger stores the command still held at t_k or the one just computed.
+    """
+
+    interpolation: Literal["hold", "linear"] = "hold"
+    logged: Literal["held", "new", "unknown"] = "unknown"
+
+
+class ControllerEntry(BaseModel):
+    """One of the project's own controllers; further keys are its parameters."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    kind: Literal["pd_filtered", "cascade_p_pi", "pid"]
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Parameters that the file gives, by the controller's own names."""
+        return dict(self.__pydantic_extra__ or {})
+
+    @model_validator(mode="after")
+    def _settings_are_numbers(self) -> Self:
+        for name, value in (self.__pydantic_extra__ or {}).items():
+            if not isinstance(value, int | float) or not math.isfinite(value):
+                raise ValueError(f"{name}: expected a number, got {value!r}")
+        return self
