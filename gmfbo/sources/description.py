@@ -196,7 +196,7 @@ def _is_library(member: PurePosixPath) -> bool:
 
 def _system_of(folder: str) -> str:
     system = folder.rpartition("-")[2].rstrip("0123456789")
-    return _SYSTEM_OF.get(system, folder)
+    return ("32-bit " if folder.endswith("32") else "") + _SYSTEM_OF.get(system, folder)
 
 
 def _kinds(raw: ModelDescription) -> tuple[str, ...]:

@@ -65,9 +65,8 @@ def run_parameters(
             raise RecordingError(
                 f"{label}: no FMU parameter '{name}'" + did_you_mean(name, binding.parameters)
             )
-    for words, given in (("parameter", override), ("gain", gains)):
-        _check_names(binding, words, given)
     explicit = {**override, **gains}
+    _check_names(binding, explicit)
     first, changing = _split_schedules(binding, recording, explicit)
     in_force = {**recording.parameters, **first, **explicit}
     values = {
@@ -98,16 +97,16 @@ def check_parameters(binding: Binding, override: Mapping[str, float]) -> None:
     InputError
         A name is unknown, or a value outside the FMU's bounds.
     """
-    _check_names(binding, "parameter", override)
+    _check_names(binding, override)
     for name, value in {**binding.settings, **override}.items():
         binding.variables[name].check_value(float(value))
 
 
-def _check_names(binding: Binding, words: str, given: Mapping[str, float]) -> None:
+def _check_names(binding: Binding, given: Mapping[str, float]) -> None:
     for name in given:
         if name not in binding.parameters:
             raise InputError(
-                f"{binding.file.name}: no FMU parameter '{name}' for {words} '{name}'"
+                f"{binding.file.name}: no FMU parameter '{name}'"
                 + did_you_mean(name, binding.parameters)
             )
 
