@@ -68,10 +68,11 @@ def main(arguments: list[str] | None = None) -> int:
         outcome = app(args=arguments, prog_name="gmfbo", standalone_mode=False)
     except GmfboError as error:
         return _complain(str(error), error.exit_status)
-    except typer.Exit as stop:
-        return int(stop.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        return _complain("interrupted; all finished work is kept", INTERRUPTED)
+        return _interrupted()
+    except typer.Exit as stop:
+        # Typer turns Ctrl-C into an exit of its own.
+        return _interrupted() if stop.exit_code == INTERRUPTED else int(stop.exit_code)
     except TyperException as error:
         return _complain(f"{_usage(error)} (see 'gmfbo --help')", BAD_INPUT)
     except BrokenPipeError:
@@ -80,7 +81,11 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     except Exception as error:
         return _complain(f"{_own_fault(error)}", OUR_FAULT)
-    return int(outcome or 0)
+    return _interrupted() if outcome == INTERRUPTED else int(outcome or 0)
+
+
+def _interrupted() -> int:
+    return _complain("interrupted; all finished work is kept", INTERRUPTED)
 
 
 def _usage(error: TyperException) -> str:

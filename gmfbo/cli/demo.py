@@ -61,7 +61,7 @@ def demo(
     study = Study.read(file)
     result = run_study(study, resume=False)
     if result.best is not None:
-        first = [trial for trial in study.trials if trial.source == "IS1"][0]
+        first = next(trial for trial in study.trials if trial.source == "IS1")
         console.print(
             f"first real run     objective {first.objective:.4f}, "
             f"rise time {first.metrics['rise_time']:.4f} s"

@@ -36,15 +36,11 @@ def main() -> int:
         recording = Recording.read(Path(os.environ["GMFBO_DATA"]) / "emps/DATA_EMPS.mat", twin)
         middle = 0.5 * (recording.time[0] + recording.time[-1])
         fitted = refit(twin, recording, middle)
-        print(
-            f"published  M = {PUBLISHED['mass']:8.3f} kg, Fv = {PUBLISHED['viscous_friction']:8.3f} N s/m"
-        )
-        print(
-            f"refitted   M = {fitted['mass']:8.3f} kg, Fv = {fitted['viscous_friction']:8.3f} N s/m"
-        )
-        print(
-            f"{'second half':<16}{'NRMSE published':>18}{'NRMSE refitted':>18}{'relative 2-norm':>18}"
-        )
+        for label, values in (("published", PUBLISHED), ("refitted", fitted)):
+            mass, friction = values["mass"], values["viscous_friction"]
+            print(f"{label:<10} M = {mass:8.3f} kg, Fv = {friction:8.3f} N s/m")
+        heads = ("NRMSE published", "NRMSE refitted", "relative 2-norm")
+        print(f"{'second half':<16}" + "".join(f"{head:>18}" for head in heads))
         for signal in SIGNALS:
             before = scored(twin, recording, PUBLISHED, signal, middle)
             after = scored(twin, recording, fitted, signal, middle)
