@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gmfbo.objective import METRICS, PAPER_WEIGHTS, Objective
 from gmfbo.recordings.trial import SourceName
 from gmfbo.space import Gain, GainSpace
+from gmfbo.tuning.experiment import StepExperiment
 from gmfbo.tuning.method import Method, Proposal
 from gmfbo.tuning.methods import METHODS, find_method
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
 from gmfbo.tuning.state import Observation, TuningState
+from gmfbo.tuning.study_sections import ReferenceSection
 
 SPACE = GainSpace((Gain("Kp", 10.0, 90.0), Gain("Kd", 1.0, 9.0)))
+
+EXPERIMENT = StepExperiment.from_section(ReferenceSection(), "position", folder=Path())
+OBJECTIVE = Objective.from_samples(
+    PAPER_WEIGHTS, {name: np.array([0.1, 0.2, 0.3]) for name in METRICS}, horizon=1.0
+)
 
 
 def cost(point: np.ndarray) -> float:
@@ -52,7 +61,7 @@ def state_of(
         for _ in range(4):
             near = np.clip(seen[number - 1].point + 0.05 * rng.standard_normal(2), 0.0, 1.0)
             see("IS3", space.to_unit(space.from_unit(near)), 0.1, number)
-    return TuningState(space, tuple(seen), fixed or {})
+    return TuningState(space, tuple(seen), fixed or {}, (), EXPERIMENT, OBJECTIVE)
 
 
 def propose(method: Method, state: TuningState) -> Proposal:
@@ -123,7 +132,9 @@ def test_the_default_mismatch_is_the_median_ratio_of_scaled_costs() -> None:
 
 
 def test_without_corrected_runs_there_are_no_pairs() -> None:
-    corrected, twin = corrected_and_twin(TuningState(SPACE, (), {}), scaled=True)
+    corrected, twin = corrected_and_twin(
+        TuningState(SPACE, (), {}, (), EXPERIMENT, OBJECTIVE), scaled=True
+    )
     assert corrected.shape == twin.shape == (0,)
 
 

@@ -32,7 +32,7 @@ def run_until(study_file: Path, trials: int, delay: float) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("method", "most_runs", "latest"), [("random", 4, 0.02), ("gmfbo", 11, 0.3)]
+    ("method", "most_runs", "latest"), [("random", 4, 0.02), ("gmfbo", 160, 0.3)]
 )
 def test_killed_and_resumed_equals_uninterrupted(
     tmp_path: Path, method: str, most_runs: int, latest: float

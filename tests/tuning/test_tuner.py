@@ -76,8 +76,9 @@ def test_every_method_starts_from_the_same_data(tmp_path: Path, method: str) -> 
         study = write_study(tmp_path / f"of-{name}", method=name, seed=3, budget="iterations = 0")
         with tuner_of(study) as tuner:
             tuner.run()
-        initial = [t for t in study.trials if t.parent is None]
-        seen[name] = [(t.source, dict(t.gains), t.objective) for t in initial]
+        twin = [t for t in study.trials if t.source == "IS2" and t.parent is None][:10]
+        real = [t for t in study.trials if t.source == "IS1"]
+        seen[name] = [(dict(t.gains), t.objective) for t in (*twin, *real)]
     assert seen["random"] == seen[method]
     assert len(seen[method]) == 12
 
@@ -91,6 +92,20 @@ def test_the_same_seed_gives_the_same_study(tmp_path: Path, method: str) -> None
             tuner.run()
         twice.append([(t.source, dict(t.gains), t.objective) for t in study.trials])
     assert twice[0] == twice[1]
+
+
+def test_a_survey_of_the_twin_is_recorded_but_is_no_query(tmp_path: Path) -> None:
+    study = write_study(tmp_path, method="gmfbo", budget="iterations = 0")
+    correction = METHODS["gmfbo"].correction
+    assert correction is not None
+    assert correction.survey > 0
+    with tuner_of(study) as tuner:
+        result = tuner.run()
+    surveyed = [t for t in study.trials if t.source == "IS2" and t.parent is None]
+    assert len(surveyed) == 10 + correction.survey
+    assert len({tuple(t.gains.values()) for t in surveyed}) == len(surveyed)
+    assert result.queries == 0
+    assert result.cost == pytest.approx(2 + 0.1 * (len(study.trials) - 2))
 
 
 def test_another_seed_gives_another_study(tmp_path: Path) -> None:
