@@ -1,14 +1,16 @@
-"""The twin corrected at the level of trajectories, and improvement judged through the metrics.
+"""The twin corrected at the level of trajectories, as the prior mean of the surrogate.
 
 The real trajectory is the twin's plus a residual that changes smoothly with the gains. Wherever
-the twin was run, that is a belief about the real trajectory, and through the metrics about the
-cost; the real axis is asked where the expected improvement is largest. The twin is cheap, so it
-is run over the whole box once, and around each real run for the corrected runs (IS3).
+the twin was run, that gives an expected cost of the real axis; a Gaussian process on what the
+real runs say beyond it carries the rest, on a scale that is measured by leaving real runs out.
+The real axis is asked where the expected improvement is largest. The twin is cheap, so it is run
+over the whole box once, and around each real run for the corrected runs (IS3).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,88 +20,102 @@ from gmfbo.tuning.method import CorrectionOptions, Proposal
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
 from gmfbo.tuning.state import TuningState
 
+if TYPE_CHECKING:
+    from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
+
 SURVEY = 400
 """Runs of the twin over the box; a region of one percent of two gains then holds about four."""
 
 MOST_SAMPLES = 400
-"""Samples of a trajectory that the belief is about; metrics interpolate between them."""
-
-LENGTHSCALES = (0.4, 0.8)
-"""Of the residual over the unit cube, equally believed: a handful of real runs cannot tell."""
-
-DRAWS = 16
-"""Draws of the real trajectory at each point for each lengthscale."""
+"""Samples of a trajectory that are compared; metrics interpolate between them."""
 
 REPEAT_RADIUS, FAILED_RADIUS = 0.002, 0.05
 """Distances in the unit cube that are kept from real runs, and from those that failed."""
 
+CORRECTION = CorrectionOptions(memory="latest", at_border="reflect", survey=SURVEY)
+
 
 @dataclass(frozen=True)
 class Gmfbo:
-    """Real trajectory = twin + residual over gains; expected improvement through the metrics."""
+    """Cost of the corrected twin as prior mean; expected improvement on the real axis."""
 
     name: str = "gmfbo"
-    summary: str = "twin corrected by a process on whole trajectories, judged through the metrics"
+    summary: str = "twin corrected trajectory by trajectory, its cost the surrogate's prior mean"
     reference: str = (
-        "after Nobar et al. 2025, arXiv:2509.17952, and Astudillo and Frazier 2019, Bayesian "
-        "optimization of composite functions"
+        "after Nobar et al. 2025, arXiv:2509.17952; discrepancy before the cost as in Astudillo "
+        "and Frazier 2019, Bayesian optimization of composite functions"
     )
-    correction: CorrectionOptions = CorrectionOptions(
-        memory="latest", at_border="reflect", survey=SURVEY
-    )
+    correction: CorrectionOptions = CORRECTION
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the real axis where the corrected twin promises most."""
-        from gmfbo.acquisition.trajectory_improvement import expected_improvement
+        from gmfbo.acquisition.improvement import log_improvement
         from gmfbo.correction.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        points, draws = _real_costs(state, rng)
+        points, mean, variance = _belief(state)
         new = _is_new(points, state)
         if not new.any():
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere new")
         incumbent = min(seen.objective for seen in state.of("IS1"))
-        # Where no draw improves, the expected cost still orders the points.
-        score = expected_improvement(draws, incumbent) - 1e-9 * draws.mean(axis=0)
-        return Proposal("IS1", points[int(np.argmax(np.where(new, score, -np.inf)))], mismatch)
+        # A repeat of a real run has no variance left, and is no candidate.
+        score = log_improvement(mean[new], variance[new], incumbent)
+        return Proposal("IS1", points[new][int(np.argmax(score))], mismatch)
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""
-        points, draws = _real_costs(state, np.random.default_rng(0))
+        points, mean, variance = _belief(state)
         if not len(points):
             best = min(state.of("IS1"), key=lambda seen: seen.objective)
             return best.point, best.objective, 0.0
-        column = int(np.argmin(draws.mean(axis=0)))
-        return points[column], float(draws[:, column].mean()), float(draws[:, column].std())
+        row = int(np.argmin(mean))
+        return points[row], float(mean[row]), float(np.sqrt(variance[row]))
 
 
-def _real_costs(
-    state: TuningState, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points where the twin was run, shape (q, d), and draws of the real cost, shape (n, q)."""
-    from gmfbo.acquisition.trajectory_improvement import real_cost_draws
+def _belief(
+    state: TuningState,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Points where the twin was run, shape (q, d), and mean and variance of the real cost there."""
     from gmfbo.correction.residual_process import ResidualProcess
+    from gmfbo.surrogate.corrected_twin import likeliest_lengthscale
 
     experiment = state.experiment
-
-    def cost_of(runs: NDArray[np.float64]) -> NDArray[np.float64]:
-        return state.objective.value(experiment.metrics_of(times, runs))
-
     times = experiment.step_time + np.linspace(0.0, experiment.horizon, MOST_SAMPLES)
     points, simulated = _twin_runs(state, times)
-    if state.fixed and len(points):
+    if not len(points):
+        return points, np.empty(0), np.empty(0)
+    if state.fixed:
         # Held gains lie off the simulated points: the twin is interpolated there.
-        held = state.hold(points)
-        emulator = ResidualProcess.fit(points, simulated, lengthscale=LENGTHSCALES[0], centred=True)
-        points, simulated = held, emulator.mean(held)
-    real_points, residuals = _residuals(state, times)
-    draws = []
-    for lengthscale in LENGTHSCALES:
-        residual = ResidualProcess.fit(real_points, residuals, lengthscale=lengthscale)
-        deviations = residual.deviations(DRAWS, rng)
-        draws.append(real_cost_draws(points, simulated, residual, cost_of, deviations))
-    return points, np.concatenate(draws)
+        length = likeliest_lengthscale(points, simulated - simulated.mean(axis=0))
+        emulator = ResidualProcess.fit(points, simulated, lengthscale=length, centred=True)
+        points = state.hold(points)
+        simulated = emulator.mean(points)
+    mean, variance = _model(state, times).predict(points, simulated)
+    return points, mean, variance
+
+
+def _model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
+    from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel
+
+    signal = state.experiment.signal
+    beside = {
+        trial.parent: trial
+        for trial in state.trials
+        if trial.source == "IS2" and trial.parent is not None
+    }
+    real = [trial for trial in state.trials if trial.source == "IS1"]
+    runs = AxisRuns(
+        points=np.stack([_point(state, trial) for trial in real]),
+        values=np.array([trial.objective for trial in real]),
+        simulated=np.stack([_sampled(beside.get(trial.number), times, signal) for trial in real]),
+        measured=np.stack([_sampled(trial, times, signal) for trial in real]),
+    )
+
+    def cost_of(trajectories: NDArray[np.float64]) -> NDArray[np.float64]:
+        return state.objective.value(state.experiment.metrics_of(times, trajectories))
+
+    return CorrectedTwinModel.fit(runs, cost_of)
 
 
 def _twin_runs(
@@ -117,32 +133,15 @@ def _twin_runs(
     return np.concatenate(points), np.concatenate(runs)
 
 
-def _residuals(
-    state: TuningState, times: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points (n, d) and residuals (n, m) of the real runs that have a twin run beside them."""
-    signal = state.experiment.signal
-    beside = {
-        trial.parent: trial
-        for trial in state.trials
-        if trial.source == "IS2" and trial.parent is not None and trial.status == "ok"
-    }
-    points, residuals = [np.empty((0, len(state.space)))], [np.empty((0, times.size))]
-    for trial in state.trials:
-        if trial.source == "IS1" and trial.status == "ok" and trial.number in beside:
-            twin = _sampled(beside[trial.number], times, signal)
-            residuals.append((_sampled(trial, times, signal) - twin)[None, :])
-            points.append(_point(state, trial)[None, :])
-    return np.concatenate(points), np.concatenate(residuals)
-
-
 def _sampled(
-    trial: Trial,
+    trial: Trial | None,
     times: NDArray[np.float64],
     signal: str,
     values: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
-    """The signal of a run, or other values of it, at given times, shape (m,)."""
+    """The signal of a run, or other values of it, at given times, shape (m,); NaN if it failed."""
+    if trial is None or trial.status != "ok":
+        return np.full(times.size, np.nan)
     recording = trial.recording
     values = recording.signal(signal) if values is None else values
     known = np.isfinite(values)
