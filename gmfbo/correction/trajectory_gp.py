@@ -1,7 +1,7 @@
 """Gaussian process that corrects a twin's trajectory by what the axis did.
 
-Inputs (t, y_twin(t)), and the gains where several runs are kept; each input and the target are
-standardised; Matern-5/2 with one lengthscale an input::
+Inputs (t, y_twin(t)), and the gains in the unit cube where several runs are kept; time, signal and
+target are standardised; Matern-5/2 with one lengthscale an input::
 
     pair = Pair(time (n,), simulated (n,), measured (n,), gains (d,))   # both ran at these gains
     correction = TrajectoryCorrection.fit([pair])                # as published: the last run only
@@ -129,6 +129,8 @@ class TrajectoryCorrection:
     ) -> None:
         self.settings = settings
         self._input_shift, self._input_scale = _standardisation(inputs)
+        # Gains come in the unit cube, and a few runs say nothing of their spread.
+        self._input_shift[2:], self._input_scale[2:] = 0.0, 1.0
         self._target_shift, self._target_scale = _standardisation(targets)
         scaled = (inputs - self._input_shift) / self._input_scale
         values = (targets - self._target_shift) / self._target_scale
@@ -261,17 +263,22 @@ def _target(pair: Pair, settings: CorrectionSettings) -> NDArray[np.float64]:
 
 def _standardisation(columns: Tensor) -> tuple[Tensor, Tensor]:
     scale = columns.std(dim=0)
-    # A constant column, such as the gains of a single run, tells nothing and is left as it is.
+    # A constant column tells nothing and is left as it is.
     return columns.mean(dim=0), torch.where(scale > 1e-12, scale, torch.ones_like(scale))
 
 
 def _process(inputs: Tensor, values: Tensor, noise_floor: float) -> SingleTaskGP:
+    width = inputs.shape[-1]
     kernel = ScaleKernel(
         MaternKernel(
             nu=2.5,
-            ard_num_dims=inputs.shape[-1],
-            # Weak: a decade either way around one standard deviation of the input.
-            lengthscale_prior=LogNormalPrior(0.0, 1.5),
+            ard_num_dims=width,
+            # Weak for time and signal; for the gains most of the unit cube, within a factor of
+            # four, since a single run cannot tell.
+            lengthscale_prior=LogNormalPrior(
+                torch.zeros(width, dtype=DTYPE),
+                torch.tensor([1.5, 1.5] + [0.7] * (width - 2), dtype=DTYPE),
+            ),
             lengthscale_constraint=LogTransformedInterval(1e-3, 1e3, initial_value=0.5),
         ),
         outputscale_prior=LogNormalPrior(0.0, 1.5),

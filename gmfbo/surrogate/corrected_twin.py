@@ -12,7 +12,7 @@ discrepancy modelled before the objective and not after it)::
     score = log_improvement(mean, variance, runs.values.min())   # gmfbo.acquisition.improvement
 
 `simulated` is the twin at these points: run there, or interpolated from a survey of the box by
-`ResidualProcess.fit(survey_points, survey_trajectories, centred=True).mean(points)`.
+a `ResidualProcess` of the survey's trajectories, `centred=True`, with `likeliest_lengthscale`.
 
 How far the prior mean can be trusted is measured, not assumed: each run of the axis is predicted
 from the others, and the median error of g is the scale of the process. A twin that misleads
@@ -39,6 +39,9 @@ CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 # drives with weak to gross twin errors 0.1 to 0.3 needed the same number of runs, and 0.3 and
 # more stalled with the grossest.
 DEPARTURE_LENGTHSCALE = 0.15
+# Candidates for the residual over the gains, and the log-normal prior (median, spread).
+LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
+_LENGTHSCALE_PRIOR = (0.4, 0.7)
 # Share of the scale that a repeated run may differ by.
 NUGGET = 1e-4
 # Least scale, as a share of the spread of the observed objectives: with a perfect twin the
@@ -99,15 +102,15 @@ class CorrectedTwinModel:
         What it was fitted to.
     cost_of : callable
         From trajectories, shape (q, m), to g, shape (q,).
-    residual : ResidualProcess or None
-        Of measured minus simulated trajectories; None while no run has both.
+    residual : ResidualProcess
+        Of measured minus simulated trajectories; zero while no run has both.
     scale : float
         [g] Prior standard deviation of g - m, from predicting each run by the others.
     """
 
     runs: AxisRuns
     cost_of: CostOf
-    residual: ResidualProcess | None
+    residual: ResidualProcess
     scale: float
     _factor: NDArray[np.float64]
     _white: NDArray[np.float64]
@@ -125,12 +128,12 @@ class CorrectedTwinModel:
         """
         paired = runs.paired
         points, residuals = runs.points[paired], (runs.measured - runs.simulated)[paired]
-        residual = ResidualProcess.fit(points, residuals) if paired.any() else None
+        length = likeliest_lengthscale(points, residuals)
+        residual = ResidualProcess.fit(points, residuals, lengthscale=length)
         spread = float(np.ptp(runs.values)) or 1.0
-        errors = _left_out_errors(runs, cost_of)
+        errors = _left_out_errors(runs, cost_of, length)
         scale = float(np.median(np.abs(errors))) if len(errors) else spread
-        covariance = _matern52(runs.points, runs.points) + NUGGET * np.eye(len(runs.points))
-        factor = cholesky(covariance, lower=True)
+        factor = cholesky(_covariance(runs.points), lower=True)
         departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
         white = solve_triangular(factor, departures, lower=True)
         return cls(runs, cost_of, residual, max(scale, LEAST_SCALE * spread), factor, white)
@@ -159,45 +162,86 @@ class CorrectedTwinModel:
             [g^2]
         """
         where, twin = np.asarray(points, dtype=float), np.asarray(simulated, dtype=float)
-        half = solve_triangular(self._factor, _matern52(self.runs.points, where), lower=True)
+        half = solve_triangular(
+            self._factor, _matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
+        )
         mean = _prior_mean(where, twin, self.residual, self.cost_of) + half.T @ self._white
         variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
         return mean, variance
 
 
+def likeliest_lengthscale(points: NDArray[np.float64], functions: NDArray[np.float64]) -> float:
+    """Lengthscale of functions of time over the gains, by marginal posterior.
+
+    The scale of the functions is integrated out, and all times count as one observation in
+    total: neighbouring samples of a trajectory are not independent.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, d)
+        In the unit cube.
+    functions : ndarray, shape (n, m)
+        One a point.
+    """
+    median, spread = _LENGTHSCALE_PRIOR
+    losses = []
+    for lengthscale in LENGTHSCALES:
+        loss = 0.5 * (np.log(lengthscale / median) / spread) ** 2
+        if len(points):
+            covariance = _matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
+            factor = cholesky(covariance, lower=True)
+            white = solve_triangular(factor, functions, lower=True)
+            scale = float(np.mean(white**2)) + np.finfo(float).tiny
+            loss += 0.5 * len(points) * np.log(scale) + float(np.log(np.diag(factor)).sum())
+        losses.append(loss)
+    return LENGTHSCALES[int(np.argmin(losses))]
+
+
 def _corrected(
     points: NDArray[np.float64],
     simulated: NDArray[np.float64],
-    residual: ResidualProcess | None,
+    residual: ResidualProcess,
 ) -> NDArray[np.float64]:
-    return simulated if residual is None else simulated + residual.mean(points)
+    return simulated + residual.mean(points)
 
 
 def _prior_mean(
     points: NDArray[np.float64],
     simulated: NDArray[np.float64],
-    residual: ResidualProcess | None,
+    residual: ResidualProcess,
     cost_of: CostOf,
 ) -> NDArray[np.float64]:
     return np.asarray(cost_of(_corrected(points, simulated, residual)), dtype=float)
 
 
-def _left_out_errors(runs: AxisRuns, cost_of: CostOf) -> NDArray[np.float64]:
-    """Objective of each paired run minus its prediction from the other paired runs [g]."""
+def _left_out_errors(runs: AxisRuns, cost_of: CostOf, lengthscale: float) -> NDArray[np.float64]:
+    """Errors of predicting each paired run from the others, in prior standard deviations [g].
+
+    A run beside another one is predicted well whatever the twin is worth, so each error is
+    divided by the share of the prior standard deviation that the other runs leave there.
+    """
     rows = np.flatnonzero(runs.paired)
+    if len(rows) == 0:
+        return np.empty(0)
     residuals = runs.measured - runs.simulated
     predicted = []
     for row in rows:
         others = rows[rows != row]
-        residual = (
-            ResidualProcess.fit(runs.points[others], residuals[others]) if len(others) else None
+        residual = ResidualProcess.fit(
+            runs.points[others], residuals[others], lengthscale=lengthscale
         )
         predicted.append(_corrected(runs.points[[row]], runs.simulated[[row]], residual)[0])
-    if not predicted:
-        return np.empty(0)
-    return runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float)
+    errors = runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float)
+    left = 1.0 / np.diag(np.linalg.inv(_covariance(runs.points[rows])))
+    return errors / np.sqrt(left)
 
 
-def _matern52(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    r = np.sqrt(5.0) * cdist(one, other) / DEPARTURE_LENGTHSCALE
+def _covariance(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return _matern52(points, points, DEPARTURE_LENGTHSCALE) + NUGGET * np.eye(len(points))
+
+
+def _matern52(
+    one: NDArray[np.float64], other: NDArray[np.float64], lengthscale: float
+) -> NDArray[np.float64]:
+    r = np.sqrt(5.0) * cdist(one, other) / lengthscale
     return np.asarray((1.0 + r + r**2 / 3.0) * np.exp(-r))
