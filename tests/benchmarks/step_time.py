@@ -1,8 +1,9 @@
-"""Time of one step of gmfbo at 60 data points on one thread, simulation excluded.
+"""Time of one step at 60 data points on one thread, simulation excluded.
 
-A twin step fits the surrogate and maximises the acquisition; a real step refits the correction
-and makes four corrected predictions before that. Limits: 0.5 s and 1.0 s. The data come from a
-study of the drive.
+With the surrogate over gains and source (`gmfbo_kernel`), a twin step fits it and maximises the
+acquisition; a real step refits the correction and makes four corrected predictions before that.
+`gmfbo` asks the real axis only: its step is a real one, and its 60 data points are the runs
+beyond its survey of the twin. Limits: 0.5 s and 1.0 s. The data come from studies of the drive.
 
     python tests/benchmarks/step_time.py
 """
@@ -25,6 +26,7 @@ from gmfbo.acquisition.maximise import maximise
 from gmfbo.correction.trajectory_gp import CorrectionSettings, Pair, TrajectoryCorrection
 from gmfbo.sources.models import models_folder
 from gmfbo.surrogate.observations import Observations
+from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.methods.beliefs import search_of
 from gmfbo.tuning.methods.gmfbo_kernel import fit_surrogate
 from gmfbo.tuning.state import TuningState
@@ -36,7 +38,7 @@ TWIN_LIMIT_S, REAL_LIMIT_S = 0.5, 1.0
 
 STUDY = """
 seed = 0
-method = "gmfbo"
+method = "{method}"
 [is1]
 twin = {twin}
 [is2]
@@ -49,13 +51,15 @@ iterations = 100
 Made = TypeVar("Made")
 
 
-def study_of(folder: Path) -> tuple[TuningState, Pair]:
-    """Run a study until it holds enough observations; the last run of axis and twin."""
+def study_of(folder: Path, method: str) -> tuple[TuningState, Pair]:
+    """Run a study until it holds 60 observations; the last run of axis and twin."""
     twin = models_folder() / "drive_twin.toml"
-    file = folder / "drive.toml"
-    file.write_text(STUDY.format(twin=json.dumps(twin.as_posix())), encoding="utf-8")
+    file = folder / f"{method}.toml"
+    text = STUDY.format(method=method, twin=json.dumps(twin.as_posix()))
+    file.write_text(text, encoding="utf-8")
     with Tuner(Study.read(file)) as tuner, FmuTwin(twin) as axis:
-        while len(tuner.history.observations()) < POINTS:
+        enough = POINTS + tuner.history.survey
+        while len(tuner.history.observations()) < enough:
             request = tuner.ask()
             if request is None:
                 raise SystemExit(f"the budget ended before {POINTS} observations")
@@ -66,24 +70,26 @@ def study_of(folder: Path) -> tuple[TuningState, Pair]:
         pair = Pair(
             beside.recording.time, beside.recording.signal(signal), real.recording.signal(signal)
         )
-        return TuningState(tuner.gains.space, history.observations()[:POINTS], {}), pair
+        return history.state({}), pair
 
 
 def timed(action: Callable[[], Made]) -> tuple[Made, float]:
-    """Result, and the median time [s] of some repeats."""
+    """Result, and the least time [s] of some repeats: neighbours on the machine only add."""
     seconds = []
     for _ in range(REPEATS):
         began = time.perf_counter()
         made = action()
         seconds.append(time.perf_counter() - began)
-    return made, float(np.median(seconds))
+    return made, min(seconds)
 
 
 def main() -> int:
     """Measure, print where the time goes, and keep it."""
     with tempfile.TemporaryDirectory() as folder:
-        state, pair = study_of(Path(folder))
-    data = Observations.gather([(o.point, o.source, o.objective) for o in state.observations])
+        state, pair = study_of(Path(folder), "gmfbo_kernel")
+        surveyed, _ = study_of(Path(folder), "gmfbo")
+    sixty = state.observations[:POINTS]
+    data = Observations.gather([(seen.point, seen.source, seen.objective) for seen in sixty])
     model, fit_s = timed(lambda: fit_surrogate(data))
     best = float(data.values[data.of("IS1")].min())
     acquisition = CostAwareExpectedImprovement(
@@ -97,8 +103,11 @@ def main() -> int:
     exact, exact_s = timed_once(
         lambda: TrajectoryCorrection.fit([pair], CorrectionSettings(exact=True))
     )
+    method = find_method("gmfbo")
+    _, proposal_s = timed(lambda: method.propose(surveyed, np.random.default_rng(0)))
     twin_s = fit_s + search_s
     real_s = twin_s + correction_s + corrected_s
+    default_s = proposal_s + correction_s + corrected_s
     rows = [
         (f"surrogate fit, {len(data)} points", fit_s),
         ("acquisition, two sources", search_s),
@@ -106,6 +115,8 @@ def main() -> int:
         (f"correction fit, {len(pair.time)} samples thinned", correction_s),
         ("four corrected trajectories", corrected_s),
         (f"real step (limit {REAL_LIMIT_S} s)", real_s),
+        (f"gmfbo: proposal, {len(surveyed.observations)} runs", proposal_s),
+        (f"gmfbo: real step (limit {REAL_LIMIT_S} s)", default_s),
         ("for comparison: exact correction fit", exact_s),
     ]
     text = "\n".join(f"{label:<42}{seconds:8.3f} s" for label, seconds in rows)
@@ -117,7 +128,7 @@ def main() -> int:
     RESULT.parent.mkdir(exist_ok=True)
     RESULT.write_text(f"$ python tests/benchmarks/step_time.py\n{text}", encoding="utf-8")
     print(text)
-    return 0 if twin_s <= TWIN_LIMIT_S and real_s <= REAL_LIMIT_S else 1
+    return 0 if twin_s <= TWIN_LIMIT_S and max(real_s, default_s) <= REAL_LIMIT_S else 1
 
 
 def timed_once(action: Callable[[], Made]) -> tuple[Made, float]:
