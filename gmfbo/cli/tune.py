@@ -54,7 +54,7 @@ def _print_result(study: Study, result: TuningResult) -> None:
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
         f"{result.queries} queries after the initial data, "
-        f"cost {result.cost:.1f} real runs"
+        f"cost {result.cost:.1f} (a twin run counts 0.1)"
     )
     if result.best is None:
         console.print("no real run succeeded, so there are no gains to take")

@@ -60,7 +60,8 @@ def refit(twin: FmuTwin, recording: Recording, until: float) -> dict[str, float]
         )
 
     # A difference step of 2e-3 sees through encoder quantisation, 1e-8 does not.
-    solution = least_squares(residuals, np.ones(len(PUBLISHED)), diff_step=2e-3, method="trf")
+    start = np.ones(len(PUBLISHED))
+    solution = least_squares(residuals, start, diff_step=np.full(len(start), 2e-3))
     return named(solution.x)
 
 

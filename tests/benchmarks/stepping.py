@@ -46,7 +46,7 @@ def twin_file(folder: Path, model: str, initial: str) -> Path:
 
 def step_reference(duration: float) -> Recording:
     """Unit step at 0.1 s."""
-    time_s = np.arange(round(duration / STEP_S) + 1) * STEP_S
+    time_s = np.arange(round(duration / STEP_S) + 1, dtype=np.float64) * np.float64(STEP_S)
     return Recording(time=time_s, signals={"reference": (time_s >= 0.1 - 1e-9).astype(float)})
 
 

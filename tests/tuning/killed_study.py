@@ -5,10 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from analytic_axis import AnalyticAxis
-
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
+from tests.tuning.analytic_axis import AnalyticAxis
 
 
 def main(study_file: str) -> None:

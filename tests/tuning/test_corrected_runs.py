@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from analytic_axis import AnalyticAxis, write_study
 
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.trial import Trial
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
+from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
 WRONG = AnalyticAxis(inertia=0.2, friction=0.4)
 

@@ -8,15 +8,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from analytic_axis import write_study
 
-PROGRAM = Path(__file__).with_name("killed_study.py")
+from tests.tuning.analytic_axis import write_study
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def run_until(study_file: Path, trials: int, delay: float) -> bool:
     """Start the program, kill it `delay` [s] after so many runs; True when it ended before."""
     with subprocess.Popen(
-        [sys.executable, str(PROGRAM), str(study_file)], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-m", "tests.tuning.killed_study", str(study_file)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
     ) as process:
         assert process.stdout is not None
         for seen, _ in enumerate(process.stdout, start=1):

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from analytic_axis import AnalyticAxis, write_study
 
 from gmfbo.errors import InputError, RecordingError, SimulationError, StoreError, StudyFileError
 from gmfbo.objective.metrics import worst_metrics
@@ -16,6 +15,7 @@ from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
+from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
 
 def wrong_twin(failing: frozenset[int] = frozenset()) -> AnalyticAxis:
