@@ -8,7 +8,8 @@ The map is the gradient of a magnetic energy [J], with u = psi_d - psi_magnet an
 
 so that it gives back all energy it stores; the term with s [A/Wb^3] is saturation, with the
 cross-coupling of the axes that belongs to it. A cubic polynomial is a cubic spline, so the
-spline's coefficients follow in closed form and reproduce the formula exactly: on knots h apart,
+spline's coefficients follow in closed form and reproduce the formula exactly up to one cell from
+the edge of the table, where it begins to go over into its linear continuation: on knots h apart,
 the coefficients of 1, x, x^2 and x^3 at the node x are 1, x, x^2 - h^2/3 and x^3 - h^2 x.
 """
 
