@@ -23,7 +23,7 @@ import numpy as np
 from gmfbo import FmuTwin, Study, Tuner
 from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
 from gmfbo.acquisition.maximise import maximise
-from gmfbo.correction.trajectory_gp import CorrectionSettings, Pair, TrajectoryCorrection
+from gmfbo.correction.trajectory_gp import Pair, TrajectoryCorrection
 from gmfbo.sources.models import models_folder
 from gmfbo.surrogate.observations import Observations
 from gmfbo.tuning.methods import find_method
@@ -100,9 +100,6 @@ def main() -> int:
     _, corrected_s = timed(
         lambda: [correction.correct(pair.time, pair.simulated) for _ in range(4)]
     )
-    exact, exact_s = timed_once(
-        lambda: TrajectoryCorrection.fit([pair], CorrectionSettings(exact=True))
-    )
     method = find_method("gmfbo")
     _, proposal_s = timed(lambda: method.propose(surveyed, np.random.default_rng(0)))
     twin_s = fit_s + search_s
@@ -117,24 +114,13 @@ def main() -> int:
         (f"real step (limit {REAL_LIMIT_S} s)", real_s),
         (f"gmfbo: proposal, {len(surveyed.observations)} runs", proposal_s),
         (f"gmfbo: real step (limit {REAL_LIMIT_S} s)", default_s),
-        ("for comparison: exact correction fit", exact_s),
     ]
     text = "\n".join(f"{label:<42}{seconds:8.3f} s" for label, seconds in rows)
-    text += (
-        f"\nheld-out error of the correction      {correction.held_out_error:.3e}"
-        f"\nerror of the exact fit, on its samples {exact.held_out_error:.3e}"
-        f"\nuncorrected                            {correction.uncorrected_error:.3e}\n"
-    )
+    text += "\n"
     RESULT.parent.mkdir(exist_ok=True)
     RESULT.write_text(f"$ python tests/benchmarks/step_time.py\n{text}", encoding="utf-8")
     print(text)
     return 0 if twin_s <= TWIN_LIMIT_S and max(real_s, default_s) <= REAL_LIMIT_S else 1
-
-
-def timed_once(action: Callable[[], Made]) -> tuple[Made, float]:
-    """Result and time [s] of one call that is too slow to repeat."""
-    began = time.perf_counter()
-    return action(), time.perf_counter() - began
 
 
 if __name__ == "__main__":
