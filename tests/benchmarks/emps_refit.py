@@ -44,7 +44,7 @@ def main() -> int:
         for signal in SIGNALS:
             before = scored(twin, recording, PUBLISHED, signal, middle)
             after = scored(twin, recording, fitted, signal, middle)
-            print(f"{signal:<16}{before[0]:>17.4%} {after[0]:>17.4%} {after[1]:>17.2%}")
+            print(f"{signal:<16}{before[0]:>17.4%} {after[0]:>17.4%} {after[1]:>17.3%}")
     return 0
 
 

@@ -257,6 +257,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--methods", nargs="+", default=list(METHODS))
     parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--noise", type=float, default=0.5, help="share of the map's range")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--work", type=Path, help="folder for studies and finished pairs")
@@ -266,7 +267,11 @@ def main() -> None:
     work.mkdir(parents=True, exist_ok=True)
     os.nice(5)
     real_grid(work)
-    jobs = [(method, seed) for seed in range(asked.seeds) for method in asked.methods]
+    jobs = [
+        (method, seed)
+        for seed in range(asked.first_seed, asked.first_seed + asked.seeds)
+        for method in asked.methods
+    ]
     outcomes = []
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(asked.processes, mp_context=context) as pool:

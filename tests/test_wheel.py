@@ -1,0 +1,69 @@
+"""The wheel: what an installed gmfbo can do without its sources."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of an unpacked wheel, built from the checkout."""
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", str(folder)]
+    subprocess.run([*command, str(ROOT)], check=True, capture_output=True)
+    (wheel,) = folder.glob("*.whl")
+    site = folder / "site"
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    return site
+
+
+def run(installed: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run Python with the unpacked wheel in front of everything else."""
+    environment = {**os.environ, "PYTHONPATH": str(installed)}
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=installed.parent,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def files_below(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*.*")}
+
+
+def test_a_wheel_carries_fmus_twin_files_and_the_c_master(installed: Path) -> None:
+    models = installed / "gmfbo" / "_models"
+    carried = files_below(models)
+    assert carried == files_below(ROOT / "models")
+    assert "drive_twin.fmu" in carried
+
+
+def test_a_wheel_runs_its_own_models(installed: Path) -> None:
+    code = (
+        "import gmfbo; from gmfbo.sources.models import models_folder; print(gmfbo.__file__);"
+        "twin = gmfbo.FmuTwin(models_folder() / 'drive_twin.toml');"
+        "print(twin.run((100.0, 6.0), gmfbo.step_reference()).status); twin.close()"
+    )
+    finished = run(installed, "-W", "error", "-c", code)
+    home, status = finished.stdout.split()
+    assert Path(home).is_relative_to(installed)
+    assert status == "ok"
+
+
+def test_a_wheel_says_that_building_needs_the_sources(installed: Path) -> None:
+    finished = run(installed, "-m", "gmfbo", "build")
+    assert finished.returncode == 2
+    assert "needs the sources in fmu_build/" in finished.stderr
+    assert finished.stderr.count("\n") == 1
