@@ -212,9 +212,9 @@ def _polish(
 ) -> NDArray[np.float64]:
     dimension = starts.shape[1]
     initial = np.hstack([starts, np.full((len(starts), 1), column)])
-    with exact_algebra(), warnings.catch_warnings():
-        # A descent that stalls leaves its start in the pool, so nothing is lost.
-        warnings.simplefilter("ignore", OptimizationWarning)
+    # A descent that stalls leaves its start in the pool, so nothing is lost. BoTorch sets filters
+    # of its own inside, so its warning is caught rather than filtered.
+    with exact_algebra(), warnings.catch_warnings(record=True) as caught:
         polished, _ = gen_candidates_scipy(
             torch.tensor(initial, dtype=DTYPE)[:, None, :],
             acquisition,
@@ -222,4 +222,7 @@ def _polish(
             upper_bounds=torch.tensor([1.0] * dimension + [column], dtype=DTYPE),
             fixed_features={**fixed, dimension: column},
         )
+    for warning in caught:
+        if not issubclass(warning.category, OptimizationWarning):
+            warnings.warn(warning.message, stacklevel=2)
     return np.clip(polished[:, 0, :-1].detach().numpy(), 0.0, 1.0)
