@@ -7,8 +7,8 @@ target are standardised; Matern-5/2 with one lengthscale an input::
     correction = TrajectoryCorrection.fit([pair])                # as published: the last run only
     correction = TrajectoryCorrection.fit(pairs, CorrectionSettings(memory="accumulate"))
     mean, std = correction.correct(time (m,), simulated (m,), gains (d,))   # [signal], [signal]
-    correction.held_out_error     # [signal] RMS over the samples that were thinned away
-    correction.uncorrected_error  # [signal] the same without correction
+    correction.held_out_error     # [signal] RMS error, each sample predicted from the others
+    correction.uncorrected_error  # [signal] RMS error of the twin over the same samples
     correction.note               # "" or what went wrong in the fit
 
 As published (`latest`) the target is the measured signal and only the last run counts. With
@@ -16,8 +16,9 @@ several runs (t, y_twin) alone would have several answers, so `accumulate` adds 
 inputs and models the error of the twin, measured - simulated.
 
 The hyperparameters are fitted to at most `max_points` samples, denser where the response or its
-error changes; an exact fit to 1101 samples costs GPyTorch more than ten seconds for the same
-held-out error. `CorrectionSettings(exact=True)` is that fit, kept as the reference.
+error changes, and the posterior then rests on all samples of the run: the first is what takes an
+exact fit to 1101 samples several seconds, the second costs one factorisation.
+`CorrectionSettings(exact=True)` fits the hyperparameters to all samples too, as the reference.
 """
 
 from __future__ import annotations
@@ -94,7 +95,7 @@ class CorrectionSettings:
     max_points : int
         Most samples that the hyperparameters are fitted to.
     points_per_run : int
-        Most samples a run with `accumulate`; the posterior rests on all of these.
+        Most samples that the posterior keeps of each run where there are several.
     noise_floor : float
         Least noise variance of the standardised target.
     exact : bool
@@ -116,8 +117,7 @@ class TrajectoryCorrection:
     settings : CorrectionSettings
         How it was built.
     held_out_error : float
-        [signal] RMS error over the samples that thinning left out; over all samples where none
-        were left out.
+        [signal] RMS error of predicting each sample from all others.
     uncorrected_error : float
         [signal] RMS error of the twin over the same samples.
     note : str
@@ -136,9 +136,8 @@ class TrajectoryCorrection:
         values = (targets - self._target_shift) / self._target_scale
         self._process = _process(scaled[hyper_rows], values[hyper_rows], settings.noise_floor)
         self.note = fit_by_map(self._process, starts=(1.0,))
+        self.held_out_error = self.uncorrected_error = float("nan")
         self._condition(scaled, values)
-        self.held_out_error = float("nan")
-        self.uncorrected_error = float("nan")
 
     @classmethod
     def fit(
@@ -162,15 +161,22 @@ class TrajectoryCorrection:
         if len(pairs) == 0:
             raise InputError("a correction needs at least one run of the axis and of the twin")
         used = list(pairs) if settings.memory == "accumulate" else [pairs[-1]]
-        per_run = settings.points_per_run if len(used) > 1 else settings.max_points
-        kept = [_kept(pair, settings, per_run) for pair in used]
-        inputs = [_inputs(pair.time, pair.simulated, pair.gains, settings) for pair in used]
-        targets = [torch.tensor(_target(pair, settings), dtype=DTYPE) for pair in used]
-        chosen = torch.cat([rows[index] for rows, index in zip(inputs, kept, strict=True)])
-        values = torch.cat([rows[index] for rows, index in zip(targets, kept, strict=True)])
-        stride = 1 if settings.exact else -(-len(chosen) // settings.max_points)
-        correction = cls(chosen, values[:, None], settings, torch.arange(0, len(chosen), stride))
-        correction._judge(used, kept)
+        kept = [_kept(pair, settings, len(used)) for pair in used]
+        inputs = torch.cat(
+            [
+                _inputs(p.time, p.simulated, p.gains, settings)[i]
+                for p, i in zip(used, kept, strict=True)
+            ]
+        )
+        targets = np.concatenate([_target(p, settings)[i] for p, i in zip(used, kept, strict=True)])
+        correction = cls(
+            inputs,
+            torch.tensor(targets, dtype=DTYPE)[:, None],
+            settings,
+            torch.from_numpy(_hyper_rows(used, kept, settings)),
+        )
+        errors = [(p.measured - p.simulated)[i] for p, i in zip(used, kept, strict=True)]
+        correction.uncorrected_error = _rms(np.concatenate(errors))
         return correction
 
     def correct(
@@ -222,23 +228,30 @@ class TrajectoryCorrection:
             self._factor = torch.linalg.cholesky(covariance)
             residual = values - process.mean_module(inputs)[:, None]
             self._white = torch.linalg.solve_triangular(self._factor, residual, upper=False)
-
-    def _judge(self, pairs: Sequence[Pair], kept: Sequence[NDArray[np.intp]]) -> None:
-        corrected, uncorrected = [], []
-        for pair, index in zip(pairs, kept, strict=True):
-            rows = np.setdiff1d(np.arange(len(pair.time)), index)
-            rows = rows if len(rows) else index
-            mean, _ = self.correct(pair.time[rows], pair.simulated[rows], pair.gains)
-            corrected.append(pair.measured[rows] - mean)
-            uncorrected.append(pair.measured[rows] - pair.simulated[rows])
-        self.held_out_error = _rms(np.concatenate(corrected))
-        self.uncorrected_error = _rms(np.concatenate(uncorrected))
+            # Leaving one out in closed form: Rasmussen and Williams (2006), equation 5.12.
+            inverse = torch.cholesky_inverse(self._factor)
+            left_out = (inverse @ residual)[:, 0] / inverse.diagonal()
+            self.held_out_error = _rms((left_out * self._target_scale).numpy())
 
 
-def _kept(pair: Pair, settings: CorrectionSettings, count: int) -> NDArray[np.intp]:
-    if settings.exact:
+def _kept(pair: Pair, settings: CorrectionSettings, runs: int) -> NDArray[np.intp]:
+    if runs == 1 or settings.exact:
         return np.arange(len(pair.time))
-    return thin(pair.time, pair.simulated, pair.measured, count)
+    return thin(pair.time, pair.simulated, pair.measured, settings.points_per_run)
+
+
+def _hyper_rows(
+    pairs: Sequence[Pair], kept: Sequence[NDArray[np.intp]], settings: CorrectionSettings
+) -> NDArray[np.intp]:
+    """Rows, among all kept ones, that the hyperparameters are fitted to."""
+    rows, before = [], 0
+    share = max(2, settings.max_points // len(pairs))
+    for pair, index in zip(pairs, kept, strict=True):
+        columns = (pair.time[index], pair.simulated[index], pair.measured[index])
+        chosen = np.arange(len(index)) if settings.exact else thin(*columns, share)
+        rows.append(before + chosen)
+        before += len(index)
+    return np.concatenate(rows)
 
 
 def _inputs(

@@ -105,8 +105,7 @@ class AdaptiveSourceKernel(Kernel):
     def source_correlation(self) -> float:
         """Correlation of axis and twin at equal gains, in [0, 1]."""
         with torch.no_grad():
-            place = torch.tensor([[0.0], [1.0]], dtype=DTYPE)
-            gamma_0 = self.across_sources.forward(place, place)[0, 1]
+            gamma_0 = matern52(self.source_lengthscale.flatten()[0] ** -2)
             ratio = self.discrepancy.outputscale / self.shared.outputscale
             return float(gamma_0 / torch.sqrt(1.0 + ratio))
 
@@ -121,17 +120,51 @@ class AdaptiveSourceKernel(Kernel):
         """Covariance, shape (..., n, m), or (..., n) with `diag`."""
         if last_dim_is_batch:
             raise NotImplementedError("gains and source cannot be split into single columns")
-        k1, s1 = x1[..., :-1], self._place(x1[..., -1:])
-        k2, s2 = x2[..., :-1], self._place(x2[..., -1:])
-        gamma_0 = self.across_sources.forward(s1, s2, diag=diag)
-        s1, s2 = (s1[..., 0], s2[..., 0]) if diag else (s1, s2.transpose(-1, -2))
-        gamma_1 = (1.0 - s1) * (1.0 - s2) * (1.0 + s1 * s2).pow(POLYNOMIAL_DEGREE)
-        return gamma_0 * self.shared.forward(k1, k2, diag=diag) + (
-            gamma_1 * self.discrepancy.forward(k1, k2, diag=diag)
+        s1, s2 = self._place(x1[..., -1:]), self._place(x2[..., -1:])
+        gains = _squared_differences(x1[..., :-1], x2[..., :-1], diag)
+        sources = _squared_differences(s1, s2, diag)
+        first, second = (s1[..., 0], s2[..., 0]) if diag else (s1, s2.transpose(-1, -2))
+        gamma_0 = matern52((sources / self.source_lengthscale.square()).sum(dim=-1))
+        gamma_1 = (1.0 - first) * (1.0 - second) * (1.0 + first * second).pow(POLYNOMIAL_DEGREE)
+        return gamma_0 * _over_gains(self.shared, gains) + (
+            gamma_1 * _over_gains(self.discrepancy, gains)
         )
 
     def _place(self, source: Tensor) -> Tensor:
         return torch.where(source == IS3, self.third_place.to(source), source)
+
+
+class _Matern52(torch.autograd.Function):
+    """Matern-5/2 of the squared distance, whose derivative has no square root to divide by."""
+
+    @staticmethod
+    def forward(ctx: Any, squared: Tensor) -> Tensor:
+        r = torch.sqrt(5.0 * squared)
+        decay = torch.exp(-r)
+        ctx.save_for_backward(r, decay)
+        return (1.0 + r + r.square() / 3.0) * decay
+
+    @staticmethod
+    def backward(ctx: Any, *gradient: Tensor) -> Tensor:
+        r, decay = ctx.saved_tensors
+        return gradient[0] * (-5.0 / 6.0) * (1.0 + r) * decay
+
+
+def matern52(squared: Tensor) -> Tensor:
+    """(1 + r + r^2 / 3) exp(-r) with r^2 = 5 `squared`, the squared distance in lengthscales."""
+    return _Matern52.apply(squared)
+
+
+def _squared_differences(one: Tensor, other: Tensor, diag: bool) -> Tensor:
+    """Per column, shape (..., n, m, d), or (..., n, d) with `diag`."""
+    if diag:
+        return (one - other).square()
+    return (one[..., :, None, :] - other[..., None, :, :]).square()
+
+
+def _over_gains(part: ScaleKernel, squared: Tensor) -> Tensor:
+    lengthscale = part.base_kernel.lengthscale[0]
+    return part.outputscale * matern52((squared / lengthscale.square()).sum(dim=-1))
 
 
 def _scaled_matern(lengths: int | None, lengthscale_prior: GammaPrior) -> ScaleKernel:

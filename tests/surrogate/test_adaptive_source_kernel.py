@@ -18,6 +18,7 @@ from torch import Tensor
 
 from gmfbo.errors import InputError
 from gmfbo.surrogate.kernel import AdaptiveSourceKernel
+from gmfbo.surrogate.kernel import matern52 as matern52_of_squares
 
 
 def matern52(distance: float, lengthscale: float) -> float:
@@ -153,3 +154,11 @@ def test_impossible_lengthscales_are_refused() -> None:
         AdaptiveSourceKernel(2, source_lengthscale=0.0)
     with pytest.raises(InputError, match=r"cap above 0\.1"):
         AdaptiveSourceKernel(2, source_lengthscale=None, cap=0.1)
+
+
+def test_gradient_is_that_of_finite_differences_and_finite_at_zero_distance() -> None:
+    squared = torch.tensor([1e-3, 0.1, 2.0, 30.0], dtype=torch.float64, requires_grad=True)
+    assert torch.autograd.gradcheck(matern52_of_squares, (squared,))
+    nothing = torch.zeros(1, dtype=torch.float64, requires_grad=True)
+    (slope,) = torch.autograd.grad(matern52_of_squares(nothing).sum(), nothing)
+    assert slope.item() == pytest.approx(-5.0 / 6.0)
