@@ -13,7 +13,7 @@ from tests.drive_twin.drive_runs import CORNERS, IDEAL_ENCODERS, NO_FRICTION, Dr
 
 COUNT = 2.0 * np.pi / 4096
 # Contact that hardly rebounds; an elastic one rattles at rest, and then follows rounding errors.
-BACKLASH = {"gear.backlash": 1e-3, "gear.damping": 100.0}
+BACKLASH = {"gear.backlash": 1e-3}
 
 
 def true_position(
