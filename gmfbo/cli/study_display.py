@@ -21,32 +21,40 @@ class StudyDisplay:
     ----------
     console : Console
         Where to draw; nothing is drawn unless it is a terminal.
+    most_real_runs : int or None
+        Real runs at which the study ends; None where its queries are counted.
     """
 
-    def __init__(self, console: Console) -> None:
-        self._console = console
+    def __init__(self, console: Console, most_real_runs: int | None) -> None:
+        self._console, self._most_real_runs = console, most_real_runs
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
-            TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+            TextColumn("{task.fields[count]}"),
             TextColumn("{task.fields[state]}"),
             console=console,
             disable=not console.is_terminal,
             transient=True,
         )
-        self._task = self._bar.add_task("initial data", total=1, state="")
+        self._task = self._bar.add_task("initial data", total=None, count="", state="")
 
     def show(self, step: progress.Progress) -> None:
         """Show one finished run."""
         if not self._console.is_terminal:
             return
-        self._bar.update(
-            self._task,
-            description="initial data" if step.phase == "initial" else "queries",
-            completed=step.iteration,
-            total=max(step.iterations, 1),
-            state=_state(step),
-        )
+        if step.phase == "initial":
+            self._bar.update(self._task, count=f"run {step.trial}", state=_state(step))
+        else:
+            what, done, most = self._done(step)
+            count = f"{done} of {most}"
+            self._bar.update(
+                self._task,
+                description=what,
+                completed=done,
+                total=most,
+                count=count,
+                state=_state(step),
+            )
         if step.source == "IS1" and step.phase in ("initial", "query"):
             self._bar.console.print(
                 f"real run {step.is1_runs}: {gains_text(step.gains)}, "
@@ -55,6 +63,12 @@ class StudyDisplay:
             )
         if step.note:
             self._bar.console.print(f"note: {step.note}")
+
+    def _done(self, step: progress.Progress) -> tuple[str, int, int]:
+        """What is counted, how many are done, and at how many the study ends."""
+        if self._most_real_runs is not None:
+            return "real runs", step.is1_runs, self._most_real_runs
+        return "queries", step.iteration, step.iterations
 
     def __enter__(self) -> Self:
         self._bar.start()

@@ -44,7 +44,8 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
     from gmfbo.cli.study_display import StudyDisplay
     from gmfbo.tuning.tuner import Tuner
 
-    with Tuner(study, resume=resume) as tuner, StudyDisplay(console) as display:
+    display = StudyDisplay(console, study.file.budget.is1_runs)
+    with Tuner(study, resume=resume) as tuner, display:
         result = tuner.run(display.show)
     _print_result(study, result)
     return result
