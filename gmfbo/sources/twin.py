@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from gmfbo.errors import FmuFileError, InputError
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.signal import SignalSpec
-from gmfbo.sources.binding import bind
+from gmfbo.sources.binding import Binding, bind
 from gmfbo.sources.content import content_hash
 from gmfbo.sources.experiment import Experiment
 from gmfbo.sources.job import Outcome
@@ -98,6 +98,21 @@ class FmuTwin:
                 "isolated = True, which gives each run a process of its own"
             )
         _warn_without_master()
+
+    @property
+    def path(self) -> Path:
+        """The twin file."""
+        return self._path
+
+    @property
+    def binding(self) -> Binding:
+        """The twin file joined to its FMUs."""
+        return self._binding
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """FMU parameters [FMU's unit] given over the twin file's."""
+        return MappingProxyType(self._parameters)
 
     @cached_property
     def content_hash(self) -> str:
