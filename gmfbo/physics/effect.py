@@ -1,0 +1,205 @@
+"""An effect that a twin may lack: what it needs, what it does, and how to speak of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, Mask, States
+from gmfbo.physics.units import Units
+
+Values = Mapping[str, float]
+Range = Callable[[Excitation], float]
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """A parameter of an effect that is fitted to recordings.
+
+    Attributes
+    ----------
+    name : str
+        As in `physics.fmu`: its variable there is `effect.name`.
+    words : str
+        What it is, for a table.
+    unit : str
+        Expression over the words of `Units`: `torque/velocity`.
+    low, high : callable
+        Bounds for an excitation; an amplitude that must be positive has the lower bound 0.
+    scale : callable
+        Typical size, by which the optimiser scales its steps; positive.
+    hidden : bool
+        Fitted, but no headline number.
+    """
+
+    name: str
+    words: str
+    unit: str
+    low: Range
+    high: Range
+    scale: Range
+    hidden: bool = False
+
+
+def positive(
+    name: str, words: str, unit: str, shown: Range, most: float = 1.0, typical: float = 0.07
+) -> EffectParameter:
+    """Make an amplitude between 0 and `most` times what the excitation shows.
+
+    Parameters
+    ----------
+    name, words, unit : str
+        As in EffectParameter.
+    shown : callable
+        What the excitation shows, in the parameter's unit.
+    most, typical : float
+        Largest and typical size, as shares of what is shown.
+    """
+    return EffectParameter(
+        name,
+        words,
+        unit,
+        low=lambda e: 0.0,
+        high=lambda e: most * shown(e),
+        scale=lambda e: typical * shown(e),
+    )
+
+
+def signed(
+    name: str, words: str, unit: str, shown: Range, most: float = 1.0, typical: float = 0.07
+) -> EffectParameter:
+    """Make an amplitude of either sign, up to `most` times what the excitation shows.
+
+    Parameters
+    ----------
+    name, words, unit : str
+        As in EffectParameter.
+    shown : callable
+        What the excitation shows, in the parameter's unit.
+    most, typical : float
+        Largest and typical size, as shares of what is shown.
+    """
+    return EffectParameter(
+        name,
+        words,
+        unit,
+        low=lambda e: -most * shown(e),
+        high=lambda e: most * shown(e),
+        scale=lambda e: typical * shown(e),
+    )
+
+
+def _nothing_fixed(excitation: Excitation) -> Values:
+    return {}
+
+
+def _always_excited(excitation: Excitation) -> str | None:
+    return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """One left-out effect of the catalogue; `physics.fmu` holds its equations.
+
+    Attributes
+    ----------
+    name, port : str
+        As in `physics.fmu`; the port is `torque`, `command` or `sensor`.
+    family : str
+        friction, spring, harmonic, timing, limit, gain, inertia, sensor or disturbance.
+    signal_path : str
+        controller, actuator, plant, transmission or sensor.
+    parameters : tuple of EffectParameter
+        Those that are fitted, headline first.
+    starts : callable (Excitation) -> sequence of mapping
+        Grid of starting points for the fit; each is screened on its own.
+    size : callable (parameters, Excitation) -> float
+        How large the effect is, at least 0, in the unit `size_unit`; `size_name` names it.
+    floor : callable (Excitation) -> float
+        Size below which the effect is never claimed.
+    acts : callable (States, parameters) -> ndarray (n,) of bool
+        The samples where the effect shows most.
+    region : callable (parameters, Units) -> str
+        Where that is, in words that contain `region_state`: velocity, position, command, current,
+        acceleration or time.
+    statement : callable (parameters, Units, place) -> str
+        One plain sentence with number and unit; the place is `Units.place`.
+    equation, source : str
+        The law in ASCII, and who stated it.
+    fixed : callable (Excitation) -> mapping
+        Parameters of `physics.fmu` that are set, not fitted.
+    signal : callable (States, parameters) -> ndarray (n,) or None
+        What the effect adds to its port on a given trajectory, without feedback; None where it
+        has motion of its own and must be simulated.
+    feature : callable (States) -> ndarray (n,) or None
+        That signal for unit size at its typical shape: for screening and location.
+    not_excited : callable (Excitation) -> str or None
+        Why these recordings cannot show it, or None.
+    requires : tuple of str
+        States it needs beyond position and command; a velocity can be differentiated and a
+        command stands for an unknown current, so these are not listed.
+    inertia_share : bool
+        Its `load_inertia` is taken out of the twin's inertia.
+    least_time : float
+        Seconds for which `acts` must hold before the effect is claimed.
+    contains : tuple of str
+        Simpler effects that are a limit of it.
+    confused_with : mapping of str to str
+        Other effect: what separates the two.
+    parameter_like : tuple of str
+        Roles of twin parameters whose signature it shares.
+    """
+
+    name: str
+    port: str
+    family: str
+    signal_path: str
+    parameters: tuple[EffectParameter, ...]
+    starts: Callable[[Excitation], Sequence[Values]]
+    size: Callable[[Values, Excitation], float]
+    size_name: str
+    size_unit: str
+    floor: Range
+    acts: Callable[[States, Values], Mask]
+    region: Callable[[Values, Units], str]
+    region_state: str
+    statement: Callable[[Values, Units, str], str]
+    equation: str
+    source: str
+    fixed: Callable[[Excitation], Values] = _nothing_fixed
+    signal: Callable[[States, Values], Array] | None = None
+    feature: Callable[[States], Array] | None = None
+    not_excited: Callable[[Excitation], str | None] = _always_excited
+    requires: tuple[str, ...] = ()
+    inertia_share: bool = False
+    least_time: float = 0.0
+    contains: tuple[str, ...] = ()
+    confused_with: Mapping[str, str] = field(default_factory=dict)
+    parameter_like: tuple[str, ...] = ()
+
+    def bounds(self, excitation: Excitation) -> dict[str, tuple[float, float]]:
+        """Lower and upper bound of each fitted parameter, by name."""
+        return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}
+
+    def scales(self, excitation: Excitation) -> dict[str, float]:
+        """Typical size of each fitted parameter, by name."""
+        return {p.name: p.scale(excitation) for p in self.parameters}
+
+    def variables(self, parameters: Values, excitation: Excitation) -> dict[str, float]:
+        """Variables of `physics.fmu` that switch the effect on with these parameters.
+
+        Parameters
+        ----------
+        parameters : mapping of str to float
+            Fitted ones, and any other of the effect's own (a further line of cogging).
+        excitation : Excitation
+            From which the fixed ones follow.
+
+        Returns
+        -------
+        dict of str to float
+            `effect.parameter` = value.
+        """
+        together = {**self.fixed(excitation), **parameters}
+        return {f"{self.name}.{name}": float(value) for name, value in together.items()}

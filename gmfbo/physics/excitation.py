@@ -1,0 +1,122 @@
+"""What a set of recordings shows of the axis, in the twin's own units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from gmfbo.errors import InputError
+
+_POSITIVE = (
+    "torque",
+    "command",
+    "command_rate",
+    "current",
+    "speed",
+    "stroke",
+    "resolution",
+    "duration",
+    "total",
+    "sample",
+    "step",
+    "loop_time",
+)
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """Ranges that bound and scale the parameters of effects; all sizes are positive.
+
+    Attributes
+    ----------
+    torque : float
+        Torque (or force) at the port that corresponds to the range of the command.
+    command : float
+        Largest |command|.
+    command_rate : float
+        Largest |d command / dt| (99.9 % quantile) [command/s].
+    current : float
+        Largest |current|; that of the command where no current is known.
+    speed : float
+        99.5 % quantile of |velocity|.
+    stroke : float
+        Range of the position over all recordings.
+    resolution : float
+        Smallest position step that counts: encoder quantum or noise.
+    duration, total : float
+        Longest recording, and all together [s].
+    sample : float
+        Sampling time of the recordings [s].
+    step : float
+        Communication step at which effects are stepped [s].
+    loop_time : float
+        Slowest relevant time constant of the closed loop [s].
+    inertia : float or None
+        Torque per acceleration of the twin's shaft, where the twin names it or it was measured.
+    angular : bool
+        The position is an angle [rad]; else a length [m].
+    reversals : int
+        Sign changes of the velocity that last.
+    load : float or None
+        Largest |load torque| where that state is known; else the current stands for it.
+    wavenumbers : tuple of float
+        Strong lines in the spectrum over position [rad per position unit], strongest first.
+    frequencies : tuple of float
+        Strong lines over time [Hz], strongest first.
+    pulses : tuple of tuple of float
+        Candidates for a passing disturbance: (start, duration) [s].
+
+    Raises
+    ------
+    InputError
+        A range is not positive and finite, so that nothing can be scaled by it.
+    """
+
+    torque: float
+    command: float
+    command_rate: float
+    current: float
+    speed: float
+    stroke: float
+    resolution: float
+    duration: float
+    total: float
+    sample: float
+    step: float
+    loop_time: float
+    inertia: float | None
+    angular: bool
+    reversals: int
+    load: float | None = None
+    wavenumbers: tuple[float, ...] = ()
+    frequencies: tuple[float, ...] = ()
+    pulses: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in _POSITIVE:
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise InputError(
+                    f"expected recordings that show a {name.replace('_', ' ')} above zero, "
+                    f"got {value!r}; record the axis while it moves"
+                )
+        if self.inertia is not None and not (math.isfinite(self.inertia) and self.inertia > 0.0):
+            raise InputError(
+                f"expected an inertia above zero, got {self.inertia!r}; "
+                "correct the twin's [roles] or leave the inertia out"
+            )
+
+    @property
+    def shaft_inertia(self) -> float:
+        """Inertia of the shaft; without a known one, what the torque moves to speed in a loop time.
+
+        Good to an order of magnitude only: enough to keep elastic elements numerically stable.
+        """
+        if self.inertia is not None:
+            return self.inertia
+        return self.torque * self.loop_time / self.speed
+
+    @property
+    def load_range(self) -> float:
+        """Largest |load torque|, or largest |current| where that stands for it."""
+        return self.current if self.load is None else self.load

@@ -1,0 +1,27 @@
+"""What limits of the command have in common."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, Mask
+
+# A limit must cut this share of the largest command, for this long, before it is claimed.
+CUT_SHARE = 0.03
+LEAST_TIME = 5e-3  # [s]
+
+
+def cut_floor(excitation: Excitation) -> float:
+    """Smallest cut of the command that is claimed, in the unit of the command."""
+    return CUT_SHARE * excitation.command
+
+
+def clipped(command: Array, limit: Array | float) -> Array:
+    """What a limit takes from a command: clip(u) - u, shape (n,)."""
+    return np.asarray(np.clip(command, -limit, limit) - command, dtype=np.float64)
+
+
+def beyond(command: Array, limit: Array | float) -> Mask:
+    """Mark where the command is beyond a limit, shape (n,)."""
+    return np.asarray(np.abs(command) > limit, dtype=np.bool_)

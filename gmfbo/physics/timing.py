@@ -1,0 +1,77 @@
+"""What delays and lags have in common."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gmfbo.physics.effect import EffectParameter, Values
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, Mask, States
+
+# The ring buffer of physics.fmu is this long [s].
+_LONGEST = 0.1
+
+
+def floor(excitation: Excitation) -> float:
+    """Shortest time that is claimed [s]; a coarse integrator alone looked like 0.15 ms."""
+    return max(0.4e-3, 0.35 * excitation.sample)
+
+
+def longest(excitation: Excitation) -> float:
+    """Upper bound of a delay or lag [s]."""
+    return min(_LONGEST, max(excitation.loop_time, 30.0 * floor(excitation)))
+
+
+def time_parameter(name: str, words: str) -> EffectParameter:
+    """Make the parameter that holds a delay or a time constant."""
+    return EffectParameter(
+        name, words, "s", low=lambda e: 0.0, high=longest, scale=lambda e: 2.0 * floor(e)
+    )
+
+
+def starts(name: str, excitation: Excitation) -> list[Values]:
+    """Two times to start from: just visible, and a good share of the longest."""
+    return [
+        {name: min(2.0 * floor(excitation), 0.5 * longest(excitation))},
+        {name: 0.6 * longest(excitation)},
+    ]
+
+
+def delayed(times: Array, values: Array, delay: float) -> Array:
+    """Values as they were `delay` [s] earlier, the first one held before; shape (n,)."""
+    return np.interp(times - delay, times, values)
+
+
+def lagged(times: Array, values: Array, time_constant: float) -> Array:
+    """Values through a first-order lag that starts settled; shape (n,).
+
+    Exact for values held over each step.
+    """
+    if time_constant <= 0.0:
+        return values.copy()
+    step = float(times[-1] - times[0]) / (len(times) - 1)
+    keep = math.exp(-step / time_constant)
+    result = np.empty_like(values)
+    state = float(values[0])
+    for index, value in enumerate(values.tolist()):
+        result[index] = state
+        state = keep * state + (1.0 - keep) * value
+    return result
+
+
+def lateness_feature(times: Array, values: Array) -> Array:
+    """Change of a signal per second of lateness, shape (n,): minus its derivative."""
+    return -np.asarray(np.gradient(values, times), dtype=np.float64)
+
+
+def acts_in_fast_change(times: Array, values: Array) -> Mask:
+    """Mark where a signal changes fast: above half of the quantile 0.95 of its rate."""
+    rate = np.abs(np.gradient(values, times))
+    return np.asarray(rate > 0.5 * np.quantile(rate, 0.95), dtype=np.bool_)
+
+
+def command_acts(states: States, parameters: Values) -> Mask:
+    """Lateness of the actuator shows where the command changes fast."""
+    return acts_in_fast_change(states.time, states.command)
