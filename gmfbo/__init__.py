@@ -22,6 +22,7 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 if TYPE_CHECKING:
+    from gmfbo.diagnosis import Diagnosis, diagnose
     from gmfbo.recordings import Recording, Trajectory, step_reference
     from gmfbo.sources.twin import FmuTwin
     from gmfbo.tuning.study import Study
@@ -30,15 +31,26 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Diagnosis": "gmfbo.diagnosis",
     "FmuTwin": "gmfbo.sources.twin",
     "Recording": "gmfbo.recordings",
     "Study": "gmfbo.tuning.study",
     "Trajectory": "gmfbo.recordings",
     "Tuner": "gmfbo.tuning.tuner",
+    "diagnose": "gmfbo.diagnosis",
     "step_reference": "gmfbo.recordings",
 }
 
-__all__ = ["FmuTwin", "Recording", "Study", "Trajectory", "Tuner", "step_reference"]
+__all__ = [
+    "Diagnosis",
+    "FmuTwin",
+    "Recording",
+    "Study",
+    "Trajectory",
+    "Tuner",
+    "diagnose",
+    "step_reference",
+]
 
 
 def __getattr__(name: str) -> Any:

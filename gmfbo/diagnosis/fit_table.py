@@ -1,0 +1,66 @@
+"""Errors on held-out recordings, before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SignalFit:
+    """NRMSE of one signal on the held-out recordings: RMS error over the recorded range.
+
+    All are dimensionless and least is best; NaN where there is no such model.
+
+    Attributes
+    ----------
+    nominal : float
+        The twin as it came.
+    parameters_only : float
+        The twin with its uncertain parameters refitted.
+    augmented : float
+        The twin with the named physics and refitted parameters.
+    unnamed_spline : float
+        The refitted twin with a smooth residual that has no name.
+    noise_floor : float
+        What a perfect twin would leave.
+    """
+
+    nominal: float
+    parameters_only: float
+    augmented: float
+    unnamed_spline: float
+    noise_floor: float
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Errors of the twin before and after, by parameters that never saw the scored recordings.
+
+    Attributes
+    ----------
+    fitted_on : tuple of str
+        Recordings that the parameters were fitted on; the same values are in `augmented.fmu`.
+    held_out : tuple of str
+        Recordings that were scored.
+    signals : mapping of str to SignalFit
+        Errors by signal.
+    explainable_error_removed : float or None
+        Share of what physics could explain that the named physics does explain, in the weighted
+        norm of the decision; None where there is next to nothing to explain.
+    """
+
+    fitted_on: tuple[str, ...]
+    held_out: tuple[str, ...]
+    signals: Mapping[str, SignalFit]
+    explainable_error_removed: float | None = None
+
+    @property
+    def most_improved(self) -> str | None:
+        """Signal whose error the physics reduces most, in points of NRMSE; None without one."""
+        falls = {
+            name: fit.parameters_only - fit.augmented
+            for name, fit in self.signals.items()
+            if fit.augmented < fit.parameters_only
+        }
+        return max(falls, key=lambda name: falls[name]) if falls else None

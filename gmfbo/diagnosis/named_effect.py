@@ -1,0 +1,101 @@
+"""Physical effects in a diagnosis: named, not testable, and how small one would have shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """Identified value of one parameter of an effect, with its 95 % interval.
+
+    Attributes
+    ----------
+    value : float
+        [unit] Estimate, the default in the augmented twin.
+    unit : str
+        Unit, following that of the port.
+    low, high : float
+        [unit] Ends of the interval.
+    """
+
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """Physics that the twin leaves out and the recordings show.
+
+    Attributes
+    ----------
+    name : str
+        Name in the catalogue, such as `coulomb_friction`.
+    port : str
+        Where it acts: `torque`, `command` or `sensor`.
+    probability : float
+        Calibrated probability that this effect, or one it cannot be told from, is at work.
+    statement : str
+        One sentence in plain words, ending in a full stop.
+    equation : str
+        Its law, in text.
+    parameters : mapping of str to EffectParameter
+        Identified values by parameter name.
+    evidence : float
+        Gain in held-out chi2 over the refitted twin without it, dimensionless.
+    threshold : float
+        Gain above which an effect is named, for this twin and these recordings.
+    evidence_per_recording : mapping of str to float
+        The gain by recording.
+    indistinguishable_from : tuple of str
+        Effects that explain these recordings as well.
+    """
+
+    name: str
+    port: str
+    probability: float
+    statement: str
+    equation: str
+    parameters: Mapping[str, EffectParameter]
+    evidence: float
+    threshold: float
+    evidence_per_recording: Mapping[str, float]
+    indistinguishable_from: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class NotTestable:
+    """An effect on which these recordings or this twin are silent.
+
+    Attributes
+    ----------
+    name : str
+        Name in the catalogue.
+    why : str
+        What stands in the way, such as "not excited: no reversal" or "is parameter mech.J".
+    """
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True)
+class DetectableSize:
+    """Smallest size of an effect that these recordings would have shown.
+
+    Attributes
+    ----------
+    parameter : str
+        Parameter of the effect that says its size.
+    size : float
+        [unit] Its smallest detectable magnitude.
+    unit : str
+        Unit of the size.
+    """
+
+    parameter: str
+    size: float
+    unit: str

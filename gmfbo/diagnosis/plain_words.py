@@ -1,0 +1,46 @@
+"""How numbers and names of a diagnosis are said to a person."""
+
+from __future__ import annotations
+
+import math
+
+NOT_EXCITED = "not excited"
+
+
+def words(name: str) -> str:
+    """Name of a signal or an effect as words: `torque_command` is "torque command"."""
+    return name.replace("_", " ")
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Number with a few significant digits; a dash where there is none."""
+    return f"{value:.{digits}g}" if math.isfinite(value) else "-"
+
+
+def percent(share: float) -> str:
+    """Share as per cent, two significant digits, whole ones in full: 0.306 is "31 %"."""
+    if not math.isfinite(share):
+        return "-"
+    return f"{100.0 * share:.0f} %" if abs(share) >= 0.0995 else f"{100.0 * share:#.2g} %"
+
+
+def unit_words(unit: str) -> str:
+    """Unit as it is read: `N.m` is "N m", `kg.m2` is "kg m2"; none for a plain number."""
+    return "" if unit in ("", "1") else unit.replace(".", " ")
+
+
+def quantity(value: float, unit: str) -> str:
+    """Value with its unit, three significant digits."""
+    return f"{number(value)} {unit_words(unit)}".rstrip()
+
+
+def interval(value: float, low: float, high: float, unit: str) -> str:
+    """Value with its 95 % interval and its unit: "0.52 [0.49, 0.55] N m"."""
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return quantity(value, unit)
+    return f"{number(value)} [{number(low)}, {number(high)}] {unit_words(unit)}".rstrip()
+
+
+def probability(value: float) -> str:
+    """Probability with two decimals."""
+    return f"{value:.2f}" if math.isfinite(value) else "-"

@@ -1,0 +1,137 @@
+"""Recordings as the diagnosis scores them: uniform columns of the signals that the twin has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+from gmfbo.objective.fit import scored_rows
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.augmented import RunPlan
+
+_JITTER_SHARE = 0.15  # of a sample; below it, times count as evenly spaced
+LEAST_ROWS = 64
+"""Samples of a signal below which a recording says nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class ScoredSignal:
+    """One signal of one recording on evenly spaced times.
+
+    Attributes
+    ----------
+    name : str
+        As the twin file calls it; `tracking effort` where an open loop is held by force.
+    time : ndarray, shape (n,)
+        [s]
+    values : ndarray, shape (n,)
+        [SI] As recorded.
+    resolution : float
+        [SI] Smallest step between recorded values; 0 where they are continuous.
+    """
+
+    name: str
+    time: NDArray[np.float64]
+    values: NDArray[np.float64]
+    resolution: float
+
+    @property
+    def spacing(self) -> float:
+        """[s] Between samples."""
+        return float(self.time[-1] - self.time[0]) / (self.time.size - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A recording that is scored.
+
+    Attributes
+    ----------
+    name : str
+        Of its file.
+    plan : RunPlan
+        How it is simulated.
+    signals : tuple of ScoredSignal
+        That the twin's outputs are compared with.
+    start, end : float
+        [s] Within which all signals are scored.
+    """
+
+    name: str
+    plan: RunPlan
+    signals: tuple[ScoredSignal, ...]
+    start: float
+    end: float
+
+
+def scored_record(
+    recording: Recording, plan: RunPlan, signals: Sequence[str], warmup: float
+) -> Record:
+    """Cut a recording to what is scored.
+
+    Parameters
+    ----------
+    recording : Recording
+        As it was read.
+    plan : RunPlan
+        Of the same recording.
+    signals : sequence of str
+        Outputs of the twin; those that the recording lacks are left out.
+    warmup : float
+        [s] From the first row: simulated but not scored.
+
+    Raises
+    ------
+    RecordingError
+        Nothing is left to score.
+    """
+    label = recording.name or "recording"
+    present = [
+        name
+        for name in signals
+        if name in recording.signals
+        and scored_rows(recording, name, warmup=warmup).sum() >= LEAST_ROWS
+    ]
+    if not present:
+        raise RecordingError(
+            f"{label}: expected at least {LEAST_ROWS} rows of one of {', '.join(signals)} to "
+            f"compare with the twin, it holds {', '.join(recording.signals) or 'no signal'}"
+        )
+    rows = {name: scored_rows(recording, name, warmup=warmup) for name in present}
+    start = max(float(recording.time[r][0]) for r in rows.values())
+    end = min(float(recording.time[r][-1]) for r in rows.values())
+    cut = tuple(
+        _uniform(name, recording, rows[name], start, end)
+        for name in present
+    )
+    return Record(label, plan, cut, start, end)
+
+
+def _uniform(
+    name: str, recording: Recording, rows: NDArray[np.bool_], start: float, end: float
+) -> ScoredSignal:
+    slack = 1e-9 * max(1.0, abs(end))
+    inside = rows & (recording.time >= start - slack) & (recording.time <= end + slack)
+    time, values = recording.time[inside], recording.signal(name)[inside]
+    spacing = float(np.median(np.diff(time)))
+    even = time[0] + spacing * np.arange(round((time[-1] - time[0]) / spacing) + 1)
+    if even.size != time.size or np.abs(even - time).max() > _JITTER_SHARE * spacing:
+        values = np.interp(even, time, values)
+        time = even
+    return ScoredSignal(name, time, values, _resolution(values))
+
+
+def _resolution(values: NDArray[np.float64]) -> float:
+    """Quantum of a signal: the step of which most others are whole multiples; 0 for none."""
+    steps = np.abs(np.diff(values))
+    steps = steps[steps > 1e-12 * max(1.0, float(np.abs(values).max()))]
+    if steps.size < 10:
+        return 0.0
+    quantum = float(np.quantile(steps, 0.02))
+    shares = steps / quantum
+    whole = np.abs(shares - np.round(shares)) < 0.02
+    return quantum if whole.mean() > 0.9 else 0.0

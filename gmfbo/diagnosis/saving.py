@@ -1,0 +1,89 @@
+"""A diagnosis as files in a folder, each whole or not at all."""
+
+from __future__ import annotations
+
+import pkgutil
+import shutil
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gmfbo.errors import GmfboError, InputError
+from gmfbo.recordings.durable import cause, sync_folder, write_whole
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.diagnosis import Diagnosis
+
+# Reports lie above diagnosis, so the page is named here and found when it is written.
+PAGE = "gmfbo.reports.diagnosis_page:diagnosis_page"
+TWIN_FILES = ("augmented.fmu", "augmented.toml")
+
+
+def save(diagnosis: Diagnosis, folder: Path) -> tuple[Path, ...]:
+    """Write a diagnosis; see `Diagnosis.save`.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    folder : Path
+        Made if it is not there.
+
+    Returns
+    -------
+    tuple of Path
+        The files written; `diagnosis.json` comes last to the disk, so that it tells of the rest.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        twin_files, note = _write_twin(diagnosis, folder)
+        told = replace(diagnosis, notes=(*diagnosis.notes, note)) if note else diagnosis
+        report, content = folder / "report.html", folder / "diagnosis.json"
+        write_whole(report, pkgutil.resolve_name(PAGE)(told).encode("utf-8"))
+        write_whole(content, told.to_json().encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot write '{error.filename or folder}': {cause(error)}") from None
+    return content, report, *twin_files
+
+
+def _write_twin(diagnosis: Diagnosis, folder: Path) -> tuple[tuple[Path, ...], str]:
+    """Write the augmented twin: its files, and why there are none."""
+    if diagnosis.augmentation is None:
+        return _kept_twin(diagnosis, folder), ""
+    # Inside the folder, so that moving the files there is one step on the same disk.
+    temporary = Path(tempfile.mkdtemp(prefix=".augmented.", suffix=".tmp", dir=folder))
+    try:
+        try:
+            exported = diagnosis.augmentation.export(temporary)
+        except GmfboError as error:
+            _remove_twin(folder)
+            return (), f"no augmented twin was written: {error}"
+        for source, name in zip((exported.fmu, exported.twin_file), TWIN_FILES, strict=True):
+            source.replace(folder / name)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+    sync_folder(folder)
+    return tuple(folder / name for name in TWIN_FILES), ""
+
+
+def _kept_twin(diagnosis: Diagnosis, folder: Path) -> tuple[Path, ...]:
+    """Copy the files that a diagnosis was read with; an older twin of another one must not stay."""
+    origin = diagnosis.exported
+    if origin is None:
+        _remove_twin(folder)
+        return ()
+    if origin.parent.resolve() != folder.resolve():
+        for name in TWIN_FILES:
+            write_whole(folder / name, origin.with_name(name).read_bytes())
+    return tuple(folder / name for name in TWIN_FILES)
+
+
+def _remove_twin(folder: Path) -> None:
+    for name in TWIN_FILES:
+        (folder / name).unlink(missing_ok=True)

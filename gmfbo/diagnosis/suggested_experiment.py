@@ -1,0 +1,34 @@
+"""The recording that would tell more."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class NextExperiment:
+    """A reference to play next, and what each rival says will come of it.
+
+    Attributes
+    ----------
+    reference : str
+        File that a drive can play.
+    separates : tuple of str
+        Effects that it tells apart.
+    distance : float
+        Predicted chi2 between the rivals after refitting each, dimensionless.
+    threshold : float
+        Distance above which they are told apart.
+    predicted : mapping of str to str
+        By rival, what would be seen, in plain words.
+    why : str
+        What it is for.
+    """
+
+    reference: str
+    separates: tuple[str, ...]
+    distance: float
+    threshold: float
+    predicted: Mapping[str, str]
+    why: str

@@ -1,0 +1,73 @@
+"""Where the mismatch sits, and its shape where it has no name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+SignalPath = Literal["controller", "actuator", "plant", "transmission", "sensor"]
+
+
+class TimeWindow(NamedTuple):
+    """A stretch of one recording.
+
+    Attributes
+    ----------
+    recording : str
+        Its name.
+    start, end : float
+        [s] In the recording's own time.
+    """
+
+    recording: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where the twin and the recordings part.
+
+    Attributes
+    ----------
+    signal_path : {"controller", "actuator", "plant", "transmission", "sensor"} or None
+        Part of the loop; None where nothing is missing.
+    region : str
+        State in which it acts, in plain words, such as "where the velocity changes sign".
+    times : tuple of TimeWindow
+        Where it shows most.
+    """
+
+    signal_path: SignalPath | None
+    region: str = ""
+    times: tuple[TimeWindow, ...] = ()
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Inferred signal of an unnamed mismatch against the state that it depends on.
+
+    Attributes
+    ----------
+    port : str
+        Port at which it acts.
+    against : str
+        State on the x axis.
+    x : tuple of float, n values
+        [unit_x] The state, rising.
+    y : tuple of float, n values
+        [unit_y] What is missing at the port.
+    y_low, y_high : tuple of float, n values
+        [unit_y] Ends of its 95 % band.
+    unit_x, unit_y : str
+        Units.
+    """
+
+    port: str
+    against: str
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    y_low: tuple[float, ...]
+    y_high: tuple[float, ...]
+    unit_x: str
+    unit_y: str

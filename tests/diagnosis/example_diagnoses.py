@@ -1,0 +1,162 @@
+"""Diagnoses made by hand, one for each verdict, with the names and numbers of a small drive."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gmfbo.diagnosis import Diagnosis
+from gmfbo.diagnosis.curve import Curve
+from gmfbo.diagnosis.diagnosis import Cost
+from gmfbo.diagnosis.estimates import Alignment, Combination, EstimatedParameter
+from gmfbo.diagnosis.fit_table import Fit, SignalFit
+from gmfbo.diagnosis.named_effect import (
+    DetectableSize,
+    EffectParameter,
+    NamedEffect,
+    NotTestable,
+)
+from gmfbo.diagnosis.suggested_experiment import NextExperiment
+from gmfbo.diagnosis.whereabouts import Location, Shape, TimeWindow
+
+FRICTION = NamedEffect(
+    name="coulomb_friction",
+    port="torque",
+    probability=0.94,
+    statement="Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin.",
+    equation="tau = -F_c * sign(omega)",
+    parameters={"level": EffectParameter(0.5213, "N.m", 0.4931, 0.5478)},
+    evidence=412.3,
+    threshold=18.31,
+    evidence_per_recording={"rec2.csv": 111.9, "rec3.csv": 300.4},
+)
+OFFSET = NamedEffect(
+    name="constant_torque_offset",
+    port="torque",
+    probability=0.81,
+    statement="A constant torque of about 0.11 N m is missing from the twin.",
+    equation="tau = T_0",
+    parameters={"level": EffectParameter(0.1071, "N.m", 0.0954, 0.1202)},
+    evidence=77.4,
+    threshold=18.31,
+    evidence_per_recording={"rec2.csv": 40.2, "rec3.csv": 37.2},
+    indistinguishable_from=("gravity_torque", "elastic_return"),
+)
+FIT = Fit(
+    fitted_on=("rec0.csv", "rec1.csv"),
+    held_out=("rec2.csv", "rec3.csv"),
+    signals={
+        "position": SignalFit(0.0213, 0.0191, 0.00204, 0.00412, 0.00183),
+        "torque_command": SignalFit(0.3127, 0.3018, 0.0604, 0.0911, 0.0507),
+    },
+    explainable_error_removed=0.981,
+)
+
+
+def curves() -> tuple[Curve, ...]:
+    """One held-out recording, 2000 rows, whose friction shows in the torque."""
+    time = np.arange(2000, dtype=np.float64) * 1e-3 + 12.0
+    torque = np.sin(2.0 * np.pi * (time - 12.0))
+    recorded = torque + 0.5 * np.sign(np.cos(2.0 * np.pi * (time - 12.0)))
+    recorded[700:720] = np.nan
+    return (
+        Curve(
+            "rec3.csv", "position", "rad", time, 0.1 * torque, 0.098 * torque, 0.099 * torque,
+            0.1 * torque,
+        ),
+        Curve("rec3.csv", "torque_command", "N.m", time, recorded, torque, 1.02 * torque,
+              recorded - 0.01),
+    )  # fmt: skip
+
+
+def friction() -> Diagnosis:
+    """Friction is missing; everything a diagnosis can hold is there, but a shape."""
+    return Diagnosis(
+        verdict="missing_physics",
+        evidence="sufficient",
+        effects=(FRICTION,),
+        parameters={
+            "mech.J": EstimatedParameter(0.12, 0.1213, "kg.m2", 0.1192, 0.1231),
+            "mot.kt": EstimatedParameter(0.071, 0.071, "N.m/A", 0.05, 0.09, identifiable=False),
+        },
+        combinations=(Combination("mech.J / mot.kt", 1.708, 1.691, 1.722),),
+        alignment={"torque_command": Alignment("held", 1.2e-4, 1.013, 0.0)},
+        detectable={
+            "backlash": DetectableSize("gap", 8.1e-4, "rad"),
+            "actuator_lag": DetectableSize("time", 3.4e-4, "s"),
+        },
+        location=Location(
+            "plant",
+            "where the velocity changes sign",
+            (TimeWindow("rec2.csv", 0.413, 0.472), TimeWindow("rec3.csv", 12.24, 12.29)),
+        ),
+        fit=FIT,
+        shape=None,
+        next_experiment=None,
+        not_testable=(
+            NotTestable("sensor_lag", "the twin has no sensor port"),
+            NotTestable("load_inertia", "is parameter mech.J"),
+            NotTestable("actuator_saturation", "not excited: the command stays below 31 N m"),
+        ),
+        cost=Cost(612, 14.23),
+        seed=7,
+        versions={"gmfbo": "0.1.0", "numpy": "2.4.6"},
+        notes=("excited in one recording only; validated by blocks",),
+        curves=curves(),
+    )
+
+
+def rivals() -> Diagnosis:
+    """Two effects, one of which has rivals that a next recording would separate."""
+    return replace(
+        friction(),
+        effects=(FRICTION, OFFSET),
+        next_experiment=NextExperiment(
+            "next.csv",
+            ("constant_torque_offset", "gravity_torque"),
+            212.4,
+            18.3,
+            {
+                "constant_torque_offset": "the same torque at every angle",
+                "gravity_torque": "0.2 N m more torque at 90 deg",
+            },
+            "a ladder of holds over a whole turn separates them",
+        ),
+    )
+
+
+def nothing() -> Diagnosis:
+    """A twin that meets its recordings."""
+    fit = replace(
+        FIT,
+        signals={"position": SignalFit(0.0019, 0.0018, float("nan"), float("nan"), 0.0018)},
+        explainable_error_removed=None,
+    )
+    return replace(friction(), verdict="none", effects=(), fit=fit, location=Location(None))
+
+
+def parameters() -> Diagnosis:
+    """An inertia that was wrong, and nothing else."""
+    wrong = EstimatedParameter(0.2, 0.1213, "kg.m2", 0.1192, 0.1231)
+    return replace(nothing(), verdict="parameters", parameters={"mech.J": wrong})
+
+
+def outside() -> Diagnosis:
+    """A mismatch that has no name."""
+    x = np.linspace(-30.0, 30.0, 61)
+    y = 0.4 * np.tanh(x / 5.0) * np.cos(x / 9.0)
+    return replace(
+        friction(),
+        verdict="outside_library",
+        effects=(),
+        shape=Shape(
+            "torque", "velocity", tuple(x.tolist()), tuple(y.tolist()),
+            tuple((y - 0.05).tolist()), tuple((y + 0.05).tolist()), "rad/s", "N.m",
+        ),
+    )  # fmt: skip
+
+
+def too_little() -> Diagnosis:
+    """Recordings that excite next to nothing."""
+    return replace(nothing(), evidence="insufficient", next_experiment=rivals().next_experiment)
