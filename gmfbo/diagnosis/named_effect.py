@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class EffectParameter:
+class IdentifiedValue:
     """Identified value of one parameter of an effect, with its 95 % interval.
 
     Attributes
@@ -42,7 +42,7 @@ class NamedEffect:
         One sentence in plain words, ending in a full stop.
     equation : str
         Its law, in text.
-    parameters : mapping of str to EffectParameter
+    parameters : mapping of str to IdentifiedValue
         Identified values by parameter name.
     evidence : float
         Gain in held-out chi2 over the refitted twin without it, dimensionless.
@@ -59,7 +59,7 @@ class NamedEffect:
     probability: float
     statement: str
     equation: str
-    parameters: Mapping[str, EffectParameter]
+    parameters: Mapping[str, IdentifiedValue]
     evidence: float
     threshold: float
     evidence_per_recording: Mapping[str, float]

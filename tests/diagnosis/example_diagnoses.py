@@ -13,7 +13,7 @@ from gmfbo.diagnosis.estimates import Alignment, Combination, EstimatedParameter
 from gmfbo.diagnosis.fit_table import Fit, SignalFit
 from gmfbo.diagnosis.named_effect import (
     DetectableSize,
-    EffectParameter,
+    IdentifiedValue,
     NamedEffect,
     NotTestable,
 )
@@ -26,7 +26,7 @@ FRICTION = NamedEffect(
     probability=0.94,
     statement="Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin.",
     equation="tau = -F_c * sign(omega)",
-    parameters={"level": EffectParameter(0.5213, "N.m", 0.4931, 0.5478)},
+    parameters={"level": IdentifiedValue(0.5213, "N.m", 0.4931, 0.5478)},
     evidence=412.3,
     threshold=18.31,
     evidence_per_recording={"rec2.csv": 111.9, "rec3.csv": 300.4},
@@ -37,7 +37,7 @@ OFFSET = NamedEffect(
     probability=0.81,
     statement="A constant torque of about 0.11 N m is missing from the twin.",
     equation="tau = T_0",
-    parameters={"level": EffectParameter(0.1071, "N.m", 0.0954, 0.1202)},
+    parameters={"level": IdentifiedValue(0.1071, "N.m", 0.0954, 0.1202)},
     evidence=77.4,
     threshold=18.31,
     evidence_per_recording={"rec2.csv": 40.2, "rec3.csv": 37.2},
