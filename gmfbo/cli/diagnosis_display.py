@@ -1,0 +1,46 @@
+"""Progress of a diagnosis on a terminal; silent where output goes to a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Self
+
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+class DiagnosisDisplay:
+    """One line: how far it is, how long it took so far, and what is being done.
+
+    Parameters
+    ----------
+    console : Console
+        Where to draw; nothing is drawn unless it is a terminal.
+    """
+
+    def __init__(self, console: Console) -> None:
+        self._bar = Progress(
+            BarColumn(bar_width=24),
+            TaskProgressColumn(),
+            TimeElapsedColumn(),
+            # The words come from elsewhere and may hold brackets; they are last, so that a long
+            # one is cut and nothing else moves.
+            TextColumn("{task.description}", markup=False),
+            console=console,
+            disable=not console.is_terminal,
+            transient=True,
+        )
+        self._task = self._bar.add_task("reading", total=1.0)
+
+    def show(self, stage: str, share: float) -> None:
+        """Show a stage, in words, and the share of the whole that is done, 0 to 1."""
+        done = min(max(share, 0.0), 1.0)
+        self._bar.update(self._task, description=stage, completed=done)
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._bar.stop()
