@@ -38,6 +38,10 @@ class StoreError(InputError):
     """A study folder cannot be written or read."""
 
 
+class ExportError(InputError):
+    """An augmented twin cannot be written as one FMU; its diagnosis holds all the same."""
+
+
 class SimulationError(GmfboError):
     """An FMU or a plant failed: it crashed, hung or refused."""
 

@@ -1,0 +1,146 @@
+"""Joining FMUs into one, with the runtime of fmu-manipulation-toolbox (BSD-2)."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gmfbo.errors import ExportError
+from gmfbo.sources.container_wiring import End, Wiring
+
+_TOOLBOX = "fmu-manipulation-toolbox"
+
+
+@dataclass(frozen=True)
+class Container:
+    """A container FMU as the toolbox leaves it, still without a model description of ours.
+
+    Attributes
+    ----------
+    files : mapping of str to bytes
+        By path inside the archive; `modelDescription.xml` is missing.
+    references : mapping of str to int
+        Value references of its variables.
+    time : int
+        Value reference of the time.
+    """
+
+    files: Mapping[str, bytes]
+    references: Mapping[str, int]
+    time: int
+
+
+def build_container(wiring: Wiring, identifier: str, step: float, folder: Path) -> Container:
+    """Join FMUs; each internal step computes them one after the other on newest values.
+
+    Parameters
+    ----------
+    wiring : Wiring
+        What to join, and how.
+    identifier : str
+        Model identifier: name of the libraries.
+    step : float
+        [s] Internal step.
+    folder : Path
+        Exists; the toolbox works in it.
+
+    Raises
+    ------
+    ExportError
+        The toolbox cannot join them.
+    """
+    from fmu_manipulation_toolbox.container import FMUContainerError
+
+    with _quiet():
+        try:
+            layout = _build(wiring, identifier, step, folder)
+        except FMUContainerError as error:
+            reason = " ".join(str(error.reason).split())
+            raise ExportError(
+                f"the FMUs cannot be joined into one: {reason}; the diagnosis holds without it"
+            ) from None
+    files = _read_tree(folder / identifier)
+    files["documentation/licenses/fmu_manipulation_toolbox.txt"] = _license()
+    references = {**layout.inputs, **layout.outputs}
+    for name, same in wiring.same_as.items():
+        references[name] = references[same]
+    return Container(files, references, layout.time)
+
+
+def _build(wiring: Wiring, identifier: str, step: float, folder: Path) -> Any:
+    """Tell the toolbox what to join; answers where it put the variables."""
+    from fmu_manipulation_toolbox.container import FMUContainer
+
+    class Described(FMUContainer):  # type: ignore[misc]  # the toolbox is untyped
+        """Leaves out the model description: the toolbox drops units, bounds, types and texts."""
+
+        def make_fmu_xml(self, *arguments: Any) -> None:
+            self.layout = arguments[-1]
+
+        def make_fmu_package(self, *_: Any) -> None:
+            """The archive is written by us, its bytes a function of its content."""
+
+        def make_fmu_cleanup(self, *_: Any) -> None:
+            """The folder is what is read."""
+
+    container = Described(identifier, folder)
+    for name, path in wiring.members.items():
+        member = container.get_fmu(str(path.resolve()), name)
+        member.step_size = None  # the vendor's preference; ours is the one that was fitted
+    # The toolbox takes outputs only where a wire begins or a value is read.
+    for end in (*wiring.wires.values(), *wiring.readable.values()):
+        container.involved_fmu[end.member].ports[end.variable].causality = "output"
+    for target, source in wiring.wires.items():
+        container.add_link_regular(
+            *(container.involved_fmu[source.member], source.variable),
+            *(container.involved_fmu[target.member], target.variable),
+        )
+    for name, ends in wiring.settable.items():
+        for end in ends:
+            container.add_input(name, end.member, end.variable)
+    for name, end in wiring.readable.items():
+        container.add_output(end.member, end.variable, name)
+    for end, value in wiring.starts.items():
+        container.add_start_value(end.member, end.variable, _text(container, end, value))
+    container.make_fmu(f"{identifier}.fmu", step_size=step, sequential=True)
+    return container.layout
+
+
+def _text(container: Any, end: End, value: float) -> str:
+    kind = str(container.involved_fmu[end.member].ports[end.variable].type_name)
+    if kind.startswith("boolean"):
+        return "true" if value else "false"
+    return str(round(value)) if kind.startswith("integer") else repr(float(value))
+
+
+def _read_tree(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != "model.png"
+    }
+
+
+def _license() -> bytes:
+    files = importlib.metadata.files(_TOOLBOX) or []
+    texts = [Path(str(file.locate())) for file in files if file.name.startswith("LICENSE")]
+    return b"\n".join(path.read_bytes() for path in texts)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the toolbox's remarks from the console: what matters of them is checked beforehand."""
+    logger = logging.getLogger("fmu_manipulation_toolbox")
+    handler, before = logging.NullHandler(), logger.propagate
+    logger.addHandler(handler)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.propagate = before
+        logger.removeHandler(handler)

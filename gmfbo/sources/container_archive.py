@@ -1,0 +1,170 @@
+"""The files of an augmented FMU: runtime, FMUs, documentation and model description."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from gmfbo.sources.archive import pack
+from gmfbo.sources.binding import Binding
+from gmfbo.sources.container import Container
+from gmfbo.sources.container_description import (
+    ExposedParameter,
+    Heading,
+    Part,
+    describe_container,
+)
+from gmfbo.sources.container_wiring import Wiring
+from gmfbo.sources.description import read_description
+from gmfbo.sources.exportable import library_for
+from gmfbo.sources.platforms import Platform
+from gmfbo.sources.unpacking import open_archive
+
+_DESCRIPTION = "modelDescription.xml"
+
+
+@dataclass(frozen=True)
+class Content:
+    """What an augmented FMU holds and says.
+
+    Attributes
+    ----------
+    binding : Binding
+        The twin.
+    values : mapping of str to float
+        [FMU's unit] Start values over the FMUs' own.
+    exposed : tuple of ExposedParameter
+        Of the named effects.
+    step, internal_step : float
+        [s]
+    platforms : tuple of Platform
+        For which it has binaries.
+    """
+
+    binding: Binding
+    values: Mapping[str, float]
+    exposed: tuple[ExposedParameter, ...]
+    step: float
+    internal_step: float
+    platforms: tuple[Platform, ...]
+
+    @property
+    def identifier(self) -> str:
+        """Model identifier, which names the libraries."""
+        fmus = self.binding.fmus
+        name = fmus[0].identifier if len(fmus) == 1 else self.binding.file.name
+        return re.sub(r"\W", "_", name, flags=re.ASCII).lstrip("_0123456789") + "_augmented"
+
+    @property
+    def description(self) -> str:
+        """What the model description tells an engineer first."""
+        texts = dict.fromkeys(fmu.description for fmu in self.binding.fmus if fmu.description)
+        effects = dict.fromkeys(parameter.name.split(".")[1] for parameter in self.exposed)
+        added = (
+            f"Augmented by gmfbo with {', '.join(effects)}." if effects else "Refitted by gmfbo."
+        )
+        return " ".join(
+            [
+                *(f"{text.rstrip('.')}." for text in texts),
+                f"{added}.",
+                f"Internal step {self.internal_step!r} s: communication steps have to be whole "
+                f"multiples of it and were fitted at {self.step!r} s; with others the outputs lag "
+                "by up to one internal step.",
+            ]
+        )
+
+
+def container_archive(container: Container, wiring: Wiring, content: Content) -> bytes:
+    """Bytes of the augmented FMU, a function of what it holds.
+
+    Parameters
+    ----------
+    container : Container
+        As the toolbox built it.
+    wiring : Wiring
+        What it was built from.
+    content : Content
+        What it holds and says.
+    """
+    files = dict(_binaries_on(container.files, content.platforms))
+    for index, path in enumerate(wiring.members.values()):
+        _rename_libraries(files, f"resources/{index:02x}", path, content.platforms)
+    if len(content.binding.fmus) == 1:
+        files |= _papers(content.binding)
+    xml = _describe(container, wiring, content)
+    files[_DESCRIPTION] = _text(xml)
+    xml.set("guid", _hash(files))
+    files[_DESCRIPTION] = _text(xml)
+    return pack(files)
+
+
+def _describe(container: Container, wiring: Wiring, content: Content) -> ET.Element:
+    binding = content.binding
+    prefixes = [f"{prefix}." for prefix in binding.file.fmus] or [""]
+    parts = []
+    for prefix, fmu in zip(prefixes, binding.fmus, strict=True):
+        with open_archive(fmu.path) as archive:
+            parts.append(Part(prefix, ET.fromstring(archive.read(_DESCRIPTION))))
+    name = binding.fmus[0].model_name if len(parts) == 1 else binding.file.name
+    references = {**container.references, **dict.fromkeys(wiring.times, container.time)}
+    starts = {
+        name: _start(binding.variables[name].variable.type, value)
+        for name, value in content.values.items()
+    }
+    heading = Heading(name, content.identifier, content.description, content.step)
+    return describe_container(heading, parts, content.exposed, references, starts)
+
+
+def _start(kind: str, value: float) -> str:
+    if kind == "Boolean":
+        return "true" if value else "false"
+    return repr(float(value)) if kind == "Real" else str(round(value))
+
+
+def _binaries_on(
+    files: Mapping[str, bytes], platforms: tuple[Platform, ...]
+) -> Iterator[tuple[str, bytes]]:
+    """The runtime for those platforms only on which all FMUs can run."""
+    folders = {platform.fmi_folders[0] for platform in platforms}
+    for name, data in files.items():
+        parts = PurePosixPath(name).parts
+        if parts[0] != "binaries" or parts[1] in folders:
+            yield name, data
+
+
+def _rename_libraries(
+    files: dict[str, bytes], folder: str, path: Path, platforms: tuple[Platform, ...]
+) -> None:
+    """The runtime loads by the model identifier, and some vendors name the library otherwise."""
+    fmu = read_description(path)
+    for platform in platforms:
+        library = library_for(fmu, platform)
+        if library is not None and library.stem != fmu.identifier:
+            renamed = library.with_name(fmu.identifier + platform.suffix)
+            files[f"{folder}/{renamed}"] = files[f"{folder}/{library}"]
+
+
+def _papers(binding: Binding) -> dict[str, bytes]:
+    """Documentation and picture of the only FMU."""
+    with open_archive(binding.fmus[0].path) as archive:
+        return {
+            name: archive.read(name)
+            for name in archive.namelist()
+            if (name.startswith("documentation/") and not name.endswith("/")) or name == "model.png"
+        }
+
+
+def _text(xml: ET.Element) -> bytes:
+    return bytes(ET.tostring(xml, encoding="utf-8", xml_declaration=True))
+
+
+def _hash(files: Mapping[str, bytes]) -> str:
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        digest.update(f"{name}\0{len(files[name])}\0".encode())
+        digest.update(files[name])
+    return digest.hexdigest()[:32]

@@ -1,0 +1,53 @@
+"""A first step of an exported FMU, before anybody relies on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from gmfbo.errors import ExportError, FmuFileError, SimulationError
+from gmfbo.sources.binding import bind
+from gmfbo.sources.isolation import Isolated
+from gmfbo.sources.job import Job
+from gmfbo.sources.runner import Order
+from gmfbo.sources.twin_file import TwinFile
+
+_TIME_LIMIT_S = 60.0
+_STEPS = 2
+
+
+def try_out(twin_file: Path) -> None:
+    """Instantiate an exported FMU in a process of its own and step it.
+
+    Parameters
+    ----------
+    twin_file : Path
+        Over the exported FMU.
+
+    Raises
+    ------
+    ExportError
+        It does not run, though its parts do.
+    """
+    file = TwinFile.read(twin_file)
+    runner: Isolated | None = None
+    try:
+        binding = bind(file, twin_file.parent, twin_file.name)
+        runner = Isolated(binding, time_limit_s=_TIME_LIMIT_S)
+        order = Order(Job(_STEPS, 0.0, file.step), np.empty((_STEPS, 0)), np.empty((_STEPS, 0)))
+        outcome = runner.run(order)[0].outcome
+    except (FmuFileError, SimulationError) as error:
+        raise _refusal(str(error)) from None
+    finally:
+        if runner is not None:
+            runner.close()
+    if outcome.status != "ok":
+        raise _refusal(outcome.message)
+
+
+def _refusal(reason: str) -> ExportError:
+    return ExportError(
+        f"the augmented FMU does not run, though its parts do: {reason}; the diagnosis holds "
+        "without it"
+    )
