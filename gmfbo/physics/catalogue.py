@@ -6,10 +6,36 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from gmfbo.physics.effect import Effect
+from gmfbo.physics.effects.actuator_dead_zone import actuator_dead_zone
+from gmfbo.physics.effects.actuator_gain_loss import actuator_gain_loss
+from gmfbo.physics.effects.actuator_lag import actuator_lag
+from gmfbo.physics.effects.actuator_rate_limit import actuator_rate_limit
 from gmfbo.physics.effects.actuator_saturation import actuator_saturation
+from gmfbo.physics.effects.asymmetric_friction import asymmetric_friction
+from gmfbo.physics.effects.backlash import backlash
 from gmfbo.physics.effects.cogging_torque import cogging_torque
+from gmfbo.physics.effects.constant_torque_offset import constant_torque_offset
 from gmfbo.physics.effects.coulomb_friction import coulomb_friction
+from gmfbo.physics.effects.elastic_return import elastic_return
+from gmfbo.physics.effects.gravity_torque import gravity_torque
+from gmfbo.physics.effects.hysteresis import hysteresis
+from gmfbo.physics.effects.load_dependent_friction import load_dependent_friction
+from gmfbo.physics.effects.load_inertia import load_inertia
+from gmfbo.physics.effects.magnetic_saturation import magnetic_saturation
+from gmfbo.physics.effects.periodic_disturbance import periodic_disturbance
+from gmfbo.physics.effects.position_dependent_friction import position_dependent_friction
+from gmfbo.physics.effects.presliding_friction import presliding_friction
+from gmfbo.physics.effects.pulse_disturbance import pulse_disturbance
+from gmfbo.physics.effects.quadratic_drag import quadratic_drag
+from gmfbo.physics.effects.sensor_eccentricity import sensor_eccentricity
+from gmfbo.physics.effects.sensor_lag import sensor_lag
+from gmfbo.physics.effects.sensor_offset import sensor_offset
+from gmfbo.physics.effects.sensor_scale import sensor_scale
 from gmfbo.physics.effects.stribeck_friction import stribeck_friction
+from gmfbo.physics.effects.supply_voltage_limit import supply_voltage_limit
+from gmfbo.physics.effects.thermal_derating import thermal_derating
+from gmfbo.physics.effects.torque_ripple import torque_ripple
+from gmfbo.physics.effects.torsional_compliance import torsional_compliance
 from gmfbo.physics.effects.transport_delay import transport_delay
 from gmfbo.physics.effects.viscous_friction import viscous_friction
 
@@ -17,10 +43,36 @@ from gmfbo.physics.effects.viscous_friction import viscous_friction
 _EFFECTS = (
     coulomb_friction,
     stribeck_friction,
+    presliding_friction,
+    asymmetric_friction,
+    load_dependent_friction,
+    position_dependent_friction,
     viscous_friction,
+    quadratic_drag,
+    backlash,
+    torsional_compliance,
+    hysteresis,
     cogging_torque,
+    torque_ripple,
+    gravity_torque,
+    elastic_return,
+    constant_torque_offset,
     actuator_saturation,
+    actuator_dead_zone,
+    actuator_rate_limit,
+    actuator_lag,
+    actuator_gain_loss,
     transport_delay,
+    thermal_derating,
+    supply_voltage_limit,
+    magnetic_saturation,
+    sensor_eccentricity,
+    sensor_lag,
+    sensor_offset,
+    sensor_scale,
+    periodic_disturbance,
+    pulse_disturbance,
+    load_inertia,
 )
 
 CATALOGUE: Mapping[str, Effect] = MappingProxyType({effect.name: effect for effect in _EFFECTS})

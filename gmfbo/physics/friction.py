@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from gmfbo.physics.effect import EffectParameter, Values, positive
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.states import Mask, States
+from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units
 
 # Below half a percent of the command range, friction was never told from model error.
@@ -55,3 +57,54 @@ def reversal_region(parameters: Values, units: Units) -> str:
 def no_reversal(excitation: Excitation) -> str | None:
     """Without a reversal, friction and a constant torque are one."""
     return None if excitation.reversals > 0 else "no reversal of the velocity"
+
+
+def bristle(position: Array, deflection: float) -> Array:
+    """Follow a bristle along a path: -1 to 1, the share of the sliding friction, shape (n,).
+
+    Exact over each piece of the path: dz/dq = (1 - z sign(dq)) / deflection (Dahl, 1968).
+
+    Parameters
+    ----------
+    position : ndarray (n,)
+        In the unit of the deflection.
+    deflection : float
+        Path over which the bristle comes within 1/e of sliding.
+    """
+    moves = np.diff(position)
+    keeps = np.exp(-np.abs(moves) / deflection).tolist()
+    result = np.zeros(len(position))
+    state = 0.0
+    for index, (move, keep) in enumerate(zip(np.sign(moves).tolist(), keeps, strict=True), 1):
+        state = move + (state - move) * keep if move else state
+        result[index] = state
+    return result
+
+
+def deflection(words: str) -> EffectParameter:
+    """Make the parameter that holds a deflection that can be seen."""
+    return EffectParameter(
+        "deflection",
+        words,
+        "position",
+        low=lambda e: visible_deflections(e)[0],
+        high=lambda e: visible_deflections(e)[1],
+        scale=lambda e: 2.0 * visible_deflections(e)[0],
+    )
+
+
+def visible_deflections(excitation: Excitation) -> tuple[float, float]:
+    """Range of deflections that these recordings can tell from plain sliding."""
+    low = max(0.5 * excitation.resolution, bristle_deflection(excitation))
+    return low, max(0.2 * excitation.stroke, 100.0 * low)
+
+
+def deflection_grid(excitation: Excitation, count: int) -> list[float]:
+    """Deflections to start from: `count` of them, evenly over the logarithm, inside the bounds."""
+    low, high = visible_deflections(excitation)
+    return [float(value) for value in np.geomspace(low, high, count + 2)[1:-1]]
+
+
+def typical_deflection(states: States) -> float:
+    """A deflection that shapes a loop: a fiftieth of the path's range."""
+    return 0.02 * max(float(np.ptp(states.position)), np.finfo(float).tiny)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from gmfbo.physics.effect import EffectParameter, Values
+from gmfbo.physics.effect import EffectParameter, Range, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 from gmfbo.physics.units import number
@@ -27,15 +27,17 @@ def wavenumbers(excitation: Excitation) -> tuple[float, ...]:
     return excitation.wavenumbers[:_LINES] or (2.0 * math.pi * _CYCLES / excitation.stroke,)
 
 
-def wavenumber(name: str = "wavenumber") -> EffectParameter:
+def lowest(excitation: Excitation) -> float:
+    """Slowest line that a fit may reach: half a cycle over the stroke [rad/position unit]."""
+    return min(math.pi / excitation.stroke, 0.5 * min(wavenumbers(excitation)))
+
+
+def wavenumber(name: str = "wavenumber", low: Range = lowest) -> EffectParameter:
     """Make the parameter that holds a line; its scale is one radian of phase over the stroke."""
 
     def high(excitation: Excitation) -> float:
         visible = 2.0 * math.pi / (4.0 * excitation.resolution)
         return max(visible, 2.0 * max(wavenumbers(excitation)))
-
-    def low(excitation: Excitation) -> float:
-        return min(math.pi / excitation.stroke, 0.5 * min(wavenumbers(excitation)))
 
     return EffectParameter(
         name,
@@ -54,6 +56,24 @@ def wave(states: States, line: float, sine: float, cosine: float) -> Array:
     return np.asarray(sine * np.sin(phase) + cosine * np.cos(phase), dtype=np.float64)
 
 
+def lines(states: States, parameters: Values) -> Array:
+    """Sum the numbered lines, `wavenumber_1`, `sine_1`, `cosine_1` and so on, shape (n,)."""
+    total = np.zeros(len(states.position))
+    for name, line in parameters.items():
+        if name.startswith("wavenumber_") and line:
+            suffix = name.removeprefix("wavenumber")
+            sine, cosine = parameters["sine" + suffix], parameters["cosine" + suffix]
+            total = total + wave(states, line, sine, cosine)
+    return total
+
+
+def too_short(excitation: Excitation) -> str | None:
+    """Less than an eighth of a turn shows hardly a cycle of any line worth naming."""
+    if excitation.angular and excitation.stroke < 0.25 * math.pi:
+        return "the axis turns less than 45 degrees"
+    return None
+
+
 def amplitude(parameters: Values, suffix: str = "") -> float:
     """Amplitude of one line."""
     return math.hypot(parameters["sine" + suffix], parameters["cosine" + suffix])
@@ -67,6 +87,6 @@ def largest_amplitude(parameters: Values) -> float:
 
 def cycles(line: float, angular: bool) -> str:
     """Say how often a line repeats: `7 cycles a turn`, or `400 cycles per m` along a length."""
-    if angular:
-        return f"{number(line)} cycles a turn"
-    return f"{number(line / (2.0 * math.pi))} cycles per m"
+    often = number(line if angular else line / (2.0 * math.pi))
+    cycle = "one cycle" if often == "1" else f"{often} cycles"
+    return f"{cycle} {'a turn' if angular else 'per m'}"

@@ -98,7 +98,7 @@ class Units:
 
 
 def quantity(value: float, unit: str) -> str:
-    """Write a number with its unit for a sentence: `0.52 N m`, `1.3 ms`, `4 %` is not made here.
+    """Write a number with its unit for a sentence: `0.52 N m`, `1.3 ms`.
 
     Parameters
     ----------

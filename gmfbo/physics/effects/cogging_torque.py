@@ -5,18 +5,7 @@ from collections.abc import Sequence
 from gmfbo.physics import harmonic
 from gmfbo.physics.effect import Effect, Values, signed
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.states import Array, States
 from gmfbo.physics.units import Units, quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    total = 0.0 * states.position
-    for number in range(1, 5):
-        line = parameters.get(f"wavenumber_{number}", 0.0)
-        if line:
-            sine, cosine = parameters[f"sine_{number}"], parameters[f"cosine_{number}"]
-            total = total + harmonic.wave(states, line, sine, cosine)
-    return total
 
 
 def _starts(excitation: Excitation) -> Sequence[Values]:
@@ -25,12 +14,6 @@ def _starts(excitation: Excitation) -> Sequence[Values]:
         {"wavenumber_1": line, "sine_1": size, "cosine_1": size}
         for line in harmonic.wavenumbers(excitation)
     ]
-
-
-def _not_excited(excitation: Excitation) -> str | None:
-    if excitation.angular and excitation.stroke < 0.7:
-        return "the axis turns less than 40 degrees"
-    return None
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
@@ -54,8 +37,8 @@ cogging_torque = Effect(
     size_name="amplitude",
     size_unit="torque",
     floor=lambda e: 0.004 * e.torque,
-    not_excited=_not_excited,
-    signal=_signal,
+    not_excited=harmonic.too_short,
+    signal=harmonic.lines,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: (
         f"over the position, {harmonic.cycles(p['wavenumber_1'], units.position == 'rad')}"

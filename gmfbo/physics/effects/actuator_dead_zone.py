@@ -1,0 +1,52 @@
+"""Dead zone: small commands have no effect."""
+
+import numpy as np
+
+from gmfbo.physics import limits
+from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    width = parameters["width"]
+    return -np.clip(states.command, -width, width)
+
+
+def _feature(states: States) -> Array:
+    width = max(0.05 * float(np.max(np.abs(states.command))), np.finfo(float).tiny)
+    return _signal(states, {"width": width}) / width
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    size = quantity(parameters["width"], units.command)
+    return f"A dead zone of the actuator of about {size} to either side is missing from the twin."
+
+
+actuator_dead_zone = Effect(
+    name="actuator_dead_zone",
+    port="command",
+    family="limit",
+    signal_path="actuator",
+    parameters=(positive("width", "Half width", "command", lambda e: e.command, most=0.9),),
+    starts=lambda e: [{"width": 0.06 * e.command}],
+    size=lambda p, e: p["width"],
+    size_name="width",
+    size_unit="command",
+    floor=lambda e: 0.01 * e.command,
+    least_time=limits.LEAST_TIME,
+    signal=_signal,
+    feature=_feature,
+    acts=lambda states, p: ~limits.beyond(states.command, 2.0 * p["width"]),
+    region=lambda p, units: (
+        f"where the command is within {quantity(p['width'], units.command)} of zero"
+    ),
+    region_state="command",
+    statement=_statement,
+    equation="u_out = u - min(max(u, -w), w)",
+    source="Tao and Kokotovic, 1994",
+    confused_with={
+        "coulomb_friction": "where the command changes sign while the axis moves on",
+        "actuator_gain_loss": "large commands: a dead zone takes the same from all",
+    },
+)

@@ -1,0 +1,71 @@
+"""Rate limit: the actuator follows the command no faster than a slope."""
+
+import numpy as np
+
+from gmfbo.physics import limits
+from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.states import Array, Mask, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _followed(states: States, rate: float) -> Array:
+    """Output that starts on the command and moves at most `rate` per second, shape (n,)."""
+    most = rate * states.step
+    result = np.empty_like(states.command)
+    output = float(states.command[0])
+    for index, command in enumerate(states.command.tolist()):
+        output += min(max(command - output, -most), most)
+        result[index] = output
+    return result
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    return _followed(states, parameters["rate"]) - states.command
+
+
+def _acts(states: States, parameters: Values) -> Mask:
+    behind = np.abs(_signal(states, parameters))
+    return np.asarray(behind > 1e-9 * max(np.max(np.abs(states.command)), 1e-300))
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    size = quantity(parameters["rate"], units.resolve("command/s"))
+    return f"The actuator follows at most {size}, a rate limit that is missing from the twin."
+
+
+actuator_rate_limit = Effect(
+    name="actuator_rate_limit",
+    port="command",
+    family="limit",
+    signal_path="actuator",
+    parameters=(
+        EffectParameter(
+            "rate",
+            "Largest rate of the command",
+            "command/s",
+            low=lambda e: 0.01 * e.command_rate,
+            high=lambda e: 1.2 * e.command_rate,
+            scale=lambda e: 0.1 * e.command_rate,
+        ),
+    ),
+    starts=lambda e: [{"rate": share * e.command_rate} for share in (0.7, 0.35, 0.12)],
+    size=lambda p, e: max(0.0, e.command_rate - p["rate"]),
+    size_name="cut",
+    size_unit="command/s",
+    floor=lambda e: 0.1 * e.command_rate,
+    least_time=limits.LEAST_TIME,
+    signal=_signal,
+    acts=_acts,
+    region=lambda p, units: (
+        "where the command changes faster than " + quantity(p["rate"], units.resolve("command/s"))
+    ),
+    region_state="command",
+    statement=_statement,
+    equation="abs(d(u_out)/dt) <= rate",
+    source="Rundqwist and Ståhl-Gunnarsson, 1996",
+    confused_with={
+        "actuator_lag": "small fast commands, which a rate limit passes",
+        "actuator_saturation": "slow large commands, which a rate limit passes",
+        "transport_delay": "small fast commands, which a rate limit passes",
+    },
+)

@@ -1,0 +1,56 @@
+"""Asymmetric friction: more friction in one direction than in the other."""
+
+import numpy as np
+
+from gmfbo.physics import friction
+from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    direction = states.direction
+    levels = np.where(direction > 0.0, parameters["level_positive"], parameters["level_negative"])
+    return np.asarray(-levels * direction, dtype=np.float64)
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    forward = quantity(parameters["level_positive"], units.torque)
+    backward = quantity(parameters["level_negative"], units.torque)
+    return (
+        f"Friction of about {forward} in positive and {backward} in negative direction {place} "
+        "is missing from the twin."
+    )
+
+
+asymmetric_friction = Effect(
+    name="asymmetric_friction",
+    port="torque",
+    family="friction",
+    signal_path="plant",
+    parameters=(
+        friction.level("Level at positive velocity", "level_positive"),
+        friction.level("Level at negative velocity", "level_negative"),
+    ),
+    fixed=friction.fixed_deflection,
+    starts=lambda e: [{"level_positive": 0.08 * e.torque, "level_negative": 0.05 * e.torque}],
+    size=lambda p, e: max(p["level_positive"], p["level_negative"]),
+    size_name="level",
+    size_unit="torque",
+    floor=friction.floor,
+    not_excited=friction.no_reversal,
+    signal=_signal,
+    feature=lambda states: _signal(states, {"level_positive": 1.0, "level_negative": 0.5}),
+    acts=friction.acts_at_reversals,
+    region=friction.reversal_region,
+    region_state="velocity",
+    statement=_statement,
+    equation="tau = -F_p if omega > 0, +F_n if omega < 0",
+    source="Armstrong-Hélouvry, 1991",
+    contains=("coulomb_friction",),
+    confused_with={
+        "coulomb_friction": "motion in both directions at equal speeds",
+        "constant_torque_offset": "standstill: an offset is still there, friction only yields",
+        "gravity_torque": "a full turn: gravity changes with the position",
+    },
+)

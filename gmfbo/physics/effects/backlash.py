@@ -1,0 +1,92 @@
+"""Backlash: free play between motor and load."""
+
+import math
+
+from gmfbo.physics import transmission
+from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.units import Units, quantity
+
+# The contact is held over a step h: k h^2 <= 0.1 J_motor for a motor with this share of J.
+_MOTOR_SHARE = 0.3
+_DAMPING_RATIO = 0.3
+
+
+def _floor(excitation: Excitation) -> float:
+    # 0.4 mrad on a shaft and 20 um on a linear axis, less where the stroke itself is small.
+    least = 4e-4 if excitation.angular else 2e-5
+    return max(3.0 * excitation.resolution, min(least, 4e-4 * excitation.stroke))
+
+
+def _largest(excitation: Excitation) -> float:
+    return max(0.5 * excitation.stroke, 30.0 * _floor(excitation))
+
+
+def _fixed(excitation: Excitation) -> Values:
+    inertia = excitation.shaft_inertia
+    stable = 0.1 * _MOTOR_SHARE * inertia / excitation.step**2
+    # Stiffer than this, the contact's own deflection is far below any gap that is claimed.
+    rigid = excitation.torque / (0.1 * _floor(excitation))
+    stiffness = min(stable, rigid)
+    # Motor and load of equal shares meet as a quarter of the inertia.
+    damping = 2.0 * _DAMPING_RATIO * math.sqrt(stiffness * 0.25 * inertia)
+    return {"stiffness": stiffness, "damping": damping}
+
+
+def _starts(excitation: Excitation) -> list[Values]:
+    floor, inertia = _floor(excitation), excitation.shaft_inertia
+    grid = ((2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2))
+    return [{"gap": g * floor, "load_inertia": share * inertia} for g, share in grid]
+
+
+def _not_excited(excitation: Excitation) -> str | None:
+    if excitation.reversals == 0:
+        return "no reversal of the velocity"
+    return transmission.unknown_inertia(excitation)
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    gap = quantity(parameters["gap"], units.position)
+    return (
+        f"Backlash with an effective gap of about {gap} behind the motor is missing from the twin."
+    )
+
+
+backlash = Effect(
+    name="backlash",
+    port="torque",
+    family="spring",
+    signal_path="transmission",
+    parameters=(
+        EffectParameter(
+            "gap",
+            "Effective gap, total free play",
+            "position",
+            low=lambda e: 0.0,
+            high=_largest,
+            scale=lambda e: 3.0 * _floor(e),
+        ),
+        transmission.load_inertia(),
+    ),
+    fixed=_fixed,
+    starts=_starts,
+    inertia_share=True,
+    size=lambda p, e: p["gap"],
+    size_name="gap",
+    size_unit="position",
+    floor=_floor,
+    not_excited=_not_excited,
+    acts=lambda states, p: states.near_reversals(),
+    region=lambda p, units: "where the velocity changes sign",
+    region_state="velocity",
+    statement=_statement,
+    equation="tau = -k * dead_zone(phi - phi_load, gap) - d * (omega - omega_load) in contact",
+    source="Nordin and Gutman, 2002",
+    confused_with={
+        "coulomb_friction": "slow reversals at two amplitudes: the gap acts at the reversal only",
+        "torsional_compliance": "small motion: a shaft gives torque at once, a gap gives none",
+        "presliding_friction": "micro-steps: a gap gives no torque back, a bristle does",
+        "hysteresis": "fast reversals: the load strikes after crossing a gap",
+    },
+    parameter_like=("inertia",),
+)

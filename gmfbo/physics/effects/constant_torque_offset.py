@@ -1,0 +1,45 @@
+"""A constant torque: weight on a vertical axis, or the offset of an amplifier."""
+
+import numpy as np
+
+from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    return np.full(len(states.time), float(parameters["level"]))
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    size = quantity(parameters["level"], units.torque)
+    return f"A constant {units.torque_word} of about {size} {place} is missing from the twin."
+
+
+constant_torque_offset = Effect(
+    name="constant_torque_offset",
+    port="torque",
+    family="disturbance",
+    signal_path="plant",
+    parameters=(signed("level", "Level", "torque", lambda e: e.torque),),
+    starts=lambda e: [{"level": 0.07 * e.torque}],
+    size=lambda p, e: abs(p["level"]),
+    size_name="level",
+    size_unit="torque",
+    floor=lambda e: 0.005 * e.torque,
+    signal=_signal,
+    feature=lambda states: _signal(states, {"level": 1.0}),
+    acts=lambda states, p: states.everywhere(),
+    region=lambda p, units: "at all times, whatever position and velocity",
+    region_state="time",
+    statement=_statement,
+    equation="tau = tau_0",
+    source="Newton, 1687",
+    confused_with={
+        "coulomb_friction": "a reversal: friction changes its sign there",
+        "asymmetric_friction": "standstill: an offset is still there, friction only yields",
+        "gravity_torque": "a large-angle sweep: an offset stays",
+        "elastic_return": "standstill at two positions: an offset stays",
+        "sensor_offset": "the holding torque: a sensor offset asks for none",
+    },
+)

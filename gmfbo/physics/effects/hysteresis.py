@@ -1,0 +1,84 @@
+"""Hysteresis of gears and cables: Bouc and Wen's loop over the position."""
+
+import numpy as np
+
+from gmfbo.physics import friction
+from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _loop(position: Array, deflection: float) -> Array:
+    """Follow the loop along a path, shape (n,): exact for exponent 1.
+
+    Loading saturates exponentially, unloading is linear; a step may hold both.
+    """
+    result = np.zeros(len(position))
+    state = 0.0
+    for index, move in enumerate((np.diff(position) / deflection).tolist(), 1):
+        if state * move < 0.0:
+            unloaded = min(abs(move), abs(state))
+            state += np.copysign(unloaded, move)
+            move -= np.copysign(unloaded, move)
+        if move:
+            sign = np.copysign(1.0, move)
+            state = sign + (state - sign) * np.exp(-abs(move))
+        result[index] = state
+    return result
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    return -parameters["level"] * _loop(states.position, parameters["deflection"])
+
+
+def _starts(excitation: Excitation) -> list[Values]:
+    return [
+        {"level": 0.07 * excitation.torque, "deflection": deflection}
+        for deflection in friction.deflection_grid(excitation, 3)[1:]
+    ]
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    level = quantity(parameters["level"], units.torque)
+    deflection = quantity(parameters["deflection"], units.position)
+    return (
+        f"Hysteresis of about {level} {place}, closing within {deflection}, "
+        "is missing from the twin."
+    )
+
+
+hysteresis = Effect(
+    name="hysteresis",
+    port="torque",
+    family="friction",
+    signal_path="transmission",
+    parameters=(
+        friction.level("Half the height of the loop"),
+        friction.deflection("Deflection of the loop"),
+    ),
+    fixed=lambda e: {"exponent": 1.0},
+    starts=_starts,
+    size=lambda p, e: p["level"],
+    size_name="level",
+    size_unit="torque",
+    floor=friction.floor,
+    not_excited=friction.no_reversal,
+    signal=_signal,
+    feature=lambda states: _signal(
+        states, {"level": 1.0, "deflection": friction.typical_deflection(states)}
+    ),
+    acts=friction.acts_at_reversals,
+    region=lambda p, units: "over the position, after the velocity changes sign",
+    region_state="velocity",
+    statement=_statement,
+    equation="tau = -F * z, dz/dphi = (1 - abs(z)^n * (sign(z * omega) + 1) / 2) / deflection",
+    source="Wen, 1976",
+    contains=("coulomb_friction",),
+    confused_with={
+        "presliding_friction": "the way back: a bristle turns steeper, a cable unloads elastically",
+        "backlash": "fast reversals: the load strikes after crossing a gap",
+        "coulomb_friction": "small reversals: Coulomb friction jumps, hysteresis bends",
+        "elastic_return": "the way back: a spring returns all of its energy",
+    },
+)

@@ -1,0 +1,71 @@
+"""Load-dependent friction: gears and screws rub more under load."""
+
+import numpy as np
+
+from gmfbo.physics import friction
+from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, Mask, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    level = parameters["level"] + parameters["coefficient"] * states.load
+    return -level * states.direction
+
+
+def _feature(states: States) -> Array:
+    largest = max(float(np.max(states.load)), np.finfo(float).tiny)
+    return _signal(states, {"level": 0.5, "coefficient": 0.5 / largest})
+
+
+def _size(parameters: Values, excitation: Excitation) -> float:
+    return parameters["level"] + parameters["coefficient"] * excitation.load_range
+
+
+def _acts(states: States, parameters: Values) -> Mask:
+    loaded = states.load > 0.5 * np.max(states.load)
+    return states.near_reversals() | (loaded & (np.abs(states.velocity) > states.rest))
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    level = quantity(parameters["level"], units.torque)
+    slope = quantity(parameters["coefficient"], units.resolve("torque/load"))
+    return (
+        f"Friction {place} that grows with the load is missing from the twin: "
+        f"about {level} and {slope} times the load on top."
+    )
+
+
+load_dependent_friction = Effect(
+    name="load_dependent_friction",
+    port="torque",
+    family="friction",
+    signal_path="plant",
+    parameters=(
+        positive(
+            "coefficient", "Friction per load", "torque/load", lambda e: e.torque / e.load_range
+        ),
+        friction.level("Friction without load"),
+    ),
+    fixed=friction.fixed_deflection,
+    starts=lambda e: [{"level": 0.03 * e.torque, "coefficient": 0.07 * e.torque / e.load_range}],
+    size=_size,
+    size_name="level",
+    size_unit="torque",
+    floor=friction.floor,
+    not_excited=friction.no_reversal,
+    signal=_signal,
+    feature=_feature,
+    acts=_acts,
+    region=lambda p, units: "where the velocity changes sign and the current is high",
+    region_state="velocity",
+    statement=_statement,
+    equation="tau = -(F_c + mu * abs(tau_load)) * sign(omega)",
+    source="Hamon, Gautier and Garrec, 2010",
+    contains=("coulomb_friction",),
+    confused_with={
+        "coulomb_friction": "two loads at one speed",
+        "actuator_gain_loss": "a reversal: friction changes its sign there, a gain does not",
+    },
+)

@@ -1,0 +1,64 @@
+"""Presliding friction: the axis gives elastically before it slides."""
+
+from gmfbo.physics import friction
+from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    return -parameters["level"] * friction.bristle(states.position, parameters["deflection"])
+
+
+def _feature(states: States) -> Array:
+    return -friction.bristle(states.position, friction.typical_deflection(states))
+
+
+def _starts(excitation: Excitation) -> list[Values]:
+    return [
+        {"level": 0.07 * excitation.torque, "deflection": deflection}
+        for deflection in friction.deflection_grid(excitation, 3)
+    ]
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    level = quantity(parameters["level"], units.torque)
+    deflection = quantity(parameters["deflection"], units.position)
+    return (
+        f"Presliding friction of about {level} {place} is missing from the twin: "
+        f"the axis gives about {deflection} before it slides."
+    )
+
+
+presliding_friction = Effect(
+    name="presliding_friction",
+    port="torque",
+    family="friction",
+    signal_path="plant",
+    parameters=(
+        friction.level(),
+        friction.deflection("Deflection before sliding"),
+    ),
+    starts=_starts,
+    size=lambda p, e: p["level"],
+    size_name="level",
+    size_unit="torque",
+    floor=friction.floor,
+    not_excited=friction.no_reversal,
+    signal=_signal,
+    feature=_feature,
+    acts=friction.acts_at_reversals,
+    region=lambda p, units: "where the velocity changes sign, before the axis slides",
+    region_state="velocity",
+    statement=_statement,
+    equation="tau = -F_c * z, dz/dphi = (1 - z * sign(omega)) / deflection",
+    source="Dahl, 1968",
+    contains=("coulomb_friction",),
+    confused_with={
+        "coulomb_friction": "micro-steps below breakaway, which plain sliding does not answer",
+        "hysteresis": "the way back: a bristle turns steeper, a cable or gear unloads elastically",
+        "torsional_compliance": "a chirp: compliance resonates, a bristle does not",
+        "backlash": "micro-steps: a gap gives no torque back, a bristle does",
+    },
+)

@@ -1,0 +1,49 @@
+"""Sensor offset: the reading is wrong by a constant."""
+
+import numpy as np
+
+from gmfbo.physics import sensor
+from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _size(excitation: Excitation) -> float:
+    return max(0.02 * excitation.stroke, 3.0 * sensor.floor(excitation))
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    return np.full(len(states.time), float(parameters["level"]))
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    size = quantity(parameters["level"], units.position)
+    return f"An offset of the position sensor of about {size} is missing from the twin."
+
+
+sensor_offset = Effect(
+    name="sensor_offset",
+    port="sensor",
+    family="sensor",
+    signal_path="sensor",
+    parameters=(signed("level", "Offset", "position", _size, most=30.0, typical=0.5),),
+    starts=lambda e: [{"level": _size(e)}],
+    size=lambda p, e: abs(p["level"]),
+    size_name="level",
+    size_unit="position",
+    floor=sensor.floor,
+    signal=_signal,
+    feature=lambda states: _signal(states, {"level": 1.0}),
+    acts=lambda states, p: states.everywhere(),
+    region=lambda p, units: "at all times, whatever position and velocity",
+    region_state="time",
+    statement=_statement,
+    equation="reading = phi + phi_0",
+    source="Fraden, 1993",
+    confused_with={
+        "constant_torque_offset": "the holding torque: a sensor offset asks for none",
+        "sensor_scale": "two positions: an offset is the same at both",
+    },
+    parameter_like=("sensor_offset",),
+)

@@ -1,0 +1,84 @@
+"""Supply voltage limit: fast motion leaves less voltage for torque."""
+
+import numpy as np
+
+from gmfbo.physics import limits
+from gmfbo.physics.effect import Effect, EffectParameter, Values, positive
+from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.states import Array, States
+from gmfbo.physics.units import Units, quantity
+
+
+def _limit(states: States, parameters: Values) -> Array:
+    left = parameters["limit"] - parameters["slope"] * np.abs(states.velocity)
+    return np.maximum(0.0, left)
+
+
+def _signal(states: States, parameters: Values) -> Array:
+    return limits.clipped(states.command, _limit(states, parameters))
+
+
+def _starts(excitation: Excitation) -> list[Values]:
+    command, slope = excitation.command, excitation.command / excitation.speed
+    return [
+        {"limit": 1.1 * command, "slope": 0.4 * slope},
+        {"limit": 0.85 * command, "slope": 0.2 * slope},
+    ]
+
+
+def _cut(parameters: Values, excitation: Excitation) -> float:
+    left = max(0.0, parameters["limit"] - parameters["slope"] * excitation.speed)
+    return max(0.0, excitation.command - left)
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    limit = quantity(parameters["limit"], units.command)
+    slope = quantity(parameters["slope"], units.resolve("command/velocity"))
+    return (
+        f"A supply limit of about {limit}, less {slope} times the speed, is missing from the twin."
+    )
+
+
+supply_voltage_limit = Effect(
+    name="supply_voltage_limit",
+    port="command",
+    family="limit",
+    signal_path="actuator",
+    parameters=(
+        EffectParameter(
+            "limit",
+            "Limit at standstill",
+            "command",
+            low=lambda e: 0.05 * e.command,
+            high=lambda e: 5.0 * e.command,
+            scale=lambda e: 0.2 * e.command,
+        ),
+        positive(
+            "slope",
+            "Loss per speed",
+            "command/velocity",
+            lambda e: e.command / e.speed,
+            most=5.0,
+            typical=0.1,
+        ),
+    ),
+    starts=_starts,
+    size=_cut,
+    size_name="cut",
+    size_unit="command",
+    floor=limits.cut_floor,
+    least_time=limits.LEAST_TIME,
+    signal=_signal,
+    acts=lambda states, p: limits.beyond(states.command, _limit(states, p)),
+    region=lambda p, units: "where command and velocity are high",
+    region_state="command",
+    statement=_statement,
+    equation="abs(u_out) <= max(0, u_max - k * abs(omega))",
+    source="Leonhard, 1985",
+    contains=("actuator_saturation",),
+    confused_with={
+        "actuator_saturation": "peaks at low and at high speed: a supply limit falls with speed",
+        "viscous_friction": "high speed at little torque: friction is there, a limit is not",
+        "quadratic_drag": "high speed at little torque: drag is there, a limit is not",
+    },
+)

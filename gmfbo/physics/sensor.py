@@ -1,0 +1,10 @@
+"""What errors of the position sensor have in common."""
+
+from __future__ import annotations
+
+from gmfbo.physics.excitation import Excitation
+
+
+def floor(excitation: Excitation) -> float:
+    """Smallest error of the reading that is claimed, in the unit of the position."""
+    return max(3.0 * excitation.resolution, 2e-4 * excitation.stroke)
