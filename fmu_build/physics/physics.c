@@ -3,20 +3,30 @@
  * An effect is one function in one of the headers, its parameters in model.toml, and one line in
  * `torque_effects`, `command_effects` or `sensor_effects`. It sees the twin's outputs at the start
  * of a step, and what it returns is held over the step; memory is a plain struct in Model. */
+#include "backlash.h"
 #include "forces.h"
 #include "friction.h"
 #include "harmonics.h"
+#include "hysteresis.h"
 #include "limits.h"
+#include "load.h"
 #include "sensor.h"
+#include "thermal.h"
 #include "timing.h"
+#include "tracking.h"
 
 struct Model {
     double v[N_VARIABLES];
     LastStep last;
     Bristle coulomb, stribeck, presliding, asymmetric, load_dependent, position_dependent;
+    Load behind_gap, behind_spring;
+    Hysteresis hysteresis;
+    Inertia inertia;
+    Warming motor;
     Follower rate_limit, lag;
     DelayLine delay;
     SensorLag sensor_lag;
+    Tracking tracking;
 };
 const size_t model_bytes = sizeof(struct Model);
 
@@ -31,6 +41,10 @@ static double torque_effects(Model *m, const Signals *s) {
     torque += position_dependent_friction(&m->position_dependent, v, s);
     torque += viscous_friction(v, s);
     torque += quadratic_drag(v, s);
+    torque += backlash(&m->behind_gap, v, s);
+    torque += torsional_compliance(&m->behind_spring, v, s);
+    torque += load_inertia(&m->inertia, v, s);
+    torque += hysteresis(&m->hysteresis, v, s);
     torque += cogging_torque(v, s);
     torque += torque_ripple(v, s);
     torque += gravity_torque(v, s);
@@ -47,6 +61,7 @@ static double command_effects(Model *m, const Signals *s) {
     double u = s->command;
     u = actuator_gain_loss(v, u);
     u = magnetic_saturation(v, u);
+    u = thermal_derating(&m->motor, v, s, u);
     u = actuator_dead_zone(v, u);
     u = actuator_saturation(v, u);
     u = supply_voltage_limit(v, s, u);
@@ -58,6 +73,7 @@ static double command_effects(Model *m, const Signals *s) {
 
 static double sensor_effects(Model *m, const Signals *s) {
     const double *v = m->v;
+    if (chosen(v[V_tracking_sensor])) return tracking_reading(v, s);
     double reading = 0.0;
     reading += sensor_offset(v);
     reading += sensor_scale(v, s);
@@ -80,7 +96,8 @@ const char *model_initialise(Model *m, const char *resources) {
 const char *model_step(Model *m, double t, double h) {
     double *v = m->v;
     Signals s = signals_now(v, &m->last, t, h);
-    v[V_torque] = joined(v[V_port_torque], torque_effects(m, &s));
+    v[V_tracking_effort] = tracking_effort(&m->tracking, v, &s, m->last.step);
+    v[V_torque] = joined(v[V_port_torque], torque_effects(m, &s) + v[V_tracking_effort]);
     v[V_command] = joined(v[V_port_command], command_effects(m, &s));
     v[V_sensor] = joined(v[V_port_sensor], sensor_effects(m, &s));
     m->last = last_step(&s);
