@@ -104,10 +104,7 @@ def scored_record(
     rows = {name: scored_rows(recording, name, warmup=warmup) for name in present}
     start = max(float(recording.time[r][0]) for r in rows.values())
     end = min(float(recording.time[r][-1]) for r in rows.values())
-    cut = tuple(
-        _uniform(name, recording, rows[name], start, end)
-        for name in present
-    )
+    cut = tuple(_uniform(name, recording, rows[name], start, end) for name in present)
     return Record(label, plan, cut, start, end)
 
 

@@ -1,0 +1,191 @@
+"""What size of residual is not physics: S(f) of each window.
+
+S = loop noise + own noise of each signal + what repeats differ by + a tolerance. The residual
+is coloured by the control loop even when the twin is perfect, so noise is sent through the loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from gmfbo.diagnosis.records import Record
+from gmfbo.diagnosis.simulations import EFFORT, Simulated
+from gmfbo.diagnosis.whitening import Spectrum, Window
+
+TOLERANCE = 5e-3
+"""Share of a signal below which nobody cares (prototype: 0.5 % and floors, 0 of 16 false)."""
+
+POSITION_TOLERANCE = 5e-4
+"""The same for a position, of which the controller sees a hundredth as error."""
+
+_NOISE_BAND = (0.30, 0.48)  # of the sampling frequency: too fast for mechanics
+_LEAST_NOISE = 1e-5  # of a signal's range
+
+
+@dataclass(frozen=True)
+class NoiseLevel:
+    """White noise of one signal.
+
+    Attributes
+    ----------
+    total : float
+        [SI] Standard deviation of what is faster than mechanics.
+    least : float
+        [SI] Below which the format cannot tell: resolution and rounding.
+    """
+
+    total: float
+    least: float
+
+
+def noise_levels(
+    records: Sequence[Record], simulated: Sequence[Simulated]
+) -> dict[str, NoiseLevel]:
+    """Estimate each signal's noise from the fastest part of its residual.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What was measured.
+    simulated : sequence of Simulated
+        The same recordings simulated; parameters matter little at these frequencies.
+    """
+    powers: dict[str, list[float]] = {}
+    least: dict[str, float] = {}
+    for record, run in zip(records, simulated, strict=True):
+        for signal, values in zip(record.signals, run.signals, strict=True):
+            residual = signal.values - values
+            powers.setdefault(signal.name, []).append(_fast_power(residual))
+            quantum = signal.resolution / np.sqrt(12.0)
+            small = _LEAST_NOISE * float(np.ptp(signal.values))
+            least[signal.name] = max(least.get(signal.name, 0.0), quantum, small, 1e-15)
+    return {
+        name: NoiseLevel(max(float(np.sqrt(np.median(p))), least[name]), least[name])
+        for name, p in powers.items()
+    }
+
+
+def _fast_power(residual: NDArray[np.float64]) -> float:
+    """Variance of white noise with the residual's spectrum near its Nyquist frequency."""
+    n = residual.size
+    # The second difference keeps what leaks from slow parts out of the fast ones.
+    spectrum = np.abs(np.fft.rfft(np.diff(residual, 2))) ** 2 / n
+    frequency = np.fft.rfftfreq(n - 2)
+    gain = (2.0 * np.sin(np.pi * frequency)) ** 4
+    band = (frequency > _NOISE_BAND[0]) & (frequency < _NOISE_BAND[1])
+    # The median of an exponential variable is ln 2 of its mean; it passes over single lines.
+    return float(np.median(spectrum[band] / gain[band]) / np.log(2.0))
+
+
+def loop_covariance(window: Window, changes: Sequence[Sequence[NDArray[np.float64]]]) -> Spectrum:
+    """Covariance of the simulated signals' changes under noise, smoothed over frequency.
+
+    Parameters
+    ----------
+    window : Window
+        What is scored.
+    changes : sequence of sequences of ndarray
+        One sequence a noise run, one array a signal.
+    """
+    n, m = window.frequencies.size, window.n_signals
+    total = np.zeros((n, m, m), dtype=complex)
+    for change in changes:
+        spectrum = window.spectra(change)
+        total += np.einsum("fi,fj->fij", spectrum, spectrum.conj())
+    total /= max(1, len(changes))
+    width = max(3, n // 40)
+    smooth: Spectrum = uniform_filter1d(total.real, width, axis=0, mode="nearest") + (
+        1j * uniform_filter1d(total.imag, width, axis=0, mode="nearest")
+    )
+    return smooth
+
+
+def tolerance_covariance(window: Window, record: Record, positions: frozenset[str]) -> Spectrum:
+    """Squares of the shares of each signal's spectrum, smoothed over an octave, on the diagonal.
+
+    Parameters
+    ----------
+    window : Window
+        What is scored.
+    record : Record
+        What was measured.
+    positions : frozenset of str
+        Signals that are positions.
+    """
+    spectrum = window.spectra([s.values - s.values[0] for s in record.signals])
+    power = _octaves(np.abs(spectrum) ** 2, window.frequencies)
+    shares = np.array([_share(signal.name, positions) for signal in record.signals], dtype=float)
+    return _diagonal(power * shares**2)
+
+
+def white_covariance(window: Window, variances: Sequence[float]) -> Spectrum:
+    """Covariance of independent white noise, the same at all frequencies.
+
+    Parameters
+    ----------
+    window : Window
+        What is scored.
+    variances : sequence of float
+        [unit of the signal squared]
+    """
+    return _diagonal(np.tile(window.white(variances), (window.frequencies.size, 1)))
+
+
+def excess_of_repeats(
+    window: Window,
+    first: Record,
+    second: Record,
+    known: Spectrum,
+) -> Spectrum:
+    """What repeated recordings differ by beyond the noise that is known.
+
+    Parameters
+    ----------
+    window : Window
+        Of both recordings.
+    first, second : Record
+        Two runs under the same inputs and parameters.
+    known : ndarray, shape (n_bins, n_signals, n_signals)
+        Covariance of the noise that is known.
+    """
+    rows = [
+        min(a.values.size, b.values.size)
+        for a, b in zip(first.signals, second.signals, strict=True)
+    ]
+    columns = []
+    for a, b, n in zip(first.signals, second.signals, rows, strict=True):
+        difference = np.zeros(a.values.size)
+        difference[:n] = a.values[:n] - b.values[:n]
+        columns.append(difference)
+    power = _octaves(0.5 * np.abs(window.spectra(columns)) ** 2, window.frequencies)
+    own = np.real(np.einsum("fii->fi", known))
+    return _diagonal(np.maximum(power - own, 0.0))
+
+
+def _share(name: str, positions: frozenset[str]) -> float:
+    if name == EFFORT:
+        return 0.0
+    return POSITION_TOLERANCE if name in positions else TOLERANCE
+
+
+def _octaves(power: NDArray[np.float64], frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean over half an octave to each side, at least two bins."""
+    n = frequencies.size
+    bins = np.arange(n)
+    low = np.minimum(np.floor(bins / np.sqrt(2.0)).astype(int), np.maximum(bins - 2, 0))
+    high = np.minimum(np.maximum(np.ceil(bins * np.sqrt(2.0)).astype(int), bins + 2), n - 1) + 1
+    total = np.concatenate([np.zeros((1, power.shape[1])), np.cumsum(power, axis=0)])
+    mean: NDArray[np.float64] = (total[high] - total[low]) / (high - low)[:, None]
+    return mean
+
+
+def _diagonal(values: NDArray[np.float64]) -> Spectrum:
+    n, m = values.shape
+    matrix = np.zeros((n, m, m), dtype=complex)
+    matrix[:, range(m), range(m)] = values
+    return matrix

@@ -1,0 +1,438 @@
+"""A twin and its recordings, measured, aligned and refitted: where every diagnosis begins."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
+from gmfbo.diagnosis.fitting import Fitted, fit
+from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.misfit import Misfit, chi2
+from gmfbo.diagnosis.nuisances import Direction
+from gmfbo.diagnosis.preparation import (
+    Rig,
+    covariances,
+    describe_rig,
+    noise_runs,
+    nuisance_directions,
+    whiteners,
+    windows_of,
+)
+from gmfbo.diagnosis.ranges import (
+    measure_ranges,
+    probe_torque,
+    tracking_loop,
+)
+from gmfbo.diagnosis.records import Record, ScoredSignal, scored_record
+from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations, require_run
+from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
+from gmfbo.errors import RecordingError
+from gmfbo.physics import Excitation
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.twin import FmuTwin
+
+FINEST_STEP_S = 1e-4
+"""[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
+
+_MOST_SUBSTEPS = 10
+_STEP_EXCESS = 0.25  # of the budget, by which a finer step may change the outputs
+
+
+@dataclass(frozen=True, eq=False)
+class Budget:
+    """Windows, their covariances and the nuisances, from which whiteners are made.
+
+    Attributes
+    ----------
+    windows : tuple of Window
+        What is scored.
+    covariances : tuple of ndarray
+        S(f) of each window.
+    directions : tuple of lists of Direction
+        Nuisances of each recording.
+    """
+
+    windows: tuple[Window, ...]
+    covariances: tuple[Spectrum, ...]
+    directions: tuple[list[Direction], ...]
+
+    def whiteners(
+        self, dispersion: Sequence[NDArray[np.float64]] | None = None
+    ) -> tuple[Whitener, ...]:
+        """Whiteners of all windows, less sure of themselves where a dispersion exceeds one."""
+        plain = whiteners(self.windows, self.covariances, self.directions)
+        if dispersion is None:
+            return plain
+        return tuple(
+            replace(w, dispersion=d, nuisances=None).without(self.directions[w.window.record])
+            for w, d in zip(plain, dispersion, strict=True)
+        )
+
+
+@dataclass(eq=False)
+class Case:
+    """Everything that the steps of a diagnosis share.
+
+    Attributes
+    ----------
+    twin : FmuTwin
+        The user's.
+    simulations : Simulations
+        Who runs it with physics at its ports.
+    substeps : int
+        Steps of physics in a communication step.
+    rig : Rig
+        Which signal is what.
+    nominal : list of Simulated
+        The recordings, simulated by the twin as it is.
+    noise : mapping of str to NoiseLevel
+        Of each signal.
+    budget : Budget
+        What is not physics.
+    misfit : Misfit
+        Residuals by that budget.
+    setting : Setting
+        Free parameters, and what the recordings show.
+    base : Fitted
+        The twin with its uncertain parameters refitted.
+    notes : list of str
+        Remarks for the reader.
+    """
+
+    twin: FmuTwin
+    simulations: Simulations
+    substeps: int
+    rig: Rig
+    nominal: list[Simulated]
+    noise: dict[str, NoiseLevel]
+    budget: Budget
+    misfit: Misfit
+    setting: Setting
+    base: Fitted
+    notes: list[str]
+
+    def use(self, misfit: Misfit) -> None:
+        """Measure everything by another budget."""
+        self.misfit = misfit
+        self.base = self.base.measured_by(misfit)
+
+
+def open_case(
+    twin: FmuTwin,
+    recordings: Sequence[Recording],
+    *,
+    seed: int,
+    jobs: int | None,
+    on_run: Callable[[], None],
+) -> Case:
+    """Run the twin along its recordings, measure the noise, refit what is uncertain.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's.
+    recordings : sequence of Recording
+        All that are fitted.
+    seed : int
+        Of the noise runs.
+    jobs : int or None
+        Simulators; None for one a processor.
+    on_run : callable
+        Called after each run.
+
+    Raises
+    ------
+    RecordingError
+        There is nothing to compare.
+    SimulationError
+        The twin as it is cannot follow a recording.
+    """
+    substeps = int(np.clip(round(twin.step / FINEST_STEP_S), 1, _MOST_SUBSTEPS))
+    notes: list[str] = []
+    opening = _Opening(twin, recordings, seed, jobs or _processors(), on_run, notes)
+    return opening.case(substeps)
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Opening:
+    """The steps from files to a refitted twin, in order."""
+
+    def __init__(
+        self,
+        twin: FmuTwin,
+        recordings: Sequence[Recording],
+        seed: int,
+        jobs: int,
+        on_run: Callable[[], None],
+        notes: list[str],
+    ) -> None:
+        self.twin, self.recordings, self.jobs, self.on_run = twin, recordings, jobs, on_run
+        self.rng = np.random.default_rng(seed)
+        self.notes = notes
+
+    def case(self, substeps: int) -> Case:
+        simulations = self._simulations(substeps)
+        try:
+            return self._case(simulations, substeps)
+        except BaseException:
+            simulations.close()
+            raise
+
+    def _simulations(self, substeps: int) -> Simulations:
+        def open_twin() -> AugmentedTwin:
+            return AugmentedTwin(self.twin, substeps=substeps)
+
+        with open_twin() as first:
+            records = self._records(first)
+        simulations = Simulations(open_twin, records, self.jobs)
+        simulations.on_run = self.on_run
+        return simulations
+
+    def _records(self, simulator: AugmentedTwin) -> list[Record]:
+        outputs = list(self.twin.file.outputs)
+        warmup = self.twin.file.warmup or 0.0
+        if not self.recordings:
+            raise RecordingError("expected at least one recording, got none")
+        return [
+            scored_record(recording, simulator.plan(recording, {}), outputs, warmup)
+            for recording in self.recordings
+        ]
+
+    def _case(self, simulations: Simulations, substeps: int) -> Case:
+        nominal = simulations.run([Point()])[0]
+        require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
+        rig = describe_rig(self.twin.binding, simulations.records)
+        stiffness = None
+        if "torque" in nominal[0].response.ports:
+            guess = self._torque_guess(nominal)
+            stiffness = probe_torque(simulations, Point(), nominal, guess)
+            if stiffness.is_open and rig.position is not None:
+                self._track(simulations, rig, stiffness.inertia)
+                nominal = simulations.run([Point()])[0]
+                require_run(nominal, f"{self.twin.name}: the twin cannot be held on its recordings")
+        self._choose_rows(simulations, nominal)
+        nominal = self._reread(simulations, nominal)
+        noise = noise_levels(simulations.records, nominal)
+        ratio = 1.0 if stiffness is None else stiffness.per_command
+        if not np.isfinite(ratio):
+            ratio = self._unit_ratio()
+        loop_time = 0.05
+        if stiffness is not None and np.isfinite(stiffness.loop_time):
+            loop_time = max(stiffness.loop_time, 2.0 * self.twin.step)
+        excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
+        setting = Setting(self._uncertain(), excitation, self.twin.file.roles.get("inertia"))
+        windows = windows_of(simulations.records, loop_time)
+        misfit, base = self._first_fit(simulations, windows, rig, noise, setting, nominal)
+        budget = self._budget(simulations, windows, rig, base, ratio)
+        misfit = Misfit(simulations, budget.whiteners())
+        refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
+        assert refitted is not None, "it was simulated at these values a moment ago"
+        noise = noise_levels(simulations.records, refitted.simulated)
+        return Case(
+            self.twin,
+            simulations,
+            substeps,
+            rig,
+            nominal,
+            noise,
+            budget,
+            misfit,
+            setting,
+            refitted,
+            self.notes,
+        )
+
+    # ---- steps -----------------------------------------------------------------------------
+
+    def _torque_guess(self, nominal: Sequence[Simulated]) -> float:
+        """A torque that the axis feels, to begin probing with."""
+        states = nominal[0].response.states
+        same_unit = self._unit_ratio() == 1.0
+        if "command" in states and same_unit:
+            return max(0.05 * float(np.abs(states["command"]).max()), 1e-9)
+        inertia = self._inertia()
+        if inertia is not None and "position" in states:
+            grid = nominal[0].response.states["position"]
+            moved = float(np.ptp(grid))
+            return max(inertia * moved * 10.0, 1e-9)
+        return 1.0
+
+    def _unit_ratio(self) -> float:
+        """Torque a unit of command, where both are in one unit; else unknown, taken as 1."""
+        return 1.0
+
+    def _inertia(self) -> float | None:
+        role = self.twin.file.roles.get("inertia")
+        if role is None:
+            return None
+        return float(self.twin.parameters.get(role, self.twin.binding.nominal(role)))
+
+    def _track(self, simulations: Simulations, rig: Rig, inertia: float | None) -> None:
+        """Hold an open-loop twin on its recordings, and score the effort that this takes."""
+        own = self._inertia() or inertia or 1.0
+        measured = []
+        records = []
+        for record in simulations.records:
+            column = record.plan.recording.signal(rig.position or "")
+            known = np.isfinite(column)
+            grid = record.plan.grid
+            on_grid = np.interp(grid, record.plan.recording.time[known], column[known])
+            measured.append(on_grid / rig.position_to_si)
+            rows = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
+            time = grid[rows]
+            effort = ScoredSignal(EFFORT, time, np.zeros(time.size), 0.0)
+            records.append(replace(record, signals=(effort,)))
+        simulations.tracking = tracking_loop(own, measured)
+        simulations.replace_records(records)
+        self.notes.append(
+            "the twin is an open-loop plant: it was held on each recording by a tracking loop, "
+            "and the torque that this takes was scored"
+        )
+
+    def _choose_rows(self, simulations: Simulations, nominal: Sequence[Simulated]) -> None:
+        """Tell for each signal whether the logger stores the held command or the new one."""
+        chosen = set()
+        for name, entry in self.twin.file.outputs.items():
+            if entry.logged == "new":
+                chosen.add(name)
+            elif entry.logged == "unknown" and not _written_by_gmfbo(self.recordings):
+                if self._new_fits_better(simulations, nominal, name):
+                    chosen.add(name)
+        simulations.new_rows = frozenset(chosen)
+
+    def _new_fits_better(
+        self, simulations: Simulations, nominal: Sequence[Simulated], name: str
+    ) -> bool:
+        """Compare the fast parts: a sample's shift shows there, parameters do not."""
+        squares = {"held": 0.0, "new": 0.0}
+        for k, (record, run) in enumerate(zip(simulations.records, nominal, strict=True)):
+            for i, signal in enumerate(record.signals):
+                if signal.name != name:
+                    continue
+                held = simulations.read(run.response, k)[i]
+                new = simulations.read(replace(run.response, held=run.response.new), k)[i]
+                if np.array_equal(held, new):
+                    return False
+                for key, values in (("held", held), ("new", new)):
+                    squares[key] += float(np.sum(np.diff(signal.values - values) ** 2))
+        return squares["new"] < squares["held"]
+
+    def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
+        return [
+            replace(run, signals=simulations.read(run.response, k))
+            for k, run in enumerate(simulated)
+        ]
+
+    def _excitation(
+        self,
+        simulations: Simulations,
+        nominal: Sequence[Simulated],
+        rig: Rig,
+        noise: dict[str, NoiseLevel],
+        ratio: float,
+        loop_time: float,
+        substeps: int,
+    ) -> Excitation:
+        commands = [
+            np.abs(r.response.states["command"]).max()
+            for r in nominal
+            if "command" in r.response.states
+        ]
+        torque = ratio * float(max(commands)) if commands else 0.0
+        if simulations.tracking is not None or torque <= 0.0:
+            torque = self._moving_torque(simulations, nominal)
+        level = noise.get(rig.position or "")
+        resolution = 1e-9 if level is None else level.total / rig.position_to_si
+        return measure_ranges(
+            simulations.records,
+            nominal,
+            torque=torque,
+            step=self.twin.step / substeps,
+            loop_time=loop_time,
+            resolution=resolution,
+            inertia=self._inertia(),
+            angular="m" not in {self._position_unit(), ""},
+        )
+
+    def _moving_torque(self, simulations: Simulations, nominal: Sequence[Simulated]) -> float:
+        inertia = self._inertia()
+        largest = max(float(np.abs(run.response.effort).max()) for run in nominal)
+        if inertia is None:
+            return largest
+        accelerations = []
+        for record, run in zip(simulations.records, nominal, strict=True):
+            if "velocity" in run.response.states:
+                rate = np.gradient(run.response.states["velocity"], record.plan.grid)
+                accelerations.append(float(np.quantile(np.abs(rate), 0.999)))
+        return max([largest, *(inertia * a for a in accelerations)])
+
+    def _position_unit(self) -> str:
+        state = self.twin.file.states.get("position")
+        return "" if state is None else self.twin.binding.variables[state].variable.si_unit
+
+    def _uncertain(self) -> tuple[Uncertain, ...]:
+        found = []
+        binding = self.twin.binding
+        for name, (low, high) in self.twin.file.uncertain.items():
+            variable = binding.variables[name].variable
+            nominal = float(self.twin.parameters.get(name, binding.nominal(name)))
+            low = max(low, variable.minimum if variable.minimum is not None else low)
+            high = min(high, variable.maximum if variable.maximum is not None else high)
+            found.append(Uncertain(name, nominal, low, high))
+        return tuple(found)
+
+    def _first_fit(
+        self,
+        simulations: Simulations,
+        windows: Sequence[Window],
+        rig: Rig,
+        noise: dict[str, NoiseLevel],
+        setting: Setting,
+        nominal: list[Simulated],
+    ) -> tuple[Misfit, Fitted]:
+        """Refit the parameters by a budget without the loop's noise, which they shape."""
+        empty: list[list[Direction]] = [[] for _ in simulations.records]
+        spectra = covariances(windows, simulations.records, rig, noise, empty, None)
+        misfit = Misfit(simulations, whiteners(windows, spectra, empty))
+        base = fit(misfit, Hypothesis(setting), {}, parallel=True, iterations=6)
+        require_run(nominal, self.twin.name)
+        assert base is not None, "the nominal twin was simulated a moment ago"
+        return misfit, base
+
+    def _budget(
+        self,
+        simulations: Simulations,
+        windows: tuple[Window, ...],
+        rig: Rig,
+        base: Fitted,
+        ratio: float,
+    ) -> Budget:
+        noise = noise_levels(simulations.records, base.simulated)
+        point = base.hypothesis.point(base.x)
+        through = noise_runs(simulations, point, base.simulated, rig, noise, self.rng)
+        spectra = covariances(windows, simulations.records, rig, noise, through, None)
+        directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
+        return Budget(windows, tuple(spectra), tuple(directions))
+
+
+def _written_by_gmfbo(recordings: Sequence[Recording]) -> bool:
+    return all(recording.written_by for recording in recordings)
+
+
+def dof(misfit: Misfit) -> int:
+    """Whitened residuals in all."""
+    return sum(w.n_residuals for w in misfit.whiteners)
+
+
+def chi2_per_dof(fitted: Fitted, misfit: Misfit) -> float:
+    """About one where the budget is right and nothing is missing."""
+    return chi2(fitted.residual) / max(1, dof(misfit))

@@ -1,0 +1,185 @@
+"""What may be wrong with the twin: its uncertain parameters and a set of left-out effects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.simulations import Point
+from gmfbo.physics import CATALOGUE, Effect, Excitation
+
+_INSIDE = 1e-6  # share of a range by which values stay off its ends
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A parameter of the twin that is known only roughly.
+
+    Attributes
+    ----------
+    name : str
+        FMU parameter.
+    nominal, low, high : float
+        [FMU's unit]
+    """
+
+    name: str
+    nominal: float
+    low: float
+    high: float
+
+    @property
+    def scale(self) -> float:
+        """Typical change."""
+        return max(abs(self.nominal), 0.05 * (self.high - self.low))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect with the values from which its fit starts.
+
+    Attributes
+    ----------
+    effect : str
+        Name in the catalogue.
+    values : mapping of str to float
+        Of its fitted parameters.
+    more : mapping of str to float
+        Further variables of it that stay as they are.
+    only : int or None
+        The recording in which it acts, where that is one.
+    """
+
+    effect: str
+    values: Mapping[str, float]
+    more: Mapping[str, float] = field(default_factory=dict)
+    only: int | None = None
+
+    @property
+    def law(self) -> Effect:
+        """The effect in the catalogue."""
+        return CATALOGUE[self.effect]
+
+    def with_values(self, values: Mapping[str, float]) -> Candidate:
+        """Return the same effect at other values."""
+        return replace(self, values=dict(values))
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What does not change between hypotheses.
+
+    Attributes
+    ----------
+    uncertain : tuple of Uncertain
+        Parameters of the twin that every hypothesis refits.
+    excitation : Excitation
+        What the recordings show; bounds and scales follow from it.
+    inertia : str or None
+        Parameter of the twin from which a load inertia is taken.
+    """
+
+    uncertain: tuple[Uncertain, ...]
+    excitation: Excitation
+    inertia: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """Effects that are on, beside the uncertain parameters.
+
+    Attributes
+    ----------
+    setting : Setting
+        Of all hypotheses.
+    effects : tuple of Candidate
+        Effects that are on; their values are the start.
+    """
+
+    setting: Setting
+    effects: tuple[Candidate, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Free parameters: the twin's, then `effect.parameter`."""
+        own = tuple(u.name for u in self.setting.uncertain)
+        return own + tuple(f"{c.effect}.{p.name}" for c in self.effects for p in c.law.parameters)
+
+    @property
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lower and upper bounds, shape (n,)."""
+        pairs = [(u.low, u.high) for u in self.setting.uncertain]
+        for candidate in self.effects:
+            limits = candidate.law.bounds(self.setting.excitation)
+            pairs += [limits[p.name] for p in candidate.law.parameters]
+        low, high = np.array(pairs, dtype=float).reshape(-1, 2).T
+        return low, high
+
+    @property
+    def scales(self) -> NDArray[np.float64]:
+        """Typical sizes, shape (n,)."""
+        sizes = [u.scale for u in self.setting.uncertain]
+        for candidate in self.effects:
+            own = candidate.law.scales(self.setting.excitation)
+            sizes += [own[p.name] for p in candidate.law.parameters]
+        return np.array(sizes, dtype=float)
+
+    def start(self, parameters: Mapping[str, float]) -> NDArray[np.float64]:
+        """Vector of the effects' own values and these parameters of the twin."""
+        values = [parameters.get(u.name, u.nominal) for u in self.setting.uncertain]
+        for candidate in self.effects:
+            values += [candidate.values[p.name] for p in candidate.law.parameters]
+        return self.inside(np.array(values, dtype=float))
+
+    def inside(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Move values strictly between their bounds."""
+        low, high = self.bounds
+        margin = _INSIDE * (high - low)
+        clipped: NDArray[np.float64] = np.clip(x, low + margin, high - margin)
+        return clipped
+
+    def parameters(self, x: NDArray[np.float64]) -> dict[str, float]:
+        """Uncertain parameters of the twin at a vector."""
+        return {u.name: float(v) for u, v in zip(self.setting.uncertain, x, strict=False)}
+
+    def at(self, x: NDArray[np.float64]) -> Hypothesis:
+        """Return the same hypothesis with its effects' values taken from a vector."""
+        place = len(self.setting.uncertain)
+        effects = []
+        for candidate in self.effects:
+            names = [p.name for p in candidate.law.parameters]
+            own = x[place : place + len(names)]
+            effects.append(candidate.with_values(dict(zip(names, map(float, own), strict=True))))
+            place += len(names)
+        return replace(self, effects=tuple(effects))
+
+    def point(self, x: NDArray[np.float64]) -> Point:
+        """Values of the twin and of physics.fmu at a vector, shape (n,)."""
+        parameters = self.parameters(x)
+        physics: dict[str, float] = {}
+        only: dict[str, int] = {}
+        moved = 0.0
+        for candidate in self.at(x).effects:
+            law = candidate.law
+            together = {**candidate.more, **candidate.values}
+            physics |= law.variables(together, self.setting.excitation)
+            if candidate.only is not None:
+                only[candidate.effect] = candidate.only
+            if law.inertia_share:
+                moved += candidate.values["load_inertia"]
+        if moved and self.setting.inertia is not None:
+            whole = parameters.get(self.setting.inertia)
+            if whole is None:
+                whole = self._nominal_inertia
+            # What turns behind the gap or shaft no longer turns with the twin's own.
+            parameters[self.setting.inertia] = max(whole - moved, 1e-3 * whole)
+        return Point(parameters, physics, only)
+
+    @property
+    def _nominal_inertia(self) -> float:
+        inertia = self.setting.excitation.inertia
+        assert inertia is not None, "effects that share the inertia are not tested without one"
+        return inertia

@@ -1,0 +1,119 @@
+"""Whitened differences between recordings and hypotheses, and their sensitivities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.hypothesis import Hypothesis
+from gmfbo.diagnosis.simulations import Simulated, Simulations
+from gmfbo.diagnosis.whitening import Whitener
+
+Blocks = tuple[NDArray[np.float64], ...]
+"""Whitened values of each window, shape (..., n_residuals of that window)."""
+
+DIFFERENCE_STEP = 5e-3
+"""Share of a parameter's scale; 1e-8 would see nothing through dead bands and encoder counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit:
+    """Recordings against the augmented twin, window by window.
+
+    Attributes
+    ----------
+    simulations : Simulations
+        Who runs the twin.
+    whiteners : tuple of Whitener
+        One a window.
+    """
+
+    simulations: Simulations
+    whiteners: tuple[Whitener, ...]
+
+    def residual(self, simulated: Sequence[Simulated]) -> Blocks:
+        """Recorded minus simulated, whitened."""
+        records = self.simulations.records
+        blocks = []
+        for whitener in self.whiteners:
+            k = whitener.window.record
+            columns = [
+                signal.values - run
+                for signal, run in zip(records[k].signals, simulated[k].signals, strict=True)
+            ]
+            blocks.append(whitener.whiten(columns))
+        return tuple(blocks)
+
+    def change(self, after: Sequence[Simulated], before: Sequence[Simulated]) -> Blocks:
+        """Whitened change of the simulated signals."""
+        return self.whitened(
+            [
+                tuple(a - b for a, b in zip(x.signals, y.signals, strict=True))
+                for x, y in zip(after, before, strict=True)
+            ]
+        )
+
+    def whitened(self, columns: Sequence[Sequence[NDArray[np.float64]]]) -> Blocks:
+        """Whiten columns of each recording's signals."""
+        return tuple(w.whiten(columns[w.window.record]) for w in self.whiteners)
+
+    def sensitivities(
+        self,
+        hypothesis: Hypothesis,
+        x: NDArray[np.float64],
+        base: Sequence[Simulated],
+        *,
+        parallel: bool,
+    ) -> list[list[tuple[NDArray[np.float64], ...]]]:
+        """Change of each recording's signals per unit of each free parameter.
+
+        Parameters
+        ----------
+        hypothesis : Hypothesis
+            What is free.
+        x : ndarray, shape (n,)
+            Where.
+        base : sequence of Simulated
+            The recordings simulated there.
+        parallel : bool
+            Use all simulators; False on a thread that is one of several.
+
+        Returns
+        -------
+        list of n lists, one a recording, of tuples of ndarray, one a signal
+        """
+        steps = self._steps(hypothesis, x)
+        points = []
+        for i, step in enumerate(steps):
+            moved = x.copy()
+            moved[i] += step
+            points.append(hypothesis.point(moved))
+        if parallel:
+            moved_runs = self.simulations.run(points)
+        else:
+            moved_runs = [self.simulations.run_here(point) for point in points]
+        return [
+            [
+                tuple((a - b) / step for a, b in zip(run.signals, start.signals, strict=True))
+                for run, start in zip(runs, base, strict=True)
+            ]
+            for runs, step in zip(moved_runs, steps, strict=True)
+        ]
+
+    def with_whiteners(self, whiteners: Sequence[Whitener]) -> Misfit:
+        """Return the same recordings measured by another budget."""
+        return replace(self, whiteners=tuple(whiteners))
+
+    def _steps(self, hypothesis: Hypothesis, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        low, high = hypothesis.bounds
+        sizes = DIFFERENCE_STEP * np.maximum(np.abs(x), hypothesis.scales)
+        sizes = np.minimum(sizes, 0.3 * (high - low))
+        return np.where(x + sizes > high, -sizes, sizes)
+
+
+def chi2(blocks: Blocks) -> float:
+    """Sum of squares over all windows."""
+    return float(sum(np.sum(block**2) for block in blocks))

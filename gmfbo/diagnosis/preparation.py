@@ -1,0 +1,322 @@
+"""From twin and recordings to whitened residuals: alignment, noise, budget, nuisances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.budget import (
+    NoiseLevel,
+    excess_of_repeats,
+    loop_covariance,
+    tolerance_covariance,
+    white_covariance,
+)
+from gmfbo.diagnosis.nuisances import (
+    Alignment,
+    Direction,
+    actuator_directions,
+    alignment_of,
+    record_directions,
+)
+from gmfbo.diagnosis.records import Record
+from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations
+from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window, make_window
+from gmfbo.sources.binding import Binding
+
+NOISE_RUNS = 4
+"""Noise runs of each recording; smoothing over frequency does the rest."""
+
+_WINDOW_S = 1.2
+_MOST_WINDOWS = 4
+_LOOP_TIMES = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """What is known of the signals before anything is fitted.
+
+    Attributes
+    ----------
+    position : str or None
+        Output that is the recorded position.
+    positions : frozenset of str
+        Outputs in the position's unit.
+    alignments : mapping of str to Alignment
+        Priors of the nuisances by signal.
+    position_to_si : float
+        [SI unit / FMU's unit] Of the position.
+    """
+
+    position: str | None
+    positions: frozenset[str]
+    alignments: Mapping[str, Alignment]
+    position_to_si: float
+
+
+def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
+    """Tell which signals are positions, and what their columns may be off by.
+
+    Parameters
+    ----------
+    binding : Binding
+        The twin.
+    records : sequence of Record
+        Recordings; a signal that none holds does not count.
+    """
+    outputs, states = binding.file.outputs, binding.file.states
+    present = {s.name for record in records for s in record.signals}
+    unit = {
+        name: binding.variables[entry.variable].variable.si_unit for name, entry in outputs.items()
+    }
+    position = _position_signal(binding, present)
+    if position is not None:
+        wanted = unit[position]
+    elif "position" in states:
+        wanted = binding.variables[states["position"]].variable.si_unit
+    else:
+        wanted = ""
+    positions = frozenset(n for n in present if n in unit and wanted and unit[n] == wanted)
+    alignments = {
+        name: alignment_of(entry, is_position=name in positions) for name, entry in outputs.items()
+    }
+    factor = 1.0
+    if "position" in states:
+        factor = binding.variables[states["position"]].variable.to_si
+    return Rig(position, positions, alignments, factor)
+
+
+def _position_signal(binding: Binding, present: set[str]) -> str | None:
+    """Output that tells the state `position`: the same variable, that name, or its unit."""
+    outputs, state = binding.file.outputs, binding.file.states.get("position")
+    candidates = [name for name in outputs if name in present]
+    same = [name for name in candidates if outputs[name].variable == state]
+    if same:
+        return same[0]
+    if "position" in candidates:
+        return "position"
+    if state is None:
+        return None
+    unit = binding.variables[state].variable.si_unit
+    alike = [
+        n
+        for n in candidates
+        if binding.variables[outputs[n].variable].variable.si_unit == unit and unit
+    ]
+    return alike[0] if alike else None
+
+
+def windows_of(records: Sequence[Record], loop_time: float) -> tuple[Window, ...]:
+    """Cut each recording into stretches of about a second that can be left out one by one.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What is scored.
+    loop_time : float
+        [s] Slowest time constant of the closed loop; a stretch is at least five long.
+    """
+    windows = []
+    for k, record in enumerate(records):
+        duration = record.end - record.start
+        parts = int(np.clip(duration // max(_WINDOW_S, _LOOP_TIMES * loop_time), 1, _MOST_WINDOWS))
+        for part in range(parts):
+            rows = []
+            for signal in record.signals:
+                n = signal.values.size
+                rows.append(slice(part * n // parts, (part + 1) * n // parts))
+            windows.append(make_window(k, [s.spacing for s in record.signals], rows))
+    return tuple(windows)
+
+
+def noise_runs(
+    simulations: Simulations,
+    point: Point,
+    base: Sequence[Simulated],
+    rig: Rig,
+    noise: Mapping[str, NoiseLevel],
+    rng: np.random.Generator,
+) -> list[list[Direction]]:
+    """Send noise of the recorded size through the loop: changes of each recording's signals.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Who runs the twin.
+    point : Point
+        Where.
+    base : sequence of Simulated
+        The same without noise.
+    rig : Rig
+        Which signal is the position.
+    noise : mapping of str to NoiseLevel
+        Sizes.
+    rng : numpy Generator
+        Source of the noise.
+
+    Returns
+    -------
+    list, one a recording, of up to NOISE_RUNS changes; empty where no port takes noise
+    """
+    ports = base[0].response.ports
+    if rig.position is None or rig.position not in noise:
+        return [[] for _ in base]
+    sigma = noise[rig.position].total / rig.position_to_si
+    if simulations.tracking is None and "sensor" not in ports:
+        return [[] for _ in base]
+    orders = []
+    for k, record in enumerate(simulations.records):
+        for _ in range(NOISE_RUNS):
+            orders.append((k, sigma * rng.standard_normal(record.plan.grid.size)))
+
+    def one(order: tuple[int, NDArray[np.float64]]) -> tuple[int, Direction | None]:
+        k, column = order
+        if simulations.tracking is not None:
+            run = simulations.run_one(point, k, measured_noise=column)
+        else:
+            run = simulations.run_one(point, k, excitation={"sensor": column})
+        if not run.finite:
+            return k, None
+        return k, tuple(a - b for a, b in zip(run.signals, base[k].signals, strict=True))
+
+    changes: list[list[Direction]] = [[] for _ in base]
+    for k, change in simulations.map(one, orders):
+        if change is not None:
+            changes[k].append(change)
+    return changes
+
+
+def covariances(
+    windows: Sequence[Window],
+    records: Sequence[Record],
+    rig: Rig,
+    noise: Mapping[str, NoiseLevel],
+    loop_noise: Sequence[Sequence[Direction]],
+    step_change: Sequence[Direction] | None,
+) -> list[Spectrum]:
+    """S(f) of each window: loop noise, own noise, repeats, numerics, tolerance.
+
+    Parameters
+    ----------
+    windows : sequence of Window
+        What is scored.
+    records : sequence of Record
+        What was measured.
+    rig : Rig
+        Which signals are positions.
+    noise : mapping of str to NoiseLevel
+        White noise of each signal.
+    loop_noise : sequence of sequences of Direction
+        Changes under noise, of each recording.
+    step_change : sequence of Direction or None
+        Change of each recording with the step, where the twin cannot be stepped finely.
+    """
+    total = []
+    for window in windows:
+        record = records[window.record]
+        own = white_covariance(window, _own_variances(record, noise, loop_noise[window.record]))
+        s = own + loop_covariance(window, loop_noise[window.record])
+        if step_change is not None:
+            s = s + loop_covariance(window, [step_change[window.record]])
+        s = s + _repeats(window, windows, records, s)
+        total.append(s + tolerance_covariance(window, record, rig.positions))
+    return total
+
+
+def _own_variances(
+    record: Record, noise: Mapping[str, NoiseLevel], loop_noise: Sequence[Direction]
+) -> list[float]:
+    """Variance of each signal beyond what the loop makes of the sensor's noise."""
+    variances = []
+    for i, signal in enumerate(record.signals):
+        if signal.name == EFFORT:
+            variances.append(1e-18)
+            continue
+        level = noise[signal.name]
+        through = 0.0
+        if loop_noise:
+            through = (
+                float(np.mean([np.mean(np.diff(change[i]) ** 2) for change in loop_noise])) / 2
+            )
+        variances.append(max(level.total**2 - through, level.least**2))
+    return variances
+
+
+def _repeats(
+    window: Window, windows: Sequence[Window], records: Sequence[Record], known: Spectrum
+) -> Spectrum | float:
+    first = records[window.record]
+    excess = []
+    for k, other in enumerate(records):
+        if k == window.record or not _same_experiment(first, other):
+            continue
+        if [s.name for s in first.signals] == [s.name for s in other.signals]:
+            excess.append(excess_of_repeats(window, first, other, known))
+    return sum(excess) / len(excess) if excess else 0.0
+
+
+def _same_experiment(a: Record, b: Record) -> bool:
+    one, two = a.plan.experiment, b.plan.experiment
+    if one.parameters.in_force != two.parameters.in_force or one.grid.size != two.grid.size:
+        return False
+    return all(
+        np.allclose(one.inputs[name], two.inputs[name], rtol=0.0, atol=1e-12) for name in one.inputs
+    )
+
+
+def whiteners(
+    windows: Sequence[Window],
+    spectra: Sequence[Spectrum],
+    directions: Sequence[Sequence[Direction]],
+) -> tuple[Whitener, ...]:
+    """Join budget and nuisances of each window.
+
+    Parameters
+    ----------
+    windows : sequence of Window
+        What is scored.
+    spectra : sequence of ndarray
+        S(f) of each window.
+    directions : sequence of sequences of Direction
+        Nuisances of each recording.
+    """
+    return tuple(
+        Whitener(window, s).without(directions[window.record])
+        for window, s in zip(windows, spectra, strict=True)
+    )
+
+
+def nuisance_directions(
+    simulations: Simulations,
+    point: Point,
+    base: list[Simulated],
+    rig: Rig,
+    torque_per_command: float,
+) -> list[list[Direction]]:
+    """Nuisances of each recording, about a simulated point.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Who runs the twin.
+    point : Point
+        Where.
+    base : list of Simulated
+        The recordings simulated there.
+    rig : Rig
+        Priors of the signals.
+    torque_per_command : float
+        Torque at the port for a unit of command.
+    """
+
+    def one(k: int) -> list[Direction]:
+        record = simulations.records[k]
+        own = record_directions(record, base[k], rig.alignments)
+        if simulations.tracking is not None:
+            return own
+        return own + actuator_directions(simulations, point, base, k, torque_per_command)
+
+    return list(simulations.map(one, range(len(base))))

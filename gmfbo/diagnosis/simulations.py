@@ -1,0 +1,271 @@
+"""Runs of the augmented twin along all recordings, several at a time."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.records import Record
+from gmfbo.errors import SimulationError
+from gmfbo.sources.augmented import AugmentedTwin, Columns, Response, RunPlan
+
+Task = TypeVar("Task")
+Made = TypeVar("Made")
+
+EFFORT = "tracking effort"
+"""Name of the torque that holds an open-loop twin on its recording; a right twin needs none."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """Values at which the augmented twin is run.
+
+    Attributes
+    ----------
+    parameters : mapping of str to float
+        [FMU's unit] Of the twin.
+    physics : mapping of str to float
+        Of physics.fmu.
+    only : mapping of str to int
+        Effects that act in one recording only, and which that is.
+    """
+
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    physics: Mapping[str, float] = field(default_factory=dict)
+    only: Mapping[str, int] = field(default_factory=dict)
+
+    def physics_in(self, record: int) -> dict[str, float]:
+        """Physics that acts in one of the recordings."""
+        return {
+            name: value
+            for name, value in self.physics.items()
+            if self.only.get(name.partition(".")[0], record) == record
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """One recording simulated: its scored signals at their own times.
+
+    Attributes
+    ----------
+    signals : tuple of ndarray, shape (n_rows of that signal,)
+        [SI] NaN after a run that ended early.
+    response : Response
+        All that was simulated.
+    """
+
+    signals: tuple[NDArray[np.float64], ...]
+    response: Response
+
+    @property
+    def finite(self) -> bool:
+        """The run went to its end."""
+        return self.response.outcome.status == "ok"
+
+
+@dataclass(frozen=True, eq=False)
+class Tracking:
+    """A loop that holds an open-loop twin on its recordings by force.
+
+    Attributes
+    ----------
+    settings : mapping of str to float
+        Of physics.fmu.
+    measured : tuple of ndarray, shape (rows,)
+        [FMU's unit] Recorded position of each recording on the communication grid.
+    """
+
+    settings: Mapping[str, float]
+    measured: tuple[NDArray[np.float64], ...]
+
+
+class Simulations:
+    """Simulators of one twin and the recordings that they follow.
+
+    Each of `jobs` simulators has a process of its own, in which the FMUs run; this process only
+    hands out orders, so that its threads spend their time waiting.
+
+    Parameters
+    ----------
+    open_twin : callable
+        Gives a simulator; called once for each.
+    records : sequence of Record
+        What is followed.
+    jobs : int
+        Simulators that run at a time.
+    """
+
+    def __init__(
+        self, open_twin: Callable[[], AugmentedTwin], records: Sequence[Record], jobs: int
+    ) -> None:
+        self.records = tuple(records)
+        self.new_rows: frozenset[str] = frozenset()
+        self.tracking: Tracking | None = None
+        self._simulators: queue.SimpleQueue[AugmentedTwin] = queue.SimpleQueue()
+        self._all = [open_twin() for _ in range(jobs)]
+        for simulator in self._all:
+            self._simulators.put(simulator)
+        self._threads = ThreadPoolExecutor(jobs)
+        self._lock = threading.Lock()
+        self.runs = 0
+        self.on_run: Callable[[], None] = lambda: None
+
+    def run(self, points: Sequence[Point]) -> list[list[Simulated]]:
+        """Simulate all recordings at each point.
+
+        Parameters
+        ----------
+        points : sequence of Point
+            Where to simulate.
+        """
+        orders = [(point, k) for point in points for k in range(len(self.records))]
+        done = list(self._threads.map(lambda order: self.run_one(*order), orders))
+        width = len(self.records)
+        return [done[i * width : (i + 1) * width] for i in range(len(points))]
+
+    def run_here(self, point: Point) -> list[Simulated]:
+        """Simulate all recordings at one point, one after the other, on the calling thread."""
+        return [self.run_one(point, k) for k in range(len(self.records))]
+
+    def run_one(
+        self,
+        point: Point,
+        record: int,
+        *,
+        excitation: Columns | None = None,
+        measured_noise: NDArray[np.float64] | None = None,
+    ) -> Simulated:
+        """Simulate one recording.
+
+        Parameters
+        ----------
+        point : Point
+            Where to simulate.
+        record : int
+            Which recording.
+        excitation : mapping of str to ndarray, shape (rows,)
+            [FMU's unit] Added to a port.
+        measured_noise : ndarray, shape (rows,)
+            [FMU's unit] Added to what the tracking loop follows.
+        """
+        physics = point.physics_in(record)
+        measured = None
+        if self.tracking is not None:
+            physics = {**self.tracking.settings, **physics}
+            measured = self.tracking.measured[record]
+            if measured_noise is not None:
+                measured = measured + measured_noise
+        plan = self.records[record].plan
+        with self._simulator() as simulator:
+            response = simulator.run(
+                plan, point.parameters, physics, excitation=excitation, measured=measured
+            )
+        return Simulated(self.read(response, record), response)
+
+    def run_parity(
+        self,
+        point: Point,
+        record: int,
+        settings: Mapping[str, float],
+        measured: NDArray[np.float64],
+    ) -> Response:
+        """Simulate one recording while loops of physics.fmu hold the twin on it.
+
+        Parameters
+        ----------
+        point : Point
+            Where to simulate.
+        record : int
+            Which recording.
+        settings : mapping of str to float
+            Of the loops.
+        measured : ndarray, shape (rows,)
+            [FMU's unit] Recorded position.
+        """
+        physics = {**settings, **point.physics_in(record)}
+        plan = self.records[record].plan
+        with self._simulator() as simulator:
+            return simulator.run(plan, point.parameters, physics, measured=measured)
+
+    def read(self, response: Response, record: int) -> tuple[NDArray[np.float64], ...]:
+        """Scored signals of a response at their own times."""
+        columns = []
+        for signal in self.records[record].signals:
+            if signal.name == EFFORT:
+                source = response.effort
+            elif signal.name in self.new_rows:
+                source = response.new[signal.name]
+            else:
+                source = response.held[signal.name]
+            columns.append(_at(self.records[record].plan, source, signal.time))
+        return tuple(columns)
+
+    def map(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
+        """Apply work that uses `run_here` or `run_one`, several tasks at a time."""
+        return list(self._threads.map(work, tasks))
+
+    def replace_records(self, records: Sequence[Record]) -> None:
+        """Score other signals of the same recordings."""
+        self.records = tuple(records)
+
+    def close(self) -> None:
+        """End all processes."""
+        self._threads.shutdown(wait=True, cancel_futures=True)
+        for simulator in self._all:
+            simulator.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    @contextmanager
+    def _simulator(self) -> Iterator[AugmentedTwin]:
+        simulator = self._simulators.get()
+        try:
+            yield simulator
+        finally:
+            self._simulators.put(simulator)
+            with self._lock:
+                self.runs += 1
+            self.on_run()
+
+
+def require_run(simulated: Sequence[Simulated], what: str) -> None:
+    """Stop where even the starting point cannot be simulated.
+
+    Raises
+    ------
+    SimulationError
+        With the words of the first run that failed.
+    """
+    for run in simulated:
+        if not run.finite:
+            raise SimulationError(f"{what}: {run.response.outcome.message}")
+
+
+def without_tracking_record(record: Record) -> Record:
+    """Leave the tracking effort out of what is scored."""
+    return replace(record, signals=tuple(s for s in record.signals if s.name != EFFORT))
+
+
+def _at(
+    plan: RunPlan, values: NDArray[np.float64], time: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    grid = plan.grid
+    step = float(grid[1] - grid[0]) if grid.size > 1 else 1.0
+    places = (time - grid[0]) / step
+    rows = np.round(places).astype(int)
+    if rows[-1] < grid.size and np.abs(places - rows).max() < 1e-3:
+        return values[rows]
+    return np.interp(time, grid, values)
