@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.plain_words import number, percent, probability, words
+from gmfbo.diagnosis.plain_words import interval, number, percent, probability, words
 from gmfbo.diagnosis.summary import fit_lines, parameter_texts, rivals_text
 
 if TYPE_CHECKING:
@@ -16,7 +17,20 @@ if TYPE_CHECKING:
 
 WIDTH = 79
 HEIGHT = 23  # the prompt takes the last line
-INDENT = 14
+INDENT = 13
+
+
+@dataclass(frozen=True)
+class _Detail:
+    """How much is told: lines of the sentence, effects and signals, lines of each entry."""
+
+    sentence: int
+    entries: int
+    wraps: int
+
+
+# Tried in turn until the result fits; the last one always does.
+_DETAILS = (_Detail(6, 5, 2), _Detail(5, 3, 1), _Detail(4, 2, 1), _Detail(3, 1, 1))
 
 
 def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
@@ -35,50 +49,49 @@ def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
         At most 23 lines of at most 79 characters.
     """
     lines: list[str] = []
-    for most in (5, 3, 2, 1):
-        lines = _lines(diagnosis, written, most)
+    for detail in _DETAILS:
+        lines = _lines(diagnosis, written, detail)
         if len(lines) <= HEIGHT:
             break
-    return lines[:HEIGHT]
+    return lines
 
 
-def _lines(diagnosis: Diagnosis, written: Sequence[Path], most: int) -> list[str]:
-    """All lines, with at most so many effects, signals and notes."""
-    sentence = textwrap.wrap(diagnosis.sentence, WIDTH)
-    lines = [*_cut(sentence, 2 + most), ""]
-    for effect in diagnosis.effects[:most]:
-        lines += _effect(effect, 1 + (most > 1))
-    lines += _more(len(diagnosis.effects) - most, "effects")
+def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> list[str]:
+    wraps = detail.wraps
+    lines = [*_cut(textwrap.wrap(diagnosis.sentence, WIDTH), detail.sentence), ""]
+    for effect in diagnosis.effects[: detail.entries]:
+        lines += _effect(effect, wraps)
+    lines += _more(len(diagnosis.effects) - detail.entries, "effects")
     table = fit_lines(diagnosis)
-    lines += table[: most + 1]
-    lines += _more(len(table) - 1 - most, "signals")
+    lines += table[: detail.entries + 1]
+    lines += _more(len(table) - 1 - detail.entries, "signals")
     lines += _removed(diagnosis)
-    lines += _entry("where", _where(diagnosis), min(most, 2))
-    lines += _entry("not testable", _not_testable(diagnosis), min(most, 2))
-    lines += _entry("next", _next(diagnosis), min(most, 2))
-    for note in diagnosis.notes[:most]:
-        lines += _entry("note", note, min(most, 2))
+    lines += _entry("parameters", _refitted(diagnosis), wraps)
+    lines += _entry("where", _where(diagnosis), wraps)
+    lines += _entry("not testable", _not_testable(diagnosis), wraps)
+    lines += _entry("next", _next(diagnosis), wraps)
+    for note in diagnosis.notes[:wraps]:
+        lines += _entry("note", note, wraps)
+    lines += _more(len(diagnosis.notes) - wraps, "notes")
     lines += _entry("cost", _cost(diagnosis), 1)
-    return lines + _entry("written", _files(written), min(most, 2))
+    return lines + _entry("written", _files(written), 2)
 
 
-def _cut(lines: list[str], most: int) -> list[str]:
+def _cut(lines: list[str], most: int, width: int = WIDTH) -> list[str]:
     """At most so many lines; dots where some are left out."""
     if len(lines) <= most:
         return lines
-    return [
-        *lines[: most - 1],
-        textwrap.shorten(lines[most - 1], WIDTH - 4, placeholder="") + " ...",
-    ]
+    last = textwrap.shorten(lines[most - 1], width - 4, placeholder="")
+    return [*lines[: most - 1], f"{last} ..."]
 
 
 def _entry(name: str, text: str, most: int) -> list[str]:
     if not text:
         return []
-    wrapped = textwrap.wrap(text, WIDTH - INDENT)
-    if len(wrapped) > most:
-        wrapped = wrapped[:most]
-        wrapped[-1] = textwrap.shorten(wrapped[-1], WIDTH - INDENT - 4, placeholder="") + " ..."
+    wide = WIDTH - INDENT
+    # A path or a name is worth more whole than within the margin.
+    wrapped = textwrap.wrap(text, wide, break_long_words=False, break_on_hyphens=False)
+    wrapped = _cut(wrapped, most, wide)
     heads = [name, *[""] * (len(wrapped) - 1)]
     return [f"{head:<{INDENT}}{line}" for head, line in zip(heads, wrapped, strict=True)]
 
@@ -88,10 +101,22 @@ def _more(count: int, what: str) -> list[str]:
 
 
 def _effect(effect: NamedEffect, most: int) -> list[str]:
-    told = f"{words(effect.name)}, probability {probability(effect.probability)}: "
-    lines = _entry("missing", told + ", ".join(parameter_texts(effect)), most)
+    told = f"{words(effect.name)}, probability {probability(effect.probability)}"
     rivals = rivals_text(effect)
-    return lines + (_entry("", f"cannot be told from {rivals}", most) if rivals else [])
+    return [
+        *_entry("missing", told, 1),
+        *_entry("", ", ".join(parameter_texts(effect)), most),
+        *_entry("", f"cannot be told from {rivals}" if rivals else "", most),
+    ]
+
+
+def _refitted(diagnosis: Diagnosis) -> str:
+    """Return the twin's parameters that the recordings see, old and new."""
+    return "; ".join(
+        f"{name} {number(one.nominal)} -> {interval(one.value, one.low, one.high, one.unit)}"
+        for name, one in diagnosis.parameters.items()
+        if one.identifiable
+    )
 
 
 def _removed(diagnosis: Diagnosis) -> list[str]:
@@ -105,9 +130,9 @@ def _where(diagnosis: Diagnosis) -> str:
     location = diagnosis.location
     parts = [part for part in (location.signal_path, location.region) if part]
     if location.times:
-        window, *others = location.times
-        more = f" and {len(others)} more" if others else ""
-        parts.append(f"{window.recording} {number(window.start)} to {number(window.end)} s{more}")
+        window = location.times[0]
+        more = " ..." if len(location.times) > 1 else ""
+        parts.append(f"{window.recording} {number(window.start)}-{number(window.end)} s{more}")
     return ", ".join(parts)
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gmfbo.sources.private_folder import PrivateFolder
+
 if TYPE_CHECKING:
     from gmfbo.sources.export import AugmentedFmu, PhysicsParameter
     from gmfbo.sources.twin import FmuTwin
@@ -19,8 +21,8 @@ class Augmentation:
 
     Attributes
     ----------
-    twin : Path
-        Twin file of the user.
+    twin : FmuTwin, str or Path
+        The user's twin, or its file.
     parameters : mapping of str to float
         [FMU's unit] Refitted parameters, by name; they become the defaults.
     physics : tuple of PhysicsParameter
@@ -31,11 +33,16 @@ class Augmentation:
         Steps of the physics in one communication step of the twin file.
     """
 
-    twin: Path
+    twin: FmuTwin | str | Path
     parameters: Mapping[str, float]
     physics: tuple[PhysicsParameter, ...]
     settings: Mapping[str, float]
     substeps: int = 1
+
+    @property
+    def twin_name(self) -> str:
+        """Name of the user's twin, or of its file."""
+        return Path(self.twin).name if isinstance(self.twin, (str, Path)) else self.twin.name
 
     def export(self, folder: Path) -> AugmentedFmu:
         """Write `augmented.fmu` and `augmented.toml`.
@@ -52,13 +59,16 @@ class Augmentation:
 
         Raises
         ------
-        InputError
+        ExportError
             This twin cannot be exported.
         """
         from gmfbo.sources.export import export_augmented
 
+        from gmfbo.sources.twin import FmuTwin
+
+        twin = FmuTwin(self.twin) if isinstance(self.twin, (str, Path)) else self.twin
         return export_augmented(
-            self.twin,
+            twin,
             folder,
             parameters=self.parameters,
             physics=self.physics,
@@ -79,7 +89,6 @@ class Augmentation:
         FmuTwin
             The augmented twin, which an FMU alone simulates.
         """
-        from gmfbo.sources.private_folder import PrivateFolder
         from gmfbo.sources.twin import FmuTwin
 
         if folder is not None:

@@ -29,16 +29,17 @@ def unit_words(unit: str) -> str:
     return "" if unit in ("", "1") else unit.replace(".", " ")
 
 
-def quantity(value: float, unit: str) -> str:
-    """Value with its unit, three significant digits."""
-    return f"{number(value)} {unit_words(unit)}".rstrip()
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """Value with its unit."""
+    return f"{number(value, digits)} {unit_words(unit)}".rstrip()
 
 
-def interval(value: float, low: float, high: float, unit: str) -> str:
+def interval(value: float, low: float, high: float, unit: str, digits: int = 3) -> str:
     """Value with its 95 % interval and its unit: "0.52 [0.49, 0.55] N m"."""
     if not (math.isfinite(low) and math.isfinite(high)):
-        return quantity(value, unit)
-    return f"{number(value)} [{number(low)}, {number(high)}] {unit_words(unit)}".rstrip()
+        return quantity(value, unit, digits)
+    ends = f"[{number(low, digits)}, {number(high, digits)}]"
+    return f"{number(value, digits)} {ends} {unit_words(unit)}".rstrip()
 
 
 def probability(value: float) -> str:

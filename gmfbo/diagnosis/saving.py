@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import pkgutil
-import shutil
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.errors import GmfboError, InputError
-from gmfbo.recordings.durable import cause, sync_folder, write_whole
+from gmfbo.recordings.durable import cause, write_whole
+from gmfbo.sources.private_folder import PrivateFolder
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.diagnosis import Diagnosis
@@ -56,19 +55,16 @@ def _write_twin(diagnosis: Diagnosis, folder: Path) -> tuple[tuple[Path, ...], s
     """Write the augmented twin: its files, and why there are none."""
     if diagnosis.augmentation is None:
         return _kept_twin(diagnosis, folder), ""
-    # Inside the folder, so that moving the files there is one step on the same disk.
-    temporary = Path(tempfile.mkdtemp(prefix=".augmented.", suffix=".tmp", dir=folder))
+    private = PrivateFolder()
     try:
-        try:
-            exported = diagnosis.augmentation.export(temporary)
-        except GmfboError as error:
-            _remove_twin(folder)
-            return (), f"no augmented twin was written: {error}"
+        exported = diagnosis.augmentation.export(private.path)
         for source, name in zip((exported.fmu, exported.twin_file), TWIN_FILES, strict=True):
-            source.replace(folder / name)
+            write_whole(folder / name, source.read_bytes())
+    except GmfboError as error:
+        _remove_twin(folder)
+        return (), f"no augmented twin was written: {error}"
     finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-    sync_folder(folder)
+        private.remove()
     return tuple(folder / name for name in TWIN_FILES), ""
 
 

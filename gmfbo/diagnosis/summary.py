@@ -39,20 +39,17 @@ def rivals_text(effect: NamedEffect) -> str:
 
 
 def fit_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return the before/after table as text, one line a signal."""
+    """Return the before/after table as text of at most 79 characters, one line a signal."""
     if not diagnosis.fit.signals:
         return []
-    names = [words(name) for name in diagnosis.fit.signals]
-    wide = min(max(len(name) for name in ["error, unseen runs", *names]), 26)
-    lines = ["error, unseen runs".ljust(wide) + "".join(f"{head:>16}" for head in COLUMNS[:3])]
-    lines[0] += f"{COLUMNS[3]:>13}"
-    for name, fit in zip(names, diagnosis.fit.signals.values(), strict=True):
-        cells = fit_cells(fit)
-        short = name if len(name) <= wide else name[: wide - 3] + "..."
-        lines.append(
-            short.ljust(wide) + "".join(f"{cell:>16}" for cell in cells[:3]) + f"{cells[3]:>13}"
-        )
-    return lines
+    rows = [("error, unseen runs", COLUMNS)]
+    rows += [(words(name), fit_cells(fit)) for name, fit in diagnosis.fit.signals.items()]
+    wide = min(max(len(name) for name, _ in rows), 28)
+    return [
+        (name if len(name) <= wide else f"{name[: wide - 3]}...").ljust(wide)
+        + "".join(cell.rjust(width) for cell, width in zip(cells, (10, 17, 11, 13), strict=True))
+        for name, cells in rows
+    ]
 
 
 def summary_text(diagnosis: Diagnosis) -> str:

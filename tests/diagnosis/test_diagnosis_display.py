@@ -1,0 +1,111 @@
+"""A diagnosis at a prompt, in a notebook and on a terminal of 80 by 24."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from gmfbo.cli.diagnosis_display import DiagnosisDisplay
+from gmfbo.cli.diagnosis_screen import screenful
+from gmfbo.diagnosis import Diagnosis
+from gmfbo.diagnosis.fit_table import SignalFit
+from gmfbo.diagnosis.named_effect import IdentifiedValue
+from tests.diagnosis.example_diagnoses import (
+    FIT,
+    FRICTION,
+    friction,
+    nothing,
+    outside,
+    parameters,
+    rivals,
+    too_little,
+)
+
+WRITTEN = tuple(
+    Path("results/axis") / name
+    for name in ("diagnosis.json", "report.html", "augmented.fmu", "augmented.toml")
+)
+
+
+def crowded() -> Diagnosis:
+    """More effects, signals and words than a screen holds."""
+    many = {f"value_{k}": IdentifiedValue(0.1, "N.m", 0.05, 0.15) for k in range(9)}
+    effect = replace(FRICTION, parameters=many, indistinguishable_from=("backlash",) * 7)
+    signals = {
+        f"a_signal_with_a_long_name_{k}": SignalFit(0.3, 0.2, 0.1, 0.1, 0.05) for k in range(9)
+    }
+    return replace(
+        rivals(),
+        effects=(effect,) * 6,
+        fit=replace(FIT, signals=signals),
+        notes=("a remark that goes on and on " * 6,) * 5,
+    )
+
+
+@pytest.mark.parametrize(
+    "made",
+    [friction(), rivals(), outside(), nothing(), parameters(), too_little(), crowded()],
+)
+def test_the_result_fits_a_screen(made: Diagnosis) -> None:
+    lines = screenful(made, WRITTEN)
+    assert len(lines) <= 23
+    assert max(len(line) for line in lines) <= 79
+    assert lines[-1].endswith("augmented.toml")
+
+
+def test_a_typical_screen_holds_all_that_matters() -> None:
+    shown = "\n".join(screenful(rivals(), WRITTEN))
+    for part in (
+        "coulomb friction, probability 0.94",
+        "level = 0.521 [0.493, 0.548] N m",
+        "cannot be told from gravity torque or elastic return",
+        "31 %             30 %      6.0 %        5.1 %",
+        "98 % of the error that physics can explain",
+        "mech.J 0.12 -> 0.121 [0.119, 0.123] kg m2",
+        "plant, where the velocity changes sign, rec2.csv 0.413-0.472 s ...",
+        "3: sensor lag (the twin has no sensor port)",
+        "play next.csv to tell constant torque offset from gravity",
+        "612 simulations in 14.2 s, seed 7",
+        "augmented.fmu, augmented.toml",
+    ):
+        assert part in shown
+
+
+def test_a_crowded_screen_says_what_it_leaves_out() -> None:
+    assert "more effects, see the report" in "\n".join(screenful(crowded(), WRITTEN))
+
+
+def test_a_long_path_is_never_cut() -> None:
+    deep = Path("/" + "/".join(f"folder-{k}" for k in range(12))) / "diagnosis.json"
+    assert any(str(deep.parent) in line for line in screenful(friction(), [deep]))
+
+
+def test_a_prompt_shows_sentence_effects_and_errors() -> None:
+    shown = repr(rivals())
+    assert shown.startswith("<Diagnosis: missing_physics> Coulomb friction")
+    assert "level = 0.521 [0.493, 0.548] N m" in shown
+    assert "torque command" in shown
+
+
+def test_a_notebook_shows_the_same_escaped() -> None:
+    shown = replace(
+        friction(), effects=(replace(FRICTION, statement="<b>&</b> is missing."),)
+    )._repr_html_()
+    assert "&lt;b&gt;&amp;&lt;/b&gt; is missing" in shown
+    assert "level = 0.521 [0.493, 0.548] N m" in shown
+    assert "<td>6.0 %</td>" in shown
+
+
+def test_progress_is_drawn_on_a_terminal_only() -> None:
+    for terminal in (True, False):
+        drawn = io.StringIO()
+        console = Console(file=drawn, force_terminal=terminal, width=80)
+        with DiagnosisDisplay(console) as display:
+            display.show("screening [120 runs]", 0.4)
+            display.show("beyond the end", 1.2)
+        assert bool(drawn.getvalue()) == terminal
+        assert ("beyond the end" in drawn.getvalue()) == terminal

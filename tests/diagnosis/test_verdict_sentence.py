@@ -1,0 +1,98 @@
+"""The verdict in words: names, numbers and honesty about what is not known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from gmfbo.diagnosis.fit_table import SignalFit
+from gmfbo.diagnosis.plain_words import interval, number, percent, quantity, unit_words
+from gmfbo.physics import CATALOGUE
+from tests.diagnosis.example_diagnoses import (
+    FIT,
+    friction,
+    nothing,
+    outside,
+    parameters,
+    rivals,
+    too_little,
+)
+
+
+def test_missing_physics_is_told_with_its_size_and_the_error_before_and_after() -> None:
+    assert friction().sentence == (
+        "Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin; with it "
+        "the torque command error on unseen recordings falls from 30 % to 6.0 % "
+        "(noise floor 5.1 %)."
+    )
+
+
+def test_rivals_are_in_the_sentence() -> None:
+    told = rivals().sentence
+    assert "cannot tell constant torque offset from gravity torque or elastic return" in told
+    assert "With them the torque command error" in told
+
+
+def test_physics_that_improves_no_signal_claims_no_improvement() -> None:
+    flat = replace(FIT, signals={"position": SignalFit(0.1, 0.1, 0.1, 0.1, 0.05)})
+    assert replace(friction(), fit=flat).sentence == friction().effects[0].statement
+
+
+def test_nothing_missing_is_told_with_the_noise_floor() -> None:
+    assert nothing().sentence == (
+        "Nothing is missing: the twin meets unseen recordings to the noise (position error "
+        "0.19 %, noise floor 0.18 %)."
+    )
+
+
+def test_parameters_are_told_with_old_and_new_values() -> None:
+    told = parameters().sentence
+    assert told.startswith("The twin's uncertain values explain the difference: ")
+    assert "mech.J is 0.121 kg m2 instead of 0.2" in told
+    assert told.endswith("no physics is missing.")
+
+
+def test_what_has_no_name_is_told_with_its_largest_size() -> None:
+    told = outside().sentence
+    assert f"none of the {len(CATALOGUE)} effects known here" in told
+    assert "up to 0.4 N m at the torque port that depends on the velocity" in told
+
+
+def test_too_little_evidence_is_never_told_as_nothing_missing() -> None:
+    told = too_little().sentence
+    assert told.startswith("These recordings cannot tell")
+    assert "Nothing is missing" not in told
+    assert "1 of the known effects" in told
+    assert "next.csv" in told
+
+
+def test_certain_physics_with_too_little_evidence_says_that_more_may_be_missing() -> None:
+    told = replace(friction(), evidence="insufficient").sentence
+    assert told.startswith("Coulomb friction")
+    assert "These recordings cannot tell more." in told
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (0.306, "31 %"),
+        (0.06, "6.0 %"),
+        (0.0996, "10 %"),
+        (0.00204, "0.20 %"),
+        (1.0, "100 %"),
+        (float("nan"), "-"),
+    ],
+)
+def test_a_share_is_told_with_two_digits(share: float, said: str) -> None:
+    assert percent(share) == said
+
+
+def test_units_read_as_words_and_none_for_plain_numbers() -> None:
+    assert (unit_words("kg.m2"), unit_words("1"), quantity(2.0, "1")) == ("kg m2", "", "2")
+
+
+def test_an_interval_that_is_not_known_is_left_out() -> None:
+    assert interval(0.5213, 0.49, 0.55, "N.m") == "0.521 [0.49, 0.55] N m"
+    assert interval(0.5213, float("nan"), 0.55, "N.m") == "0.521 N m"
+    assert number(float("inf")) == "-"
