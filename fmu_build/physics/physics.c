@@ -25,6 +25,7 @@ struct Model {
     Warming motor;
     Follower rate_limit, lag;
     DelayLine delay;
+    double last_added; /* to the command */
     SensorLag sensor_lag;
     Tracking tracking;
 };
@@ -71,6 +72,18 @@ static double command_effects(Model *m, const Signals *s) {
     return u - s->command;
 }
 
+/* The controller inside a twin shows its command a step late, where the step holds it already. What
+ * is added goes on for that time along its last change: the impulse of a changing command is then
+ * right. A mass under sampled control at ten steps a sample came out 30 to 500 times closer to
+ * the effect at its true place, whatever the effect; more dead time in the effect itself came out
+ * farther from it. */
+static double command_made_up(Model *m, const Signals *s) {
+    double added = command_effects(m, s);
+    double rate = rate_of_change(added, m->last_added, m->last.step);
+    m->last_added = added;
+    return added + rate * m->v[V_settings_command_lateness];
+}
+
 static double sensor_effects(Model *m, const Signals *s) {
     const double *v = m->v;
     if (chosen(v[V_tracking_sensor])) return tracking_reading(v, s);
@@ -98,7 +111,7 @@ const char *model_step(Model *m, double t, double h) {
     Signals s = signals_now(v, &m->last, t, h);
     v[V_tracking_effort] = tracking_effort(&m->tracking, v, &s, m->last.step);
     v[V_torque] = joined(v[V_port_torque], torque_effects(m, &s) + v[V_tracking_effort]);
-    v[V_command] = joined(v[V_port_command], command_effects(m, &s));
+    v[V_command] = joined(v[V_port_command], command_made_up(m, &s));
     v[V_sensor] = joined(v[V_port_sensor], sensor_effects(m, &s));
     m->last = last_step(&s);
     return isfinite(v[V_torque]) && isfinite(v[V_command]) && isfinite(v[V_sensor])
