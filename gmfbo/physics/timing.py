@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from gmfbo.physics.effect import EffectParameter, Values
+from gmfbo.physics.effect import EffectParameter, Range, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 
-# The ring buffer of physics.fmu is this long [s].
-_LONGEST = 0.1
+# physics.fmu remembers the commands of this time, and of this many steps.
+_MEMORY, _MEMORY_STEPS = 0.1, 2000  # [s]
 
 
 def floor(excitation: Excitation) -> float:
@@ -19,19 +19,36 @@ def floor(excitation: Excitation) -> float:
     return max(0.4e-3, 0.35 * excitation.sample)
 
 
-def longest(excitation: Excitation) -> float:
-    """Upper bound of a delay or lag [s]."""
-    return min(_LONGEST, max(excitation.loop_time, 30.0 * floor(excitation)))
+def longest_lag(excitation: Excitation) -> float:
+    """Upper bound of a lag [s]."""
+    return max(excitation.loop_time, 30.0 * floor(excitation))
 
 
-def time_parameter(name: str, words: str) -> EffectParameter:
-    """Make the parameter that holds a delay or a time constant."""
+def longest_delay(excitation: Excitation) -> float:
+    """Upper bound of a delay [s]: that of a lag, within the memory of physics.fmu."""
+    return min(_MEMORY, _MEMORY_STEPS * excitation.step, longest_lag(excitation))
+
+
+def delay_too_coarse(excitation: Excitation) -> str | None:
+    """A delay within the memory of physics.fmu can be shorter than any that is claimed."""
+    if 4.0 * floor(excitation) < longest_delay(excitation):
+        return None
+    return "the sampling is too coarse to show a delay"
+
+
+def time_parameter(name: str, words: str, longest: Range = longest_lag) -> EffectParameter:
+    """Make the parameter that holds a delay or a time constant, up to the longest."""
     return EffectParameter(
-        name, words, "s", low=lambda e: 0.0, high=longest, scale=lambda e: 2.0 * floor(e)
+        name,
+        words,
+        "s",
+        low=lambda e: 0.0,
+        high=longest,
+        scale=lambda e: min(2.0 * floor(e), 0.5 * longest(e)),
     )
 
 
-def starts(name: str, excitation: Excitation) -> list[Values]:
+def starts(name: str, excitation: Excitation, longest: Range = longest_lag) -> list[Values]:
     """Two times to start from: just visible, and a good share of the longest."""
     return [
         {name: min(2.0 * floor(excitation), 0.5 * longest(excitation))},

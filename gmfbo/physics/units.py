@@ -10,8 +10,8 @@ from gmfbo.errors import InputError, did_you_mean
 _TERM = re.compile(r"([A-Za-z]+|1)(\d*)")
 _PLAIN = ("s", "Hz", "1")
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"))
-# Symbols that take a prefix when a number is small; a ratio or a product of others does not.
-_PREFIXED = ("N", "N.m", "A", "V", "m", "rad", "s")
+# Units in which small numbers are the rule; a torque of 0.05 N m needs no prefix.
+_PREFIXED = ("m", "rad", "s")
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,7 @@ class Units:
         bottom = self._term(below)
         if top == bottom:
             return "1"
-        compound = "/" in bottom or "." in bottom
-        return f"{_bracketed(top)}/{f'({bottom})' if compound and bottom[0] != '(' else bottom}"
+        return f"{_bracketed(top)}/{_enclosed(bottom)}"
 
     def _term(self, text: str) -> str:
         found = _TERM.fullmatch(text.strip())
@@ -87,9 +86,7 @@ class Units:
         if word in _PLAIN:
             return word + power
         unit = self._inertia() if word == "inertia" else str(getattr(self, word))
-        if not power:
-            return unit
-        return f"({unit}){power}" if "/" in unit or "." in unit else unit + power
+        return re.sub("[A-Za-z]+", rf"\g<0>{power}", unit) if power else unit
 
     def _inertia(self) -> str:
         known = {("N.m", "rad"): "kg.m2", ("N", "m"): "kg"}
@@ -138,3 +135,7 @@ def number(value: float) -> str:
 
 def _bracketed(unit: str) -> str:
     return f"({unit})" if "/" in unit else unit
+
+
+def _enclosed(unit: str) -> str:
+    return f"({unit})" if "/" in unit or "." in unit else unit

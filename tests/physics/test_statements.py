@@ -1,0 +1,92 @@
+"""What is said of an effect is one plain sentence with a number and a unit."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gmfbo.physics import CATALOGUE, Effect, Excitation, Units
+from tests.physics.excitations import LINEAR, TYPICAL, excitations
+
+ROTARY = Units()
+SLIDE = Units(torque="N", position="m", velocity="m/s", command="V", current="V", load="V")
+effects = st.sampled_from(list(CATALOGUE.values()))
+each_effect = pytest.mark.parametrize("effect", CATALOGUE.values(), ids=list(CATALOGUE))
+
+
+def check_sentence(text: str) -> None:
+    assert text[0].isupper()
+    assert text.endswith(".")
+    assert ". " not in text, "one sentence"
+    assert re.search(r"\d", text)
+    assert not set(text) & set("{}[]_\n"), text
+    assert not re.search(r"nan|inf\b|e[+-]\d", text), text
+
+
+@given(effects, excitations(), st.data())
+@settings(max_examples=400, deadline=None)
+def test_a_statement_is_one_sentence_for_any_values_within_the_bounds(
+    effect: Effect, excitation: Excitation, data: st.DataObject
+) -> None:
+    drawn = {
+        name: low + (high - low) * data.draw(st.floats(0.001, 0.999), label=name)
+        for name, (low, high) in effect.bounds(excitation).items()
+    }
+    units = ROTARY if excitation.angular else SLIDE
+    text = effect.statement(drawn, units, units.place)
+    assert text[0].isupper()
+    assert text.endswith(".")
+    assert ". " not in text
+    assert re.search(r"\d", text)
+    assert not set(text) & set("{}[]_\n")
+
+
+@each_effect
+@pytest.mark.parametrize("units", [ROTARY, SLIDE], ids=["rotary", "linear"])
+def test_a_statement_has_a_number_with_its_unit(effect: Effect, units: Units) -> None:
+    excitation = TYPICAL if units is ROTARY else LINEAR
+    text = effect.statement(effect.starts(excitation)[0], units, units.place)
+    check_sentence(text)
+    assert re.search(r"\d (%|m?N\b|m?V|[mu]?m\b|m?rad|[mu]?s\b|kg|Hz|cycles|of the command)", text)
+
+
+@each_effect
+def test_a_statement_on_a_linear_axis_speaks_of_no_shaft(effect: Effect) -> None:
+    text = effect.statement(effect.starts(LINEAR)[0], SLIDE, SLIDE.place)
+    assert "shaft" not in text
+    assert " torque" not in text
+    assert "turn" not in text.replace("return", "")
+
+
+@each_effect
+@pytest.mark.parametrize("units", [ROTARY, SLIDE], ids=["rotary", "linear"])
+def test_a_region_names_its_state(effect: Effect, units: Units) -> None:
+    excitation = TYPICAL if units is ROTARY else LINEAR
+    text = effect.region(effect.starts(excitation)[0], units)
+    assert effect.region_state in text
+    assert not set(text) & set("{}[]_\n")
+    assert text[0].islower()
+    assert not text.endswith(".")
+
+
+def test_coulomb_friction_is_said_as_an_engineer_would() -> None:
+    text = CATALOGUE["coulomb_friction"].statement({"level": 0.5193}, ROTARY, ROTARY.place)
+    assert text == "Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin."
+
+
+def test_cogging_is_counted_in_cycles() -> None:
+    cogging = CATALOGUE["cogging_torque"]
+    line = {"wavenumber_1": 7.0, "sine_1": 0.03, "cosine_1": 0.04}
+    assert "about 0.05 N m" in cogging.statement(line, ROTARY, ROTARY.place)
+    assert cogging.region(line, ROTARY) == "over the position, 7 cycles a turn"
+    per_metre = {"wavenumber_1": 2.0 * 3.141592653589793 * 400.0, "sine_1": 1.0, "cosine_1": 0.0}
+    assert "400 cycles per m" in cogging.statement(per_metre, SLIDE, SLIDE.place)
+
+
+def test_a_gain_that_is_too_high_is_not_called_a_loss() -> None:
+    gain = CATALOGUE["actuator_gain_loss"]
+    assert "8 % less" in gain.statement({"loss": 0.08}, ROTARY, ROTARY.place)
+    assert "8 % more" in gain.statement({"loss": -0.08}, ROTARY, ROTARY.place)
