@@ -1,5 +1,7 @@
 """Hysteresis of gears and cables: Bouc and Wen's loop over the position."""
 
+import math
+
 import numpy as np
 
 from gmfbo.physics import friction
@@ -19,11 +21,11 @@ def _loop(position: Array, deflection: float) -> Array:
     for index, move in enumerate((np.diff(position) / deflection).tolist(), 1):
         if state * move < 0.0:
             unloaded = min(abs(move), abs(state))
-            state += np.copysign(unloaded, move)
-            move -= np.copysign(unloaded, move)
+            state += math.copysign(unloaded, move)
+            move -= math.copysign(unloaded, move)
         if move:
-            sign = np.copysign(1.0, move)
-            state = sign + (state - sign) * np.exp(-abs(move))
+            sign = math.copysign(1.0, move)
+            state = sign + (state - sign) * math.exp(-abs(move))
         result[index] = state
     return result
 
