@@ -1,0 +1,230 @@
+"""How much a hidden effect could gain over parameters alone, for one who knows the truth.
+
+gain = min over inertia and viscous friction of
+       sum over recordings and frequencies to 200 Hz of e^H S^-1 e
+
+where e is the difference between the noise-free truth and the noise-free truth without its effect,
+in reading and command, and S(f) the spectrum of both, 2 x 2, of what is no physics:
+
+- the noise of the encoder as the loop carries it to both signals, from repeated runs, and that
+  of the command's column;
+- (0.5 %)^2 of each signal's own spectrum, smoothed over an octave;
+- what loggers and current loops are known to do, as `NUISANCES`: a lag and a shift of 0.1 ms, a
+  clock 100 ppm off, 2 % (or what the twin file declares) in the scale of the command's column.
+  The stressed nulls hold such errors, and there they must not be called physics.
+
+For noise of this spectrum the gain is the expected drop of chi2 by the true effect. The logger's
+convention counts as known. A twin in open loop is judged in the loop that made its recordings,
+as both of its signals are recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.signal.windows import tukey
+
+from tests.blind.machines import Machine
+from tests.blind.truth import PREROLL, SAMPLE, TrueRun, Vector, simulate
+
+Complex = NDArray[np.complexfloating]
+
+HIGHEST = 200.0
+"""[Hz] Above, nothing is compared."""
+
+TOLERANCE = 0.005
+"""Share of a signal below which a difference is no physics."""
+
+NUISANCES = {"lag": 1e-4, "shift": 1e-4, "skew": 1e-4, "scale": 0.02}
+"""[s, s, 1, 1] Standard deviations of errors that are no physics."""
+
+REALISATIONS = 6
+NEIGHBOURS = 4
+_BOUNDS = np.log(3.0)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One recording that is asked of a machine: its reference, and the gains in force."""
+
+    shape: str
+    reference: Vector
+    gains: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Oracle:
+    """Judges hidden effects on one set of experiments.
+
+    Attributes
+    ----------
+    machine : Machine
+        For its noise.
+    values : mapping of str to float
+        True parameters without effects.
+    experiments : sequence of Experiment
+        All recordings.
+    seed : int
+        Of the noise that shapes S.
+    uncertain_scale : float
+        Of the command's column, as the twin file declares it; 0 where it does not.
+    """
+
+    machine: Machine
+    values: Mapping[str, float]
+    experiments: Sequence[Experiment]
+    seed: int
+    uncertain_scale: float = 0.0
+
+    def runs(self, changes: Mapping[str, float]) -> list[TrueRun]:
+        """Noise-free runs of the truth with some parameters changed."""
+        return [
+            simulate({**self.values, **one.gains, **changes}, one.reference)
+            for one in self.experiments
+        ]
+
+    @cached_property
+    def _whitening(self) -> list[Complex]:
+        """Inverse Cholesky factors of S, shape (frequencies, 2, 2) for each experiment."""
+        rng = np.random.default_rng(self.seed)
+        jitter = np.hypot(self.machine.jitter, self.machine.quantum / np.sqrt(12.0))
+        factors = []
+        for one, clean in zip(self.experiments, self.runs({}), strict=True):
+            values, rows = {**self.values, **one.gains}, len(one.reference)
+            spectra = []
+            for _ in range(REALISATIONS):
+                noise = jitter * rng.standard_normal(PREROLL + rows)
+                noisy = simulate(values, one.reference, noise)
+                spectra.append(_spectrum(_signals(noisy) - _signals(clean)))
+            n = np.array(spectra)
+            s = _smoothed(np.einsum("rfi,rfj->fij", n, n.conj()) / REALISATIONS)
+            s[:, 1, 1] += self.machine.command_noise**2 * np.sum(_window(rows) ** 2)
+            own = np.abs(_spectrum(_signals(clean))) ** 2
+            for signal in range(2):
+                s[:, signal, signal] += TOLERANCE**2 * _over_an_octave(own[:, signal])
+            factors.append(np.linalg.inv(np.linalg.cholesky(s)))
+        return factors
+
+    def _white(self, differences: Sequence[Vector]) -> Vector:
+        """Whitened differences of all experiments, as one real vector."""
+        parts = []
+        for e, factor in zip(differences, self._whitening, strict=True):
+            w = np.einsum("fij,fj->fi", factor, _spectrum(e)) * np.sqrt(2.0)
+            w[0] /= np.sqrt(2.0)  # the mean is real: one number where others are two
+            parts += [w.real.ravel(), w.imag.ravel()]
+        return np.concatenate(parts)
+
+    @cached_property
+    def _nuisances(self) -> tuple[Vector, Vector]:
+        """Directions (orthonormal columns) of the nuisances, and what they leave of each."""
+        scale = self.uncertain_scale or NUISANCES["scale"]
+        later = 10.0 * NUISANCES["lag"]  # large beside the integrator's step, small to the loop
+        lagging = self.runs({"torque_lag": self.values.get("torque_lag", 0.0) + later})
+        clean = [_signals(run) for run in self.runs({})]
+        slopes = [np.gradient(one, SAMPLE, axis=0) for one in clean]
+        ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
+        columns = [
+            0.1 * self._white([_signals(a) - b for a, b in zip(lagging, clean, strict=True)]),
+            NUISANCES["shift"] * self._white(slopes),
+            NUISANCES["skew"] * self._white([t * v for t, v in zip(ages, slopes, strict=True)]),
+            scale * self._white([one * np.array([0.0, 1.0]) for one in clean]),
+        ]
+        u, size, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
+        return u, 1.0 / np.sqrt(1.0 + size**2)
+
+    def _residual(self, differences: Sequence[Vector]) -> Vector:
+        """Whitened differences with the nuisances' directions made light."""
+        white = self._white(differences)
+        u, left = self._nuisances
+        along = u.T @ white
+        return np.asarray(white - u @ ((1.0 - left) * along))
+
+    def _difference(self, true: Sequence[Vector], changes: Mapping[str, float]) -> Vector:
+        model = [_signals(run) for run in self.runs(changes)]
+        return self._residual([a - b for a, b in zip(true, model, strict=True)])
+
+    @cached_property
+    def _nominal(self) -> list[Vector]:
+        return [_signals(run) for run in self.runs({})]
+
+    @cached_property
+    def _sensitivities(self) -> Vector:
+        """Orthonormal basis of what the parameters can do, about the true ones."""
+        columns = [
+            self._difference(self._nominal, {name: 1.002 * self.values[name]})
+            for name in ("inertia", "viscous")
+        ]
+        return np.linalg.qr(np.array(columns).T)[0]
+
+    def quick_gain(self, changes: Mapping[str, float]) -> float:
+        """Gain with the parameters' influence taken as linear: to choose a size by."""
+        true = self.runs(changes)
+        e = self._residual([_signals(a) - b for a, b in zip(true, self._nominal, strict=True)])
+        basis = self._sensitivities
+        return float(e @ e - np.sum((basis.T @ e) ** 2))
+
+    def gain(self, changes: Mapping[str, float]) -> float:
+        """Gain of the true plant's changes over parameters alone.
+
+        Parameters
+        ----------
+        changes : mapping of str to float
+            Truth parameters of all hidden effects.
+        """
+        true = [_signals(run) for run in self.runs(changes)]
+
+        def residual(p: Vector) -> Vector:
+            changed = {
+                "inertia": self.values["inertia"] * float(np.exp(p[0])),
+                "viscous": self.values["viscous"] * float(np.exp(p[1])),
+            }
+            return self._difference(true, changed)
+
+        fit = least_squares(
+            residual,
+            np.zeros(2),
+            bounds=(-_BOUNDS, _BOUNDS),
+            diff_step=np.array([2e-3, 2e-3]),
+            x_scale=np.array([0.1, 0.1]),
+            max_nfev=8,
+        )
+        return float(2.0 * fit.cost)
+
+
+def _signals(run: TrueRun) -> Vector:
+    return np.column_stack([run.reading, run.held])
+
+
+def _window(rows: int) -> Vector:
+    return np.asarray(tukey(rows, 0.1))
+
+
+def _spectrum(signals: Vector) -> Complex:
+    """Tapered transform up to `HIGHEST`, shape (frequencies, 2)."""
+    rows = len(signals)
+    kept = int(HIGHEST * rows * SAMPLE) + 1
+    return np.asarray(np.fft.rfft(signals * _window(rows)[:, None], axis=0)[:kept])
+
+
+def _smoothed(s: Complex) -> Complex:
+    """Mean over neighbouring frequencies."""
+    width = 2 * NEIGHBOURS + 1
+    padded = np.pad(s, ((NEIGHBOURS, NEIGHBOURS), (0, 0), (0, 0)), mode="symmetric")
+    total = np.cumsum(np.concatenate([np.zeros((1, 2, 2)), padded]), axis=0)
+    return np.asarray((total[width:] - total[:-width]) / width)
+
+
+def _over_an_octave(power: Vector) -> Vector:
+    """Mean of a spectrum over the octave around each frequency."""
+    index = np.arange(len(power))
+    low = np.floor(index / np.sqrt(2.0)).astype(int)
+    high = np.minimum(np.ceil(index * np.sqrt(2.0)).astype(int) + 1, len(power))
+    high = np.maximum(high, low + 2)
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    high = np.minimum(high, len(power))
+    return np.asarray((total[high] - total[low]) / (high - low))
