@@ -55,7 +55,9 @@ def before_and_after_charts(diagnosis: Diagnosis) -> str:
         charts = "".join(
             _figures(diagnosis, curve) for curve in diagnosis.curves if curve.recording == name
         )
-        grid = f'<div class="charts">{charts}</div>'
+        shaded = any(window.recording == name for window in diagnosis.location.times)
+        told = '<p class="soft">Shaded: where the mismatch shows most.</p>' if shaded else ""
+        grid = f'{told}<div class="charts">{charts}</div>'
         if position == 0:
             parts.append(f"<h3>{escape(title)}</h3>{grid}")
         else:

@@ -73,18 +73,17 @@ def _fit_table(diagnosis: Diagnosis) -> str:
             percent(one.nominal),
             percent(one.parameters_only),
             percent(one.augmented),
-            percent(one.unnamed_spline),
             percent(one.noise_floor),
+            percent(one.unnamed_spline),
         ]
         for name, one in fit.signals.items()
     ]
-    heads = [
-        "signal", "nominal", "parameters only", "augmented", "unnamed spline", "noise floor",
-    ]  # fmt: skip
+    heads = ["signal", "nominal", "parameters only", "augmented", "noise floor", "unnamed spline"]
     unseen, seen = ", ".join(fit.held_out) or "none", ", ".join(fit.fitted_on) or "none"
     told = (
         "RMS error over the range of the recorded signal: of the twin as it came (nominal), with "
-        "its uncertain parameters refitted, and with the physics (augmented). On recordings that "
+        "its uncertain parameters refitted, and with the physics (augmented); the unnamed spline is "
+        "a smooth residual without physics. On recordings that "
         f"had no part in the fit: {unseen}. Fitted on {seen}."
     )
     share = fit.explainable_error_removed
