@@ -82,9 +82,9 @@ def _fit_table(diagnosis: Diagnosis) -> str:
     unseen, seen = ", ".join(fit.held_out) or "none", ", ".join(fit.fitted_on) or "none"
     told = (
         "RMS error over the range of the recorded signal: of the twin as it came (nominal), with "
-        "its uncertain parameters refitted, and with the physics (augmented); the unnamed spline is "
-        "a smooth residual without physics. On recordings that "
-        f"had no part in the fit: {unseen}. Fitted on {seen}."
+        "its uncertain parameters refitted, and with the physics (augmented); the unnamed spline "
+        "is a smooth residual without physics. On recordings that had no part in the fit: "
+        f"{unseen}. Fitted on {seen}."
     )
     share = fit.explainable_error_removed
     removed = "" if share is None else f"Explainable error removed: {percent(share)}."
