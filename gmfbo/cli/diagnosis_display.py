@@ -9,6 +9,9 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 if TYPE_CHECKING:
     from rich.console import Console
 
+BAR = 24
+TAKEN = BAR + len(" 100% 0:00:00 ") + 1  # columns of all but the words
+
 
 class DiagnosisDisplay:
     """One line: how far it is, how long it took so far, and what is being done.
@@ -21,22 +24,23 @@ class DiagnosisDisplay:
 
     def __init__(self, console: Console) -> None:
         self._bar = Progress(
-            BarColumn(bar_width=24),
+            BarColumn(bar_width=BAR),
             TaskProgressColumn(),
             TimeElapsedColumn(),
-            # The words come from elsewhere and may hold brackets; they are last, so that a long
-            # one is cut and nothing else moves.
-            TextColumn("{task.description}", markup=False),
+            TextColumn("{task.description}", markup=False),  # may hold brackets
             console=console,
             disable=not console.is_terminal,
             transient=True,
         )
+        self._room = max(console.width - TAKEN, 10)
         self._task = self._bar.add_task("reading", total=1.0)
 
     def show(self, stage: str, share: float) -> None:
         """Show a stage, in words, and the share of the whole that is done, 0 to 1."""
         done = min(max(share, 0.0), 1.0)
-        self._bar.update(self._task, description=stage, completed=done)
+        # Too long a text would squeeze the bar, not itself.
+        shown = stage if len(stage) <= self._room else f"{stage[: self._room - 3]}..."
+        self._bar.update(self._task, description=shown, completed=done)
 
     def __enter__(self) -> Self:
         self._bar.start()

@@ -109,3 +109,12 @@ def test_progress_is_drawn_on_a_terminal_only() -> None:
             display.show("beyond the end", 1.2)
         assert bool(drawn.getvalue()) == terminal
         assert ("beyond the end" in drawn.getvalue()) == terminal
+
+
+def test_a_long_stage_is_cut_and_the_bar_stays() -> None:
+    drawn = io.StringIO()
+    console = Console(file=drawn, force_terminal=True, width=80, legacy_windows=False)
+    with DiagnosisDisplay(console) as display:
+        display.show("confirming backlash " * 9, 0.4)
+    assert "40%" in drawn.getvalue()
+    assert "confirming backlash confirming backlas..." in drawn.getvalue()
