@@ -17,7 +17,7 @@ from fmu_build.archive import members  # noqa: E402
 from fmu_build.compile import Compiler, CompilerName, find_compiler  # noqa: E402
 from fmu_build.declaration import Declaration, read_declaration  # noqa: E402
 from fmu_build.failure import BuildError  # noqa: E402
-from fmu_build.fmu import build_fmu  # noqa: E402
+from fmu_build.fmu import WRAPPER, build_fmu  # noqa: E402
 from fmu_build.platforms import FOREIGN, PLATFORMS, Platform, this_platform  # noqa: E402
 from fmu_build.translate import check_translation, translate_model  # noqa: E402
 
@@ -25,6 +25,10 @@ SOURCES = ROOT / "fmu_build"
 MODELS = ROOT / "models"
 TEST_FMUS = ROOT / "tests" / "fmus"
 MASTER = "gmfbo_master"
+FRONT = "gmfbo_front"
+FRONT_PLATFORMS = ("linux-x86_64", "windows-x86_64", "macos-aarch64")  # as the export toolbox has
+_FRONT_SHARED = ("fmi2.h", "resources.h", "resources.c")
+_FRONT_SOURCES = ("front.c", "library.c", "resources.c")
 
 
 def build_all(
@@ -43,7 +47,7 @@ def build_all(
     output : Path
         Folder of the FMUs, normally models/; those that only tests need then go to tests/fmus/.
     only : sequence of str
-        Names of models, or `master`; all if empty.
+        Names of models, `master` or `front`; all if empty.
     compiler : {"zig", "system"}
         The system's compiler builds for this machine only.
     translate : bool
@@ -101,7 +105,7 @@ def model_folders() -> list[Path]:
 
 
 def _choose(only: Sequence[str]) -> list[str]:
-    known = [folder.name for folder in model_folders()] + ["master"]
+    known = [folder.name for folder in model_folders()] + ["master", "front"]
     for name in only:
         if name not in known:
             raise BuildError(f"no model '{name}' in {SOURCES.name}/; known are {', '.join(known)}")
@@ -126,6 +130,13 @@ def _products(
         for target in targets:
             library = compiler.shared_library(work, ["master.c"], MASTER, target)
             yield output / "master" / target.name / (MASTER + target.suffix), library
+    elif name == "front":
+        for path in (*(SOURCES / "front").iterdir(), *map(WRAPPER.joinpath, _FRONT_SHARED)):
+            (work / path.name).write_bytes(path.read_bytes())
+        for target in targets:
+            if target.name in FRONT_PLATFORMS:
+                library = compiler.shared_library(work, _FRONT_SOURCES, FRONT, target)
+                yield output / "front" / target.name / (FRONT + target.suffix), library
     else:
         declaration = read_declaration(SOURCES / name / "model.toml")
         folder = TEST_FMUS if declaration.test_only and output.resolve() == MODELS else output

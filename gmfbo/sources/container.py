@@ -11,39 +11,42 @@ from pathlib import Path
 from typing import Any
 
 from gmfbo.errors import ExportError
-from gmfbo.sources.container_wiring import End, Wiring
+from gmfbo.sources.container_wiring import Wiring
 
 _TOOLBOX = "fmu-manipulation-toolbox"
+_NAME = "container"
+_LETTERS = {"real64": "R", "integer32": "I", "boolean": "B", "string": "T"}
 
 
 @dataclass(frozen=True)
 class Container:
-    """A container FMU as the toolbox leaves it, still without a model description of ours.
+    """A container FMU without its model description and the library that a tool loads.
 
     Attributes
     ----------
-    files : mapping of str to bytes
-        By path inside the archive; `modelDescription.xml` is missing.
+    resources : mapping of str to bytes
+        By path below `resources/`: the FMUs, `container.txt` and the runtime's libraries.
     references : mapping of str to int
         Value references of its variables.
+    types : mapping of str to str
+        Letters of what can be set: R, I or B; T where it is a text.
     time : int
         Value reference of the time.
     """
 
-    files: Mapping[str, bytes]
+    resources: Mapping[str, bytes]
     references: Mapping[str, int]
+    types: Mapping[str, str]
     time: int
 
 
-def build_container(wiring: Wiring, identifier: str, step: float, folder: Path) -> Container:
+def build_container(wiring: Wiring, step: float, folder: Path) -> Container:
     """Join FMUs; each internal step computes them one after the other on newest values.
 
     Parameters
     ----------
     wiring : Wiring
         What to join, and how.
-    identifier : str
-        Model identifier: name of the libraries.
     step : float
         [s] Internal step.
     folder : Path
@@ -58,22 +61,21 @@ def build_container(wiring: Wiring, identifier: str, step: float, folder: Path) 
 
     with _quiet():
         try:
-            layout = _build(wiring, identifier, step, folder)
+            built = _build(wiring, step, folder)
         except FMUContainerError as error:
             reason = " ".join(str(error.reason).split())
             raise ExportError(
                 f"the FMUs cannot be joined into one: {reason}; the diagnosis holds without it"
             ) from None
-    files = _read_tree(folder / identifier)
-    files["documentation/licenses/fmu_manipulation_toolbox.txt"] = _license()
-    references = {**layout.inputs, **layout.outputs}
+    references = {**built.layout.inputs, **built.layout.outputs}
     for name, same in wiring.same_as.items():
         references[name] = references[same]
-    return Container(files, references, layout.time)
+    types = {name: _LETTERS[port.type_name] for name, port in built.inputs.items()}
+    return Container(_resources(folder / _NAME), references, types, built.layout.time)
 
 
-def _build(wiring: Wiring, identifier: str, step: float, folder: Path) -> Any:
-    """Tell the toolbox what to join; answers where it put the variables."""
+def _build(wiring: Wiring, step: float, folder: Path) -> Any:
+    """Tell the toolbox what to join."""
     from fmu_manipulation_toolbox.container import FMUContainer
 
     class Described(FMUContainer):  # type: ignore[misc]  # the toolbox is untyped
@@ -88,7 +90,7 @@ def _build(wiring: Wiring, identifier: str, step: float, folder: Path) -> Any:
         def make_fmu_cleanup(self, *_: Any) -> None:
             """The folder is what is read."""
 
-    container = Described(identifier, folder)
+    container = Described(_NAME, folder)
     for name, path in wiring.members.items():
         member = container.get_fmu(str(path.resolve()), name)
         member.step_size = None  # the vendor's preference; ours is the one that was fitted
@@ -105,28 +107,23 @@ def _build(wiring: Wiring, identifier: str, step: float, folder: Path) -> Any:
             container.add_input(name, end.member, end.variable)
     for name, end in wiring.readable.items():
         container.add_output(end.member, end.variable, name)
-    for end, value in wiring.starts.items():
-        container.add_start_value(end.member, end.variable, _text(container, end, value))
-    container.make_fmu(f"{identifier}.fmu", step_size=step, sequential=True)
-    return container.layout
+    container.make_fmu(f"{_NAME}.fmu", step_size=step, sequential=True)
+    return container
 
 
-def _text(container: Any, end: End, value: float) -> str:
-    kind = str(container.involved_fmu[end.member].ports[end.variable].type_name)
-    if kind.startswith("boolean"):
-        return "true" if value else "false"
-    return str(round(value)) if kind.startswith("integer") else repr(float(value))
+def _resources(folder: Path) -> dict[str, bytes]:
+    files = {}
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.is_file() and name.startswith("resources/"):
+            files[name.removeprefix("resources/")] = path.read_bytes()
+        elif path.is_file() and name.startswith("binaries/"):
+            files[name.replace("binaries/", "runtime/", 1)] = path.read_bytes()
+    return files
 
 
-def _read_tree(folder: Path) -> dict[str, bytes]:
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.name != "model.png"
-    }
-
-
-def _license() -> bytes:
+def toolbox_license() -> bytes:
+    """Text that has to go with the runtime."""
     files = importlib.metadata.files(_TOOLBOX) or []
     texts = [Path(str(file.locate())) for file in files if file.name.startswith("LICENSE")]
     return b"\n".join(path.read_bytes() for path in texts)

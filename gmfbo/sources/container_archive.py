@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import struct
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from gmfbo.sources.archive import pack
 from gmfbo.sources.binding import Binding
-from gmfbo.sources.container import Container
+from gmfbo.sources.container import Container, toolbox_license
 from gmfbo.sources.container_description import (
     ExposedParameter,
     Heading,
@@ -21,6 +22,7 @@ from gmfbo.sources.container_description import (
 from gmfbo.sources.container_wiring import Wiring
 from gmfbo.sources.description import read_description
 from gmfbo.sources.exportable import library_for
+from gmfbo.sources.models import models_folder
 from gmfbo.sources.platforms import Platform
 from gmfbo.sources.unpacking import open_archive
 
@@ -64,16 +66,13 @@ class Content:
         """What the model description tells an engineer first."""
         texts = dict.fromkeys(fmu.description for fmu in self.binding.fmus if fmu.description)
         effects = dict.fromkeys(parameter.name.split(".")[1] for parameter in self.exposed)
-        added = (
-            f"Augmented by gmfbo with {', '.join(effects)}." if effects else "Refitted by gmfbo."
-        )
+        added = f"Augmented by gmfbo with {', '.join(effects)}" if effects else "Refitted by gmfbo"
         return " ".join(
             [
                 *(f"{text.rstrip('.')}." for text in texts),
                 f"{added}.",
                 f"Internal step {self.internal_step!r} s: communication steps have to be whole "
-                f"multiples of it and were fitted at {self.step!r} s; with others the outputs lag "
-                "by up to one internal step.",
+                f"multiples of it; {self.step!r} s is what it was fitted at.",
             ]
         )
 
@@ -90,7 +89,13 @@ def container_archive(container: Container, wiring: Wiring, content: Content) ->
     content : Content
         What it holds and says.
     """
-    files = dict(_binaries_on(container.files, content.platforms))
+    files = dict(_resources_on(container, content.platforms))
+    files["documentation/licenses/fmu_manipulation_toolbox.txt"] = toolbox_license()
+    files["resources/starts.txt"] = _starts(container, wiring, content.internal_step).encode()
+    for platform in content.platforms:
+        library = models_folder() / "front" / platform.name / f"gmfbo_front{platform.suffix}"
+        entry = f"{platform.fmi_folders[0]}/{content.identifier}{platform.suffix}"
+        files[f"binaries/{entry}"] = library.read_bytes()
     for index, path in enumerate(wiring.members.values()):
         _rename_libraries(files, f"resources/{index:02x}", path, content.platforms)
     if len(content.binding.fmus) == 1:
@@ -125,15 +130,29 @@ def _start(kind: str, value: float) -> str:
     return repr(float(value)) if kind == "Real" else str(round(value))
 
 
-def _binaries_on(
-    files: Mapping[str, bytes], platforms: tuple[Platform, ...]
+def _resources_on(
+    container: Container, platforms: tuple[Platform, ...]
 ) -> Iterator[tuple[str, bytes]]:
-    """The runtime for those platforms only on which all FMUs can run."""
+    """Resources, with the runtime for those platforms only on which all FMUs can run."""
     folders = {platform.fmi_folders[0] for platform in platforms}
-    for name, data in files.items():
+    for name, data in container.resources.items():
         parts = PurePosixPath(name).parts
-        if parts[0] != "binaries" or parts[1] in folders:
-            yield name, data
+        if parts[0] != "runtime" or parts[1] in folders:
+            yield f"resources/{name}", data
+
+
+def _starts(container: Container, wiring: Wiring, internal_step: float) -> str:
+    """What the entry library sets before a tool sets anything, as it reads it."""
+    lines = [f"S 0 {_bits(internal_step)}"]
+    for name, value in wiring.starts.items():
+        kind = container.types[wiring.same_as.get(name, name)]
+        text = _bits(value) if kind == "R" else str(round(value))
+        lines.append(f"{kind} {container.references[name]} {text}")
+    return "\n".join(lines) + "\n"
+
+
+def _bits(value: float) -> str:
+    return struct.pack(">d", value).hex()
 
 
 def _rename_libraries(

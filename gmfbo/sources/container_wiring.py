@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -42,11 +42,12 @@ class Wiring:
     wires : dict of End to End
         Input = output.
     settable : dict of str to list of End
-        Inputs and parameters of the container, by name, and what they set.
+        Inputs and parameters of the container, by name, and what they set. Those that only start
+        values reach have names that no variable has.
     readable : dict of str to End
         Other variables of the container.
-    starts : dict of End to float
-        Start values over the FMUs' own [unit of the variable].
+    starts : dict of str to float
+        Start values [unit of the variable] over the FMUs' own, by names of `settable`.
     same_as : dict of str to str
         Variables of the container that the FMU gives the same value reference.
     times : set of str
@@ -61,22 +62,27 @@ class Wiring:
     wires: dict[End, End] = field(default_factory=dict)
     settable: dict[str, list[End]] = field(default_factory=dict)
     readable: dict[str, End] = field(default_factory=dict)
-    starts: dict[End, float] = field(default_factory=dict)
+    starts: dict[str, float] = field(default_factory=dict)
     same_as: dict[str, str] = field(default_factory=dict)
     times: set[str] = field(default_factory=set)
     hidden: list[str] = field(default_factory=list)
     physics: list[str] = field(default_factory=list)
 
-    def start(self, binding: Binding, values: Mapping[str, float]) -> None:
-        """Give parameters of the twin start values [FMU's unit], by the twin file's names."""
-        for name, value in values.items():
-            self.starts[_end(binding, name)] = float(value)
+    def start_unseen(self, variable: str, members: Sequence[str], value: float) -> None:
+        """Give a parameter of some FMUs a start value, and show it to nobody.
 
-    def start_physics(self, values: Mapping[str, float]) -> None:
-        """Give every instance of physics.fmu the same start values."""
-        for member in self.physics:
-            for name, value in values.items():
-                self.starts[End(member, name)] = float(value)
+        Parameters
+        ----------
+        variable : str
+            By the FMUs' own name.
+        members : sequence of str
+            The FMUs.
+        value : float
+            [unit of the variable]
+        """
+        name = f"unseen {variable} of {', '.join(members)}"
+        self.settable[name] = [End(member, variable) for member in members]
+        self.starts[name] = value
 
 
 def wire_up(binding: Binding, physics_fmu: Path) -> Wiring:
@@ -142,14 +148,14 @@ def _add_physics(
         if name in binding.file.wires:
             adder = f"{port}_and_wire{index}.fmu"
             wiring.members[adder] = physics_fmu
-            wiring.starts[End(adder, "tracking.kp")] = 1.0
+            wiring.start_unseen("tracking.kp", [adder], 1.0)
             wiring.wires[End(adder, "port.torque")] = _end(binding, binding.file.wires[name])
             wiring.wires[through] = End(adder, "torque")
             through = End(adder, "tracking.measured")
         wiring.settable[name] = [through]
         start = binding.variables[name].variable.start
         if start:
-            wiring.starts[through] = start
+            wiring.starts[name] = start
         wiring.wires[_end(binding, name)] = End(physics, PORT_OUTPUTS[port])
     wiring.members[physics] = physics_fmu
     wiring.physics.append(physics)

@@ -117,14 +117,14 @@ def export_augmented(
     check_exportable(binding)
     description = read_description(models_folder() / "physics.fmu")
     wiring = wire_up(binding, description.path)
-    wiring.start(binding, values)
+    wiring.starts.update(values)
     exposed = _expose(wiring, binding, description, physics, settings)
     held = [*binding.fmus, *([description] if wiring.physics else [])]
     platforms = common_platforms(held)
     content = Content(binding, values, exposed, twin.step, step, platforms)
     text = augmented_twin_file(binding.file, FMU_NAME, twin.step, content.description)
     with tempfile.TemporaryDirectory(prefix="gmfbo-export-") as place:
-        container = build_container(wiring, content.identifier, step, Path(place))
+        container = build_container(wiring, step, Path(place))
         archive = container_archive(container, wiring, content)
         _write(Path(place), archive, text)
         if this_platform() in platforms:
@@ -150,14 +150,17 @@ def _expose(
     for name in (*settings, *(parameter.name for parameter in physics)):
         if name not in known:
             raise InputError(f"physics.fmu has no parameter '{name}'" + did_you_mean(name, known))
-    fixed = {**settings, **{parameter.name: parameter.value for parameter in physics}}
-    wiring.start_physics(fixed)
+    shown = {parameter.name for parameter in physics}
+    for name, value in settings.items():
+        if wiring.physics and name not in shown:
+            wiring.start_unseen(name, wiring.physics, value)
     prefix = "physics"
     while any(name.startswith(f"{prefix}.") for name in binding.variables):
         prefix += "_"  # an augmented twin that is augmented again
     exposed = []
     for parameter in physics:
         name = f"{prefix}.{parameter.name}"
+        wiring.starts[name] = parameter.value
         wiring.settable[name] = [End(member, parameter.name) for member in wiring.physics]
         unit = "" if parameter.unit == "1" else parameter.unit
         exposed.append(ExposedParameter(name, unit, parameter.description, parameter.value))

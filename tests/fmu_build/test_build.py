@@ -9,7 +9,15 @@ from pathlib import Path
 import pytest
 
 from fmu_build.archive import members
-from fmu_build.build import MODELS, SOURCES, TEST_FMUS, build_all, main, model_folders
+from fmu_build.build import (
+    FRONT_PLATFORMS,
+    MODELS,
+    SOURCES,
+    TEST_FMUS,
+    build_all,
+    main,
+    model_folders,
+)
 from fmu_build.compile import find_compiler
 from fmu_build.declaration import read_declaration
 from fmu_build.failure import BuildError
@@ -24,11 +32,11 @@ def silent(line: str) -> None:
     """Swallow progress."""
 
 
-def test_committed_fmus_and_master_are_what_their_sources_give() -> None:
+def test_committed_fmus_and_libraries_are_what_their_sources_give() -> None:
     """Byte for byte, for this machine's platform; `gmfbo build --check` does it for all five."""
     lines: list[str] = []
     build_all(MODELS, platforms=HERE, check=True, report=lines.append)
-    assert len(lines) == len(model_folders()) + 1
+    assert len(lines) == len(model_folders()) + 2
     assert all(line.endswith("unchanged") for line in lines)
 
 
@@ -39,6 +47,9 @@ def test_every_committed_fmu_carries_all_five_platforms() -> None:
         assert held == folders, path.name
     for platform in PLATFORMS.values():
         library = MODELS / "master" / platform.name / f"gmfbo_master{platform.suffix}"
+        assert library.stat().st_size < 200_000
+    for name in FRONT_PLATFORMS:
+        library = MODELS / "front" / name / f"gmfbo_front{PLATFORMS[name].suffix}"
         assert library.stat().st_size < 200_000
 
 
