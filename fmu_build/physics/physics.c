@@ -108,6 +108,8 @@ const char *model_initialise(Model *m, const char *resources) {
 
 const char *model_step(Model *m, double t, double h) {
     double *v = m->v;
+    if (v[V_transport_delay_delay] > DELAY_REACH * h)
+        return "transport_delay.delay is longer than 2046 steps: shorten it or take longer steps";
     Signals s = signals_now(v, &m->last, t, h);
     v[V_tracking_effort] = tracking_effort(&m->tracking, v, &s, m->last.step);
     v[V_torque] = joined(v[V_port_torque], torque_effects(m, &s) + v[V_tracking_effort]);

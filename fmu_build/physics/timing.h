@@ -36,6 +36,7 @@ static inline double actuator_rate_limit(Follower *slope, const double *v, const
 }
 
 #define DELAY_STEPS 2048 /* 0.1 s at steps of 50 us */
+#define DELAY_REACH (DELAY_STEPS - 2)
 
 /* Ring of the steps' start times and commands. */
 typedef struct {

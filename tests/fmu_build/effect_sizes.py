@@ -35,6 +35,28 @@ SHOWING: dict[str, dict[str, float]] = {
     "sensor_scale": {"share": 0.01},
 }
 
+# What an effect keeps at size zero.
+SHAPES: dict[str, tuple[str, ...]] = {
+    "stribeck_friction": ("velocity",),
+    "presliding_friction": ("deflection",),
+    "position_dependent_friction": ("wavenumber",),
+    "backlash": ("gap", "stiffness", "damping"),
+    "torsional_compliance": ("stiffness", "damping"),
+    "hysteresis": ("deflection", "exponent"),
+    "cogging_torque": ("wavenumber_1", "wavenumber_4"),
+    "torque_ripple": ("wavenumber_1", "wavenumber_2"),
+    "periodic_disturbance": ("frequency",),
+    "pulse_disturbance": ("start", "duration"),
+    "thermal_derating": ("time", "scale"),
+    "supply_voltage_limit": ("slope",),
+    "sensor_eccentricity": ("wavenumber",),
+}
+
+
+def shape(effect: str) -> dict[str, float]:
+    """Parameters that an effect keeps at size zero, as `FmuInstance.start` takes them."""
+    return {f"{effect}.{name}": SHOWING[effect][name] for name in SHAPES.get(effect, ())}
+
 
 def parameters(effect: str) -> dict[str, float]:
     """Parameters of an effect at a size that shows, as `FmuInstance.start` takes them."""

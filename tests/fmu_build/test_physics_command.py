@@ -123,6 +123,12 @@ def test_the_longest_delay_has_room_at_half_the_internal_step(new_instance: NewI
     np.testing.assert_allclose(result[2100:], t[2100:] - 0.1, rtol=0.0, atol=1e-12)
 
 
+def test_a_delay_beyond_the_memory_is_refused_in_words(new_instance: NewInstance) -> None:
+    effects = new_instance("physics").start(transport_delay__delay=0.1)
+    with pytest.raises(RuntimeError, match="delay is longer than 2046 steps: shorten it or take"):
+        effects.step(0.0, 4e-5)
+
+
 def test_the_rate_limit_ramps_and_arrives(new_instance: NewInstance) -> None:
     """A step of 1 at 80 per second arrives after 12.5 ms; the means of a straight line."""
     command = np.concatenate([[0.0], np.ones(20)])

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 
 from tests.fmu_build.fmu_instance import FmuInstance
 from tests.fmu_build.shaft import ShaftRun, run_shaft
@@ -192,3 +194,32 @@ def test_a_reversal_within_a_step_is_no_kick(new_instance: NewInstance) -> None:
             {"state.velocity": velocity}, ["torque"], 1e-3
         )
         assert np.abs(torque).max() <= 1.0000001 * LEVEL, law
+
+
+@given(
+    velocity=arrays(np.float64, 60, elements=st.floats(-2.0, 2.0)),
+    deflection=st.sampled_from([1e-6, 1e-4, 1e-2]),
+)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_friction_gives_back_no_more_than_its_bristle_holds(
+    new_instance: NewInstance, velocity: NDArray[np.float64], deflection: float
+) -> None:
+    """A bristle bent to the level returns (1 - ln 2) level deflection on the way to zero."""
+    torque = friction(new_instance, "coulomb_friction", deflection).run(
+        {"state.velocity": velocity}, ["torque"], 1e-3
+    )[1:, 0]
+    given_back = np.cumsum(torque * velocity * 1e-3)
+    assert given_back.max() <= (1.0 - np.log(2.0)) * LEVEL * deflection + 1e-15
+
+
+def test_laws_that_act_together_rest_together(new_instance: NewInstance) -> None:
+    """Three bristles, each the stiffest that the step allows."""
+    step = 1e-3
+    laws = ("coulomb_friction", "asymmetric_friction", "stribeck_friction")
+    values = {f"{law}.{name}": value for law in laws for name, value in LAWS[law].items()}
+    effects = new_instance("physics").start(
+        **values, **{f"{law}.deflection": stiffest(step) for law in laws}
+    )
+    run = run_shaft(effects, INERTIA, step, 0.3, drive=lambda t, q, v: 2.0 * LEVEL)
+    assert np.abs(run.v[60:]).max() < 0.02 * LEVEL * step / INERTIA
+    assert run.torque[-1] == pytest.approx(-2.0 * LEVEL, rel=1e-3)

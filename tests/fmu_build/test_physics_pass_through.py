@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.fmu_build.effect_sizes import SHOWING, parameters, port_of
+from tests.fmu_build.effect_sizes import SHOWING, parameters, port_of, shape
 
 if TYPE_CHECKING:
     from tests.fmu_build.conftest import NewInstance
@@ -56,13 +56,8 @@ def test_without_effects_every_bit_passes(new_instance: NewInstance) -> None:
 def test_an_effect_at_size_zero_is_off_whatever_its_shape(
     new_instance: NewInstance, effect: str
 ) -> None:
-    shape = {
-        name: value
-        for name, value in parameters(effect).items()
-        if name.split(".")[1].split("_")[0] in ("deflection", "exponent", "wavenumber", "scale")
-    }
     inputs = motion()
-    table = new_instance("physics").start(**shape).run(inputs, PORTS, STEP)
+    table = new_instance("physics").start(**shape(effect)).run(inputs, PORTS, STEP)
     passed = np.column_stack([inputs[f"port.{port}"] for port in PORTS])
     assert table[1:].tobytes() == passed.tobytes()
 
