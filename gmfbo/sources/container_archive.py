@@ -97,7 +97,7 @@ def container_archive(container: Container, wiring: Wiring, content: Content) ->
         entry = f"{platform.fmi_folders[0]}/{content.identifier}{platform.suffix}"
         files[f"binaries/{entry}"] = library.read_bytes()
     for index, path in enumerate(wiring.members.values()):
-        _rename_libraries(files, f"resources/{index:02x}", path, content.platforms)
+        _move_libraries(files, f"resources/{index:02x}", path, content.platforms)
     if len(content.binding.fmus) == 1:
         files |= _papers(content.binding)
     xml = _describe(container, wiring, content)
@@ -107,13 +107,19 @@ def container_archive(container: Container, wiring: Wiring, content: Content) ->
     return pack(files)
 
 
+def descriptions(binding: Binding) -> list[ET.Element]:
+    """Read the model descriptions of a twin's FMUs."""
+    roots = []
+    for fmu in binding.fmus:
+        with open_archive(fmu.path) as archive:
+            roots.append(ET.fromstring(archive.read(_DESCRIPTION)))
+    return roots
+
+
 def _describe(container: Container, wiring: Wiring, content: Content) -> ET.Element:
     binding = content.binding
     prefixes = [f"{prefix}." for prefix in binding.file.fmus] or [""]
-    parts = []
-    for prefix, fmu in zip(prefixes, binding.fmus, strict=True):
-        with open_archive(fmu.path) as archive:
-            parts.append(Part(prefix, ET.fromstring(archive.read(_DESCRIPTION))))
+    parts = [Part(*pair) for pair in zip(prefixes, descriptions(binding), strict=True)]
     name = binding.fmus[0].model_name if len(parts) == 1 else binding.file.name
     references = {**container.references, **dict.fromkeys(wiring.times, container.time)}
     starts = {
@@ -155,16 +161,16 @@ def _bits(value: float) -> str:
     return struct.pack(">d", value).hex()
 
 
-def _rename_libraries(
+def _move_libraries(
     files: dict[str, bytes], folder: str, path: Path, platforms: tuple[Platform, ...]
 ) -> None:
-    """The runtime loads by the model identifier, and some vendors name the library otherwise."""
+    """Put an FMU's libraries where the runtime looks: some vendors use other folders and names."""
     fmu = read_description(path)
     for platform in platforms:
         library = library_for(fmu, platform)
-        if library is not None and library.stem != fmu.identifier:
-            renamed = library.with_name(fmu.identifier + platform.suffix)
-            files[f"{folder}/{renamed}"] = files[f"{folder}/{library}"]
+        place = f"binaries/{platform.fmi_folders[0]}/{fmu.identifier}{platform.suffix}"
+        if library is not None and str(library) != place:
+            files[f"{folder}/{place}"] = files.pop(f"{folder}/{library}")
 
 
 def _papers(binding: Binding) -> dict[str, bytes]:

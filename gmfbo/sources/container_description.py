@@ -110,7 +110,7 @@ def describe_container(
                 variables.append(_variable(part, original, references, starts))
     for parameter in added:
         variables.append(_parameter(parameter, references))
-    root.append(_structure(parts, variables))
+    root.append(_structure(variables))
     ET.indent(root)
     return root
 
@@ -215,24 +215,24 @@ def _parameter(parameter: ExposedParameter, references: Mapping[str, int]) -> ET
     return variable
 
 
-def _structure(parts: Sequence[Part], variables: ET.Element) -> ET.Element:
-    """Outputs and initial unknowns by their new places.
+def _structure(variables: ET.Element) -> ET.Element:
+    """Outputs and initial unknowns (FMI 2.0.2, section 2.2.8).
 
     Dependencies are left out, which says that each may depend on all: physics adds paths that the
     FMUs do not know of.
     """
-    places = {variable.get("name"): place for place, variable in enumerate(variables, start=1)}
     structure = ET.Element("ModelStructure")
-    outputs = [v.get("name") for v in variables if v.get("causality") == "output"]
-    _unknowns(structure, "Outputs", (places[name] for name in outputs))
-    initial = set()
-    for part in parts:
-        names = [part.name(variable) for variable in part.variables()]
-        for unknown in part.xml.findall("ModelStructure/InitialUnknowns/Unknown"):
-            name = names[int(unknown.get("index", "0")) - 1]
-            if name in places:
-                initial.add(places[name])
-    _unknowns(structure, "InitialUnknowns", sorted(initial))
+    outputs, initial = [], []
+    for place, variable in enumerate(variables, start=1):
+        causality = variable.get("causality")
+        constant = variable.get("variability") == "constant"
+        if causality == "output":
+            outputs.append(place)
+        exact = variable.get("initial", "exact" if constant else "calculated") == "exact"
+        if causality == "calculatedParameter" or (causality == "output" and not exact):
+            initial.append(place)
+    _unknowns(structure, "Outputs", outputs)
+    _unknowns(structure, "InitialUnknowns", initial)
     return structure
 
 

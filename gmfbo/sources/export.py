@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,8 +12,9 @@ from gmfbo.recordings.durable import cause, write_whole
 from gmfbo.sources.augmented_file import augmented_twin_file
 from gmfbo.sources.binding import Binding
 from gmfbo.sources.container import build_container
-from gmfbo.sources.container_archive import Content, container_archive
+from gmfbo.sources.container_archive import Content, container_archive, descriptions
 from gmfbo.sources.container_description import ExposedParameter
+from gmfbo.sources.container_units import contradicting_units
 from gmfbo.sources.container_wiring import End, Wiring, wire_up
 from gmfbo.sources.description import FmuDescription, read_description
 from gmfbo.sources.exportable import check_exportable, common_platforms, losses
@@ -131,7 +132,8 @@ def export_augmented(
             try_out(Path(place) / TWIN_FILE_NAME)
     fmu, twin_file = _write(folder, archive, text)
     folders = tuple(platform.fmi_folders[0] for platform in platforms)
-    return AugmentedFmu(fmu, twin_file, folders, step, tuple(losses(binding, platforms)))
+    dropped = (*losses(binding, platforms), *_not_shown(binding, wiring))
+    return AugmentedFmu(fmu, twin_file, folders, step, dropped)
 
 
 def _expose(
@@ -165,6 +167,13 @@ def _expose(
         unit = "" if parameter.unit == "1" else parameter.unit
         exposed.append(ExposedParameter(name, unit, parameter.description, parameter.value))
     return tuple(exposed)
+
+
+def _not_shown(binding: Binding, wiring: Wiring) -> Iterator[str]:
+    if wiring.hidden:
+        yield f"inputs that a wire inside drives: {', '.join(wiring.hidden)}"
+    for unit in contradicting_units(descriptions(binding)):
+        yield f"one of the meanings that its FMUs give to the unit '{unit}': the first is written"
 
 
 def _write(folder: Path, archive: bytes, text: str) -> tuple[Path, Path]:

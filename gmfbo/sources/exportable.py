@@ -13,11 +13,11 @@ from gmfbo.sources.platforms import Platform
 from gmfbo.sources.unpacking import open_archive
 
 CONTAINER_PLATFORMS = (
-    Platform("linux-x86_64", ("linux64",), ".so"),
-    Platform("windows-x86_64", ("win64",), ".dll"),
-    Platform("macos-aarch64", ("darwin64",), ".dylib"),
+    Platform("linux-x86_64", ("linux64", "x86_64-linux"), ".so"),
+    Platform("windows-x86_64", ("win64", "x86_64-windows"), ".dll"),
+    Platform("macos-aarch64", ("darwin64", "aarch64-darwin"), ".dylib"),
 )
-"""For which the toolbox has a runtime; an FMI 2.0 container looks in these folders only."""
+"""For which the toolbox has a runtime; it looks in the first folder of each."""
 
 _LOST = {
     "canGetAndSetFMUstate": "saving and restoring its state",

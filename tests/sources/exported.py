@@ -113,7 +113,7 @@ def export_case(
 def excitation(case: Case, steps: int = STEPS) -> Recording:
     """A sine of growing frequency on the twin's first input."""
     with FmuTwin(case.twin_file) as twin:
-        time = np.arange(steps + 1) * twin.step
+        time = np.arange(steps + 1, dtype=np.float64) * twin.step
         (signal,) = twin.file.inputs
     swept = 2.0 * np.pi * (2.0 * time + 3.0 * time**2)
     return Recording(time=time, signals={signal: case.amplitude * np.sin(swept)})
