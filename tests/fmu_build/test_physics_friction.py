@@ -212,6 +212,14 @@ def test_friction_gives_back_no_more_than_its_bristle_holds(
     assert given_back.max() <= (1.0 - np.log(2.0)) * LEVEL * deflection + 1e-15
 
 
+def test_a_bristle_rests_on_a_differentiated_position_too(new_instance: NewInstance) -> None:
+    step = 1e-3
+    effects = friction(new_instance, "coulomb_friction", stiffest(step))
+    effects.set(settings__velocity_from_position=1.0)
+    run = run_shaft(effects, INERTIA, step, 0.2, drive=lambda t, q, v: 0.5 * LEVEL)
+    assert np.abs(run.v[40:]).max() < 1e-3 * LEVEL * step / INERTIA
+
+
 def test_laws_that_act_together_rest_together(new_instance: NewInstance) -> None:
     """Three bristles, each the stiffest that the step allows."""
     step = 1e-3

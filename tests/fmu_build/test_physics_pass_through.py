@@ -131,10 +131,3 @@ def test_an_effect_that_comes_back_has_forgotten(new_instance: NewInstance) -> N
     table = effects.run({}, PORTS, STEP, first=45, rows=5)
     passed = [effects.get(f"port.{port}") for port in PORTS]
     np.testing.assert_array_equal(table[1:], np.tile(passed, (5, 1)))
-
-
-def test_a_diverged_torque_is_reported_in_words(new_instance: NewInstance) -> None:
-    effects = new_instance("physics").start(quadratic_drag__coefficient=1e300)
-    effects.set(state__velocity=1e300)
-    with pytest.raises(RuntimeError, match="an effect has diverged: its size, or the state"):
-        effects.step(0.0, STEP)
