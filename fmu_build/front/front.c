@@ -1,10 +1,12 @@
 /* Entry of an augmented FMU. Every call goes on to the container's runtime, which is a library of
- * its own in the resources; two things are done here, since the runtime does them otherwise:
+ * its own in the resources; three things are done here, since the runtime does them otherwise:
  *
  *   - start values are set when an instance is made and when it is reset. The runtime sets them in
  *     fmi2SetupExperiment, over whatever the tool has set before, as the standard allows it to;
  *   - communication steps that are no multiple of the internal step are refused. The runtime
- *     answers fmi2OK to them and holds old values. */
+ *     answers fmi2OK to them and holds old values;
+ *   - what the runtime logs while an instance is made is told only if that fails or logging is on.
+ *     It begins every instance with lines that it calls errors. */
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
@@ -50,13 +52,16 @@ typedef struct {
     char *name;
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
+    fmi2CallbackFunctions heard; /* what the runtime calls back */
+    int telling;                 /* lines of the runtime are handed on */
+    char held[2048];             /* those that were not */
 } Front;
 
 /* Calls a function of the runtime as what it is. */
 #define RUNTIME(front, name, parameters) ((fmi2Status(*) parameters)(front)->call[AT_##name])
 
 static void tell(const Front *front, const char *format, ...) {
-    char line[512];
+    char line[2048];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(line, sizeof line, format, arguments);
@@ -64,6 +69,23 @@ static void tell(const Front *front, const char *format, ...) {
     if (front->logger)
         front->logger(front->environment, front->name ? front->name : "", fmi2Error,
                       "logStatusError", "%s", line);
+}
+
+/* The logger that the runtime knows. */
+static void hear(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
+                 fmi2String category, fmi2String message, ...) {
+    Front *front = environment;
+    char line[1024];
+    va_list arguments;
+    va_start(arguments, message);
+    vsnprintf(line, sizeof line, message, arguments);
+    va_end(arguments);
+    if (front->telling && front->logger) {
+        front->logger(front->environment, instance, status, category, "%s", line);
+    } else {
+        size_t used = strlen(front->held);
+        snprintf(front->held + used, sizeof front->held - used, "%s%s", used ? "; " : "", line);
+    }
 }
 
 static char *copy_text(const char *text) {
@@ -164,6 +186,11 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     front->name = copy_text(name ? name : "");
     front->logger = functions ? functions->logger : NULL;
     front->environment = functions ? functions->componentEnvironment : NULL;
+    front->telling = logging;
+    if (functions) front->heard = *functions;
+    front->heard.logger = hear;
+    front->heard.stepFinished = NULL; /* the runtime answers when a step is done */
+    front->heard.componentEnvironment = front;
     const char *missing = NULL;
     if (!read_starts(front, resources))
         missing = "starts.txt";
@@ -175,12 +202,14 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
         front->inner = ((fmi2Component(*)(fmi2String, fmi2Type, fmi2String, fmi2String,
                                           const fmi2CallbackFunctions *, fmi2Boolean, fmi2Boolean))
                             front->call[AT_fmi2Instantiate])(name, type, guid, resource_location,
-                                                             functions, visible, logging);
+                                                             &front->heard, visible, logging);
+        if (!front->inner) tell(front, "%s", front->held);
     }
     if (!front->inner || set_starts(front) > fmi2Warning) {
         fmi2FreeInstance(front);
         return NULL;
     }
+    front->telling = 1;
     return front;
 }
 

@@ -12,7 +12,9 @@ from gmfbo.sources.twin_file import TwinFile
 _LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters"}
 
 
-def augmented_twin_file(file: TwinFile, fmu: str, step: float, note: str) -> str:
+def augmented_twin_file(
+    file: TwinFile, fmu: str, step: float, note: str, values: Mapping[str, float]
+) -> str:
     """Write the twin file; what [parameters] set is in the FMU now.
 
     Parameters
@@ -25,6 +27,8 @@ def augmented_twin_file(file: TwinFile, fmu: str, step: float, note: str) -> str
         [s] Communication step.
     note : str
         What the FMU is, for a comment at the top.
+    values : mapping of str to float
+        [FMU's unit] In the FMU; a fixed gain among them gets its value from here.
 
     Returns
     -------
@@ -32,6 +36,9 @@ def augmented_twin_file(file: TwinFile, fmu: str, step: float, note: str) -> str
         TOML.
     """
     given = file.model_dump(exclude_unset=True, exclude=_LEFT_OUT)
+    for name, gain in given.get("gains", {}).items():
+        if gain["low"] == gain["high"]:
+            gain["low"] = gain["high"] = float(values.get(name, gain["low"]))
     lines = [f"# {line}" for line in textwrap.wrap(note, 97)]
     lines += [f"name = {_value(file.name + ', augmented')}", f"fmu = {_value(fmu)}"]
     lines.append(f"step = {_value(step)}")

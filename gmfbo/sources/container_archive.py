@@ -139,11 +139,13 @@ def _start(kind: str, value: float) -> str:
 def _resources_on(
     container: Container, platforms: tuple[Platform, ...]
 ) -> Iterator[tuple[str, bytes]]:
-    """Resources, with the runtime for those platforms only on which all FMUs can run."""
-    folders = {platform.fmi_folders[0] for platform in platforms}
+    """Resources without the libraries of platforms on which the container cannot run."""
+    folders = {folder for platform in platforms for folder in platform.fmi_folders}
     for name, data in container.resources.items():
-        parts = PurePosixPath(name).parts
-        if parts[0] != "runtime" or parts[1] in folders:
+        below = PurePosixPath(name).parts
+        of_runtime = below[0] == "runtime"
+        of_fmu = len(below) > 3 and below[1] == "binaries"
+        if not (of_runtime or of_fmu) or below[2 if of_fmu else 1] in folders:
             yield f"resources/{name}", data
 
 

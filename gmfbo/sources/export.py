@@ -123,7 +123,7 @@ def export_augmented(
     held = [*binding.fmus, *([description] if wiring.physics else [])]
     platforms = common_platforms(held)
     content = Content(binding, values, exposed, twin.step, step, platforms)
-    text = augmented_twin_file(binding.file, FMU_NAME, twin.step, content.description)
+    text = augmented_twin_file(binding.file, FMU_NAME, twin.step, content.description, values)
     with tempfile.TemporaryDirectory(prefix="gmfbo-export-") as place:
         container = build_container(wiring, step, Path(place))
         archive = container_archive(container, wiring, content)

@@ -125,6 +125,8 @@ def losses(binding: Binding, platforms: Sequence[Platform]) -> Iterator[str]:
     everywhere = set.intersection(*(set(fmu.platforms) for fmu in binding.fmus))
     if lost := sorted(everywhere - kept):
         yield f"binaries for {', '.join(lost)}"
+    if "linux64" in kept:
+        yield "Linux systems with a glibc older than 2.34"
 
 
 def _is_for_arm64(head: bytes) -> bool:

@@ -49,7 +49,8 @@ KEPT = ("step", "warmup", "inputs", "outputs", "gains", "uncertain", "ports", "s
 
 
 def again(file: TwinFile) -> TwinFile:
-    return TwinFile.parse(augmented_twin_file(file, "augmented.fmu", file.step, "a note"), "again")
+    text = augmented_twin_file(file, "augmented.fmu", file.step, "a note", {})
+    return TwinFile.parse(text, "again")
 
 
 @pytest.mark.parametrize(
@@ -75,7 +76,16 @@ def test_any_name_survives(name: str) -> None:
 
 def test_the_note_is_a_comment_of_short_lines(tmp_path: Path) -> None:
     file = TwinFile.parse('name = "n"\nfmu = "x.fmu"\nstep = 1e-3\n[outputs]\na = "y"\n', "noted")
-    text = augmented_twin_file(file, "augmented.fmu", 1e-3, "word " * 60)
+    text = augmented_twin_file(file, "augmented.fmu", 1e-3, "word " * 60, {})
     comments = [line for line in text.splitlines() if line.startswith("#")]
     assert len(comments) > 2
     assert max(map(len, text.splitlines())) <= 100
+
+
+def test_a_fixed_gain_keeps_the_value_that_the_fmu_has() -> None:
+    file = TwinFile.parse(EVERYTHING, "original")
+    values = {"ctl.Kd": 5.5, "ctl.Kp": 44.0}
+    text = augmented_twin_file(file, "augmented.fmu", file.step, "", values)
+    gains = TwinFile.parse(text, "refitted").gains
+    assert (gains["ctl.Kd"].low, gains["ctl.Kd"].high) == (5.5, 5.5)
+    assert gains["ctl.Kp"] == file.gains["ctl.Kp"]

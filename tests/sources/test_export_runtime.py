@@ -15,6 +15,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
 from gmfbo.sources.export import AugmentedFmu
+from gmfbo.sources.fmu_log import FmuLog
 from tests.sources.exported import CASES, STEPS, diagnosed, excitation, export_case
 
 MASS, LEVEL = "mass", "physics.coulomb_friction.level"
@@ -198,3 +199,33 @@ def test_a_parameter_may_change_during_a_run(slave: Slave) -> None:
     slave.initialise()
     slave["reference"] = 0.05
     assert slave.step(40, 1e-3)[20:] != changed
+
+
+def test_a_sound_instance_logs_no_line(made: AugmentedFmu, tmp_path: Path) -> None:
+    """Run apart, since fmpy prints what an FMU logs."""
+    script = f"import fmpy; fmpy.simulate_fmu({str(made.fmu)!r}, stop_time=0.01)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    assert done.stdout == ""
+
+
+def test_an_instance_that_cannot_be_made_says_why(made: AugmentedFmu, tmp_path: Path) -> None:
+    folder = tmp_path / "broken"
+    extract(str(made.fmu), str(folder))
+    description = read_model_description(str(made.fmu))
+    for missing, told in (
+        ("00/binaries", "Cannot load"),
+        ("runtime", "the container's runtime for this system cannot be loaded"),
+        ("starts.txt", "starts.txt cannot be loaded"),
+    ):
+        (folder / "resources" / missing).rename(tmp_path / missing.replace("/", "-"))
+        log = FmuLog()
+        slave = FMU2Slave(
+            guid=description.guid,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            unzipDirectory=str(folder),
+        )
+        with pytest.raises(Exception, match="Failed to instantiate"):
+            slave.instantiate(callbacks=log.callbacks)
+        assert told in " ".join(log.lines)
