@@ -16,16 +16,16 @@ from tests.blind.oracle import Experiment, Oracle
 from tests.blind.plan import Plan
 from tests.blind.recording import Logger, record
 from tests.blind.references import SHAPES
-from tests.blind.truth import TrueRun, Vector, simulate
+from tests.blind.truth import Diverged, TrueRun, Vector, simulate
 from tests.blind.windows import windows_of
 
 Rng = np.random.Generator
 
-SINGLE_GAIN = (4.0, 10000.0)
-"""Oracle gain that the size of a single effect is drawn for, log-uniform: a third is below 60."""
+WEAK_GAIN, STRONG_GAIN = (4.0, 60.0), (60.0, 1e6)
+"""Oracle gains that the sizes of single effects are drawn for, log-uniform; a third are weak."""
 
-CLEAR_GAIN = (300.0, 10000.0)
-"""The same for pairs and for mismatches outside the catalogue, which ask another question."""
+CLEAR_GAIN = {"pair": (500.0, 5e4), "outside": (1e3, 1e6)}
+"""The same for those that ask another question than that of the limit."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Answer:
         Whether the twin has the ports for what is hidden.
     effects : list of dict
         `name`, `changes` of the true plant, `size`, `signal_path` (those that are right),
-        `state`, `windows` as [recording, t0, t1], `oracle_gain` of this effect.
+        `states`, `windows` as [recording, t0, t1], `oracle_gain` of this effect.
     oracle_gain : float
         Of all hidden effects over parameters alone; 0 for nulls, decoys included.
     nearest : list of str
@@ -265,7 +265,8 @@ def _hide(
     """Changes of the plant by all hidden effects, what the answer says of each, total gain."""
     changes: Changes = {}
     effects, gains = [], []
-    low, high = SINGLE_GAIN if plan.kind == "single" else CLEAR_GAIN
+    weak = rng.random() < 1.0 / 3.0
+    low, high = CLEAR_GAIN.get(plan.kind, WEAK_GAIN if weak else STRONG_GAIN)
     for name in plan.effects:
         hidden = {**EFFECTS, **OUTSIDE}[name]
         target = float(np.exp(rng.uniform(np.log(low), np.log(high))))
@@ -281,7 +282,7 @@ def _hide(
                 "size": size,
                 "changes": own,
                 "signal_path": list(hidden.paths),
-                "state": hidden.state,
+                "states": list(hidden.states),
                 "oracle_gain": alone,
             }
         )
@@ -301,7 +302,11 @@ def size_for_gain(
     low, high = np.log(hidden.low(setting)), np.log(hidden.high(setting))
     for _ in range(9):
         middle = 0.5 * (low + high)
-        if oracle.quick_gain(shaped(float(np.exp(middle)))) < target:
+        try:
+            weaker = oracle.quick_gain(shaped(float(np.exp(middle)))) < target
+        except Diverged:
+            weaker = False
+        if weaker:
             low = middle
         else:
             high = middle

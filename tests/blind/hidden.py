@@ -59,8 +59,8 @@ class Hidden:
         Port that the diagnosis needs for it.
     paths : tuple of str
         Signal paths that count as right.
-    state : str
-        State on which it depends: velocity, position, command, current, time or none.
+    states : tuple of str
+        States that a right answer may name: velocity, position, command, time; empty for none.
     low, high : callable
         Smallest and largest size that is plausible there.
     windows : str
@@ -72,7 +72,7 @@ class Hidden:
     make: Maker
     port: str
     paths: tuple[str, ...]
-    state: str
+    states: tuple[str, ...]
     low: Callable[[Setting], float]
     high: Callable[[Setting], float]
     windows: str = ""
@@ -97,18 +97,12 @@ def _stribeck(s: Setting, rng: Rng) -> Callable[[float], Changes]:
 
 
 def _presliding(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    deflection, damping = s.machine.deflection * rng.uniform(0.5, 2.5), rng.uniform(0.2, 0.6)
-
-    def changes(size: float) -> Changes:
-        stiffness = size / deflection
-        critical = 2.0 * np.sqrt(stiffness * s.values["inertia"])
-        return {
-            "bristle_level": size,
-            "bristle_stiffness": stiffness,
-            "bristle_damping": float(damping * critical),
-        }
-
-    return changes
+    deflection, damping = s.machine.deflection * rng.uniform(0.5, 2.5), rng.uniform(0.1, 0.5)
+    return lambda size: {
+        "bristle_level": size,
+        "bristle_stiffness": size / deflection,
+        "bristle_damping": damping * size / s.peak_speed,
+    }
 
 
 def _asymmetric(s: Setting, rng: Rng) -> Callable[[float], Changes]:
@@ -301,33 +295,33 @@ _TORQUES = (_share_of_torque(2e-5), _share_of_torque(0.3))
 _PLANT = ("plant",)
 _GEAR = ("transmission",)
 _DRIVE = ("actuator",)
+_SPEED = ("velocity",)
+_PLACE = ("position",)
+_COMMAND = ("command",)
+_TIME = ("time",)
 
 EFFECTS: dict[str, Hidden] = {
-    "coulomb_friction": Hidden(_coulomb, "torque", _PLANT, "velocity", *_TORQUES, "reversals"),
-    "stribeck_friction": Hidden(_stribeck, "torque", _PLANT, "velocity", *_TORQUES, "reversals"),
-    "presliding_friction": Hidden(
-        _presliding, "torque", _PLANT, "velocity", *_TORQUES, "reversals"
-    ),
-    "asymmetric_friction": Hidden(
-        _asymmetric, "torque", _PLANT, "velocity", *_TORQUES, "reversals"
-    ),
+    "coulomb_friction": Hidden(_coulomb, "torque", _PLANT, _SPEED, *_TORQUES, "reversals"),
+    "stribeck_friction": Hidden(_stribeck, "torque", _PLANT, _SPEED, *_TORQUES, "reversals"),
+    "presliding_friction": Hidden(_presliding, "torque", _PLANT, _SPEED, *_TORQUES, "reversals"),
+    "asymmetric_friction": Hidden(_asymmetric, "torque", _PLANT, _SPEED, *_TORQUES, "reversals"),
     "load_dependent_friction": Hidden(
         _load_dependent,
         "torque",
         ("plant", "transmission"),
-        "velocity",
+        _SPEED,
         _fixed(1e-3),
         _fixed(0.5),
         "reversals",
     ),
     "position_dependent_friction": Hidden(
-        _position_dependent, "torque", _PLANT, "velocity", *_TORQUES, "reversals"
+        _position_dependent, "torque", _PLANT, ("position", "velocity"), *_TORQUES
     ),
     "quadratic_drag": Hidden(
         _drag,
         "torque",
         _PLANT,
-        "velocity",
+        _SPEED,
         lambda s: 1e-4 * s.torque / s.peak_speed**2,
         lambda s: 0.8 * s.torque / s.peak_speed**2,
     ),
@@ -335,7 +329,7 @@ EFFECTS: dict[str, Hidden] = {
         _backlash,
         "torque",
         _GEAR,
-        "velocity",
+        _SPEED,
         lambda s: 2e-3 * s.machine.deflection,
         lambda s: 5.0 * s.machine.deflection,
         "reversals",
@@ -344,64 +338,62 @@ EFFECTS: dict[str, Hidden] = {
         _compliance,
         "torque",
         _GEAR,
-        "none",
+        (),
         lambda s: 1.0 / (s.values["inertia"] * 0.4 * (2.0 * np.pi * 250.0) ** 2),
         lambda s: 1.0 / (s.values["inertia"] * 0.4 * (2.0 * np.pi * 18.0) ** 2),
     ),
     "hysteresis": Hidden(
-        _hysteresis, "torque", ("transmission", "plant"), "position", *_TORQUES, ""
+        _hysteresis, "torque", ("transmission", "plant"), ("position", "velocity"), *_TORQUES, ""
     ),
-    "cogging_torque": Hidden(_cogging, "torque", _PLANT, "position", *_TORQUES),
+    "cogging_torque": Hidden(_cogging, "torque", _PLANT, _PLACE, *_TORQUES),
     "torque_ripple": Hidden(
-        _ripple, "torque", ("actuator", "plant"), "position", _fixed(1e-4), _fixed(0.4)
+        _ripple, "torque", ("actuator", "plant"), _PLACE, _fixed(1e-4), _fixed(0.4)
     ),
-    "gravity_torque": Hidden(
-        _gravity, "torque", _PLANT, "position", *_TORQUES, "", rotary_only=True
-    ),
+    "gravity_torque": Hidden(_gravity, "torque", _PLANT, _PLACE, *_TORQUES, "", rotary_only=True),
     "elastic_return": Hidden(
         _spring,
         "torque",
         _PLANT,
-        "position",
+        _PLACE,
         lambda s: 2e-5 * s.torque / s.travel,
         lambda s: 0.3 * s.torque / s.travel,
     ),
-    "constant_torque_offset": Hidden(_push, "torque", _PLANT, "none", *_TORQUES),
+    "constant_torque_offset": Hidden(_push, "torque", _PLANT, (), *_TORQUES),
     "actuator_saturation": Hidden(
-        _saturation, "command", _DRIVE, "command", _fixed(0.01), _fixed(0.75), "active"
+        _saturation, "command", _DRIVE, _COMMAND, _fixed(0.01), _fixed(0.75), "active"
     ),
     "actuator_dead_zone": Hidden(
         _dead_zone,
         "command",
         _DRIVE,
-        "command",
+        _COMMAND,
         lambda s: 2e-5 * s.peak_command,
         lambda s: 0.15 * s.peak_command,
     ),
     "actuator_rate_limit": Hidden(
-        _rate, "command", _DRIVE, "command", _fixed(0.02), _fixed(0.97), "active"
+        _rate, "command", _DRIVE, _COMMAND, _fixed(0.02), _fixed(0.97), "active"
     ),
-    "actuator_lag": Hidden(_lag, "command", _DRIVE, "none", _fixed(2e-5), _fixed(5e-3)),
+    "actuator_lag": Hidden(_lag, "command", _DRIVE, (), _fixed(2e-5), _fixed(5e-3)),
     "transport_delay": Hidden(
-        _delay, "command", ("actuator", "controller"), "none", _fixed(2e-5), _fixed(4e-3)
+        _delay, "command", ("actuator", "controller"), (), _fixed(2e-5), _fixed(4e-3)
     ),
-    "thermal_derating": Hidden(_heat, "command", _DRIVE, "time", _fixed(1e-3), _fixed(0.4)),
+    "thermal_derating": Hidden(_heat, "command", _DRIVE, _TIME, _fixed(1e-5), _fixed(0.4)),
     "supply_voltage_limit": Hidden(
-        _supply, "command", _DRIVE, "velocity", _fixed(0.05), _fixed(0.85), "active"
+        _supply, "command", _DRIVE, ("velocity", "command"), _fixed(0.05), _fixed(0.85), "active"
     ),
-    "magnetic_saturation": Hidden(_iron, "command", _DRIVE, "command", _fixed(1e-4), _fixed(0.5)),
+    "magnetic_saturation": Hidden(_iron, "command", _DRIVE, _COMMAND, _fixed(1e-4), _fixed(0.5)),
     "sensor_eccentricity": Hidden(
         _eccentricity,
         "sensor",
         ("sensor",),
-        "position",
+        _PLACE,
         _fixed(1e-6),
         _fixed(0.02),
         rotary_only=True,
     ),
-    "sensor_lag": Hidden(_sensor_lag, "sensor", ("sensor",), "none", _fixed(2e-5), _fixed(4e-3)),
-    "periodic_disturbance": Hidden(_hum, "torque", _PLANT, "time", *_TORQUES),
-    "pulse_disturbance": Hidden(_pulse, "torque", _PLANT, "time", *_TORQUES, "active"),
+    "sensor_lag": Hidden(_sensor_lag, "sensor", ("sensor",), (), _fixed(2e-5), _fixed(4e-3)),
+    "periodic_disturbance": Hidden(_hum, "torque", _PLANT, _TIME, *_TORQUES),
+    "pulse_disturbance": Hidden(_pulse, "torque", _PLANT, _TIME, *_TORQUES, "active"),
 }
 """By the name that a right diagnosis gives."""
 
@@ -444,10 +436,10 @@ def _one_way(s: Setting, rng: Rng) -> Callable[[float], Changes]:
 
 
 OUTSIDE: dict[str, Hidden] = {
-    "root_friction": Hidden(_root, "torque", _PLANT, "velocity", *_TORQUES),
-    "position_times_velocity": Hidden(_product, "torque", _PLANT, "position", *_TORQUES),
-    "spring_with_dead_band": Hidden(_loose_spring, "torque", _PLANT, "position", *_TORQUES),
-    "one_way_friction": Hidden(_one_way, "torque", _PLANT, "position", *_TORQUES),
+    "root_friction": Hidden(_root, "torque", _PLANT, _SPEED, *_TORQUES),
+    "position_times_velocity": Hidden(_product, "torque", _PLANT, _PLACE, *_TORQUES),
+    "spring_with_dead_band": Hidden(_loose_spring, "torque", _PLANT, _PLACE, *_TORQUES),
+    "one_way_friction": Hidden(_one_way, "torque", _PLANT, _PLACE, *_TORQUES),
 }
 """Mismatches that no effect of the catalogue describes."""
 

@@ -123,13 +123,13 @@ class Oracle:
     def _nuisances(self) -> tuple[Vector, Vector]:
         """Directions (orthonormal columns) of the nuisances, and what they leave of each."""
         scale = self.uncertain_scale or NUISANCES["scale"]
-        later = 10.0 * NUISANCES["lag"]  # large beside the integrator's step, small to the loop
-        lagging = self.runs({"torque_lag": self.values.get("torque_lag", 0.0) + later})
+        lag = self.values.get("torque_lag", 0.0) + NUISANCES["lag"]
+        lagging = self.runs({"torque_lag": lag})
         clean = [_signals(run) for run in self.runs({})]
         slopes = [np.gradient(one, SAMPLE, axis=0) for one in clean]
         ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
         columns = [
-            0.1 * self._white([_signals(a) - b for a, b in zip(lagging, clean, strict=True)]),
+            self._white([_signals(a) - b for a, b in zip(lagging, clean, strict=True)]),
             NUISANCES["shift"] * self._white(slopes),
             NUISANCES["skew"] * self._white([t * v for t, v in zip(ages, slopes, strict=True)]),
             scale * self._white([one * np.array([0.0, 1.0]) for one in clean]),

@@ -302,10 +302,12 @@ static void advance(World *w, double t, double end) {
             w->arrived = w->waiting[w->head++ % QUEUE];
         double until = fmin(t + INNER, end);
         if (w->head < w->tail) until = fmin(until, w->due[w->head % QUEUE]);
+        double followed = w->followed;
         if (p->drive_rate > 0.0) {
             int limited;
-            double gap = drive(w, w->x, &limited) - w->followed, most = p->drive_rate * (until - t);
-            w->followed += clip(gap, most);
+            double gap = drive(w, w->x, &limited) - followed, most = p->drive_rate * (until - t);
+            followed += clip(gap, most);
+            w->followed += 0.5 * clip(gap, most); /* its mean over this step */
             if (fabs(gap) > most) w->active += until - t;
         }
         while (t < until - 1e-13) {
@@ -313,6 +315,7 @@ static void advance(World *w, double t, double end) {
             note_activity(w, t, done);
             t += done;
         }
+        w->followed = followed;
         t = until;
     }
 }

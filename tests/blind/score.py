@@ -1,0 +1,264 @@
+"""Holds what a diagnosis said of each case against what was hidden.
+
+A name is right where it is that of a hidden effect; friction laws count as one family. Where the
+name is another one but the hidden effect is in its `indistinguishable_from`, the outcome is `set`:
+neither right nor wrong. Whatever is named in a null, in a decoy, or where the twin lacks the port
+is wrong. Outside the catalogue the right answer is the verdict `outside_library`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from tests.blind.generate import check_hashes
+from tests.blind.hidden import FRICTION
+
+Outcome = Literal["right", "partial", "set", "wrong", "missed", "nearest", "failed"]
+
+STATE_WORDS = {
+    "velocity": ("velocity", "speed", "reversal"),
+    "position": ("position", "angle"),
+    "command": ("command", "current", "torque", "voltage"),
+    "time": ("time",),
+}
+"""Words by which a region names the state that it is told in."""
+
+NOTHING_TO_NAME = ("null", "stressed_null", "decoy")
+
+
+@dataclass(frozen=True)
+class Scored:
+    """One case, judged.
+
+    Attributes
+    ----------
+    case, kind, machine : str
+        As in the answer.
+    hidden, named : tuple of str
+        Names, hidden and given.
+    gain : float
+        The oracle's, over parameters alone.
+    within_reach : bool
+        Whether the twin has the ports.
+    outcome : str
+        See the module.
+    path_right, place_right : bool or None
+        Signal path, and state with times; None where they are not judged.
+    true_path, said_path : str
+        For the table of places.
+    claims : tuple of (float, bool)
+        Probability of each name given, and whether it is right.
+    verdict : str
+        As given; empty where there is none.
+    removed : float or None
+        Explainable error removed.
+    inertia_error : float or None
+        Relative.
+    simulations, seconds : float
+        Cost as told, and wall clock of the command.
+    note : str
+        Why a case failed.
+    """
+
+    case: str
+    kind: str
+    machine: str
+    hidden: tuple[str, ...]
+    named: tuple[str, ...]
+    gain: float
+    within_reach: bool
+    outcome: Outcome
+    path_right: bool | None = None
+    place_right: bool | None = None
+    true_path: str = ""
+    said_path: str = ""
+    claims: tuple[tuple[float, bool], ...] = ()
+    verdict: str = ""
+    removed: float | None = None
+    inertia_error: float | None = None
+    simulations: float = 0.0
+    seconds: float = 0.0
+    note: str = ""
+
+
+def family(name: str) -> str:
+    """Name under which an effect is compared."""
+    return "friction" if name in FRICTION else name
+
+
+def score_case(
+    answer: Mapping[str, Any], diagnosis: Mapping[str, Any] | None, seconds: float, note: str = ""
+) -> Scored:
+    """Judge one case.
+
+    Parameters
+    ----------
+    answer : mapping
+        Of `cases.Answer`.
+    diagnosis : mapping or None
+        Content of diagnosis.json; None where the command left none.
+    seconds : float
+        [s] Wall clock of the command.
+    note : str
+        Why there is no diagnosis.
+    """
+    hidden = tuple(effect["name"] for effect in answer["effects"])
+    common: dict[str, Any] = {
+        "case": answer["case"],
+        "kind": answer["kind"],
+        "machine": answer["machine"],
+        "hidden": hidden,
+        "gain": float(answer["oracle_gain"]),
+        "within_reach": bool(answer["within_reach"]),
+        "seconds": seconds,
+    }
+    if diagnosis is None:
+        return Scored(**common, named=(), outcome="failed", note=note)
+    effects = diagnosis.get("effects", [])
+    judged = [_judge_claim(effect, answer) for effect in effects]
+    outcome = _outcome(answer, effects, judged, str(diagnosis.get("verdict", "")))
+    path, place = _location(answer, diagnosis, outcome)
+    said = (diagnosis.get("location") or {}).get("signal_path") or "none"
+    return Scored(
+        **common,
+        named=tuple(effect["name"] for effect in effects),
+        outcome=outcome,
+        path_right=path,
+        place_right=place,
+        true_path=answer["effects"][0]["signal_path"][0] if hidden else "none",
+        said_path=said,
+        claims=tuple(
+            (float(effect.get("probability") or 0.0), verdict == "right")
+            for effect, verdict in zip(effects, judged, strict=True)
+        ),
+        verdict=str(diagnosis.get("verdict", "")),
+        removed=(diagnosis.get("fit") or {}).get("explainable_error_removed"),
+        inertia_error=_inertia_error(answer, diagnosis),
+        simulations=float((diagnosis.get("cost") or {}).get("simulations") or 0.0),
+    )
+
+
+def _judge_claim(
+    effect: Mapping[str, Any], answer: Mapping[str, Any]
+) -> Literal["right", "set", "wrong"]:
+    if not answer["within_reach"] or answer["kind"] in (*NOTHING_TO_NAME, "outside"):
+        return "wrong"
+    true = {family(hidden["name"]) for hidden in answer["effects"]}
+    if family(effect["name"]) in true:
+        return "right"
+    rivals = {family(name) for name in effect.get("indistinguishable_from") or ()}
+    return "set" if rivals & true else "wrong"
+
+
+def _outcome(
+    answer: Mapping[str, Any], effects: Sequence[Any], judged: Sequence[str], verdict: str
+) -> Outcome:
+    if answer["kind"] == "outside":
+        nearest = set(answer["nearest"])
+        if not all(effect["name"] in nearest for effect in effects):
+            return "wrong"
+        if verdict == "outside_library":
+            return "right"
+        return "nearest" if effects else "missed"
+    if "wrong" in judged:
+        return "wrong"
+    if answer["kind"] in NOTHING_TO_NAME or not answer["within_reach"]:
+        return "right"
+    if not effects:
+        return "missed"
+    true = {family(hidden["name"]) for hidden in answer["effects"]}
+    named = {family(effect["name"]) for effect in effects}
+    if "set" in judged:
+        return "set"
+    return "right" if named == true and len(effects) == len(answer["effects"]) else "partial"
+
+
+def _location(
+    answer: Mapping[str, Any], diagnosis: Mapping[str, Any], outcome: str
+) -> tuple[bool | None, bool | None]:
+    """Whether the signal path, and state with times, are right; None where not judged."""
+    if outcome not in ("right", "partial") or not answer["effects"] or not diagnosis["effects"]:
+        return None, None
+    location = diagnosis.get("location") or {}
+    named = {family(effect["name"]) for effect in diagnosis["effects"]}
+    true = [effect for effect in answer["effects"] if family(effect["name"]) in named]
+    path = any(location.get("signal_path") in effect["signal_path"] for effect in true)
+    local = [effect for effect in true if effect["windows"] or "position" in effect["states"]]
+    if not local:
+        return path, None
+    region = str(location.get("region") or "").lower()
+    times = location.get("times") or []
+    return path, any(
+        any(word in region for state in effect["states"] for word in STATE_WORDS[state])
+        and (not effect["windows"] or overlaps(times, effect["windows"]))
+        for effect in local
+    )
+
+
+def overlaps(said: Sequence[Sequence[Any]], true: Sequence[Sequence[Any]]) -> bool:
+    """Whether at least half of the windows that were said meet a true one."""
+    met = sum(
+        any(
+            Path(str(name)).name == Path(str(other)).name and start <= late and end >= early
+            for other, early, late in true
+        )
+        for name, start, end in said
+    )
+    return len(said) > 0 and 2 * met >= len(said)
+
+
+def _inertia_error(answer: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> float | None:
+    for name, values in answer["parameters"].items():
+        if "inertia" in name or name == "mass":
+            found = (diagnosis.get("parameters") or {}).get(name) or {}
+            value = found.get("value")
+            return None if value is None else float(value) / values["true"] - 1.0
+    return None
+
+
+def read_scores(out: Path) -> list[Scored]:
+    """Judge all cases of a benchmark that have been run.
+
+    Raises
+    ------
+    ValueError
+        An answer is not the one that was hashed.
+    """
+    check_hashes(out)
+    scores = []
+    for path in sorted((out / "answers").glob("*.json")):
+        folder = out / "results" / path.stem
+        if not (folder / "outcome.json").exists():
+            continue
+        outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
+        answer = json.loads(path.read_text(encoding="utf-8"))
+        written = folder / "diagnosis.json"
+        diagnosis = None
+        if outcome["status"] == 0 and written.exists():
+            diagnosis = json.loads(written.read_text(encoding="utf-8"))
+        scores.append(score_case(answer, diagnosis, outcome["seconds"], outcome["note"]))
+    return scores
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Command line: python -m tests.blind.score."""
+    from tests.blind.tables import report
+
+    parser = argparse.ArgumentParser(description=(__doc__ or "").strip())
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--text", type=Path, help="file for the report")
+    given = parser.parse_args(arguments)
+    text = report(read_scores(given.out), json.loads((given.out / "benchmark.json").read_text()))
+    if given.text:
+        given.text.parent.mkdir(parents=True, exist_ok=True)
+        given.text.write_text(text, encoding="utf-8")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

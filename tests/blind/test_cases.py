@@ -1,0 +1,166 @@
+"""Cases of the blind benchmark: reproducible, and their answers apart."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gmfbo import FmuTwin, Recording
+from tests.blind.cases import make_case
+from tests.blind.generate import answer_path, check_hashes, generate
+from tests.blind.hidden import EFFECTS
+from tests.blind.machines import MACHINES, variation
+from tests.blind.oracle import Experiment, Oracle
+from tests.blind.plan import SHARES, Plan, make_plan
+from tests.blind.references import SHAPES
+from tests.blind.run import run_case
+from tests.blind.truth import TrueRun, simulate
+from tests.blind.windows import windows_of
+
+
+def test_the_mix_of_120_cases_is_the_one_that_is_stated() -> None:
+    plans = make_plan(120, 5)
+    assert Counter(plan.kind for plan in plans) == SHARES
+    assert {name for plan in plans for name in plan.effects if plan.kind == "single"} == set(
+        EFFECTS
+    )
+    assert {plan.machine for plan in plans} == set(MACHINES)
+    assert 3 * sum(plan.kind in ("null", "stressed_null") for plan in plans) >= len(plans)
+
+
+@pytest.mark.parametrize("cases", [1, 7, 20, 50])
+def test_a_plan_has_as_many_cases_as_asked_and_follows_its_seed(cases: int) -> None:
+    assert len(make_plan(cases, 1)) == cases
+    assert make_plan(cases, 1) == make_plan(cases, 1)
+
+
+def test_effects_beyond_the_ports_are_marked_as_out_of_reach() -> None:
+    assert not Plan("single", "servo_none", ("coulomb_friction",)).is_within_reach
+    assert not Plan("single", "servo_torque", ("sensor_lag",)).is_within_reach
+    assert Plan("single", "bench", ("actuator_lag",)).is_within_reach
+
+
+def test_a_case_is_the_same_for_the_same_seed(tmp_path: Path) -> None:
+    """Answer, twin file and recordings, to the byte; another index is another case."""
+    plan = Plan("stressed_null", "servo", details=("clock_skew",))
+    texts = []
+    for name, index in (("a/000", 0), ("b/000", 0), ("c/000", 1)):
+        folder = tmp_path / name
+        answer = make_case(plan, 3, index, folder).text()
+        files = sorted(path for path in folder.iterdir())
+        texts.append([answer, *(path.read_text(encoding="utf-8") for path in files)])
+    assert texts[0] == texts[1]
+    assert texts[0] != texts[2]
+
+
+def test_the_recordings_of_a_null_are_its_twin_within_noise(tmp_path: Path) -> None:
+    """By the true parameters: the reading within its quantum and jitter, row by row."""
+    folder = tmp_path / "000"
+    answer = make_case(Plan("null", "servo"), 11, 0, folder)
+    values = {name: entry["true"] for name, entry in answer.parameters.items()}
+    with FmuTwin(folder / "twin.toml") as twin:
+        for path in sorted(folder.glob("rec*.csv")):
+            recording = Recording.read(path, twin)
+            run = twin.run({}, recording, parameters=values)
+            error = recording.signals["position"] - run.signal("position")
+            assert np.sqrt(np.mean(error**2)) < 2e-4
+            assert np.ptp(recording.signals["position"]) > 0.1
+
+
+def test_answers_stay_out_of_the_folders_of_the_cases(tmp_path: Path) -> None:
+    """Nor does any file of a case name an effect, a kind of case or the seed."""
+    generate(2, 2, tmp_path)
+    for index in range(2):
+        folder = tmp_path / "cases" / f"{index:03d}"
+        files = sorted(path.name for path in folder.rglob("*"))
+        assert files[-1] == "twin.toml"
+        assert all(re.fullmatch(r"rec\d\.csv", name) for name in files[:-1])
+        assert len(files) >= 5
+        text = "".join(path.read_text(encoding="utf-8") for path in folder.iterdir())
+        assert not [name for name in (*EFFECTS, *SHARES, "seed", "hidden") if name in text]
+        assert not answer_path(tmp_path, index).is_relative_to(tmp_path / "cases")
+    check_hashes(tmp_path)
+    before = (tmp_path / "answers.sha256").read_bytes()
+    generate(2, 2, tmp_path)  # nothing is made again
+    assert (tmp_path / "answers.sha256").read_bytes() == before
+    with pytest.raises(ValueError, match="holds the benchmark"):
+        generate(3, 2, tmp_path)
+    answer_path(tmp_path, 1).write_text("{}", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"001\.json is not the answer that was hashed"):
+        check_hashes(tmp_path)
+
+
+def test_a_command_that_refuses_is_kept_with_its_own_words(tmp_path: Path) -> None:
+    folder = tmp_path / "cases" / "000"
+    folder.mkdir(parents=True)
+    (folder / "twin.toml").write_text("step = 1\n", encoding="utf-8")
+    (folder / "rec0.csv").write_text("time [s],x\n0,1\n", encoding="utf-8")
+    line = run_case(folder, tmp_path, 60.0)
+    outcome = json.loads((tmp_path / "results" / "000" / "outcome.json").read_text())
+    assert outcome["status"] > 0
+    assert outcome["note"].startswith(f"status {outcome['status']}: gmfbo")
+    assert line.startswith("000")
+
+
+def test_a_command_that_takes_too_long_is_ended(tmp_path: Path) -> None:
+    folder = tmp_path / "cases" / "000"
+    folder.mkdir(parents=True)
+    (folder / "twin.toml").write_text("step = 1\n", encoding="utf-8")
+    assert "more than 0.01 s" in run_case(folder, tmp_path, 0.01)
+
+
+@pytest.fixture(scope="module")
+def oracle() -> Oracle:
+    rng = np.random.default_rng(0)
+    machine = MACHINES["servo"]
+    values = variation(machine, rng)
+    experiments = [
+        Experiment(shape, machine.strokes[shape] * SHAPES[shape](rng, 1500), {})
+        for shape in ("multisine", "triangle")
+    ]
+    return Oracle(machine, values, experiments, seed=1)
+
+
+def test_the_oracle_gains_nothing_by_wrong_parameters(oracle: Oracle) -> None:
+    changed = {"inertia": 1.1 * oracle.values["inertia"], "viscous": 0.7 * oracle.values["viscous"]}
+    assert oracle.gain({}) == 0.0
+    assert oracle.gain(changed) < 0.1
+
+
+def test_the_gain_of_a_small_effect_grows_with_its_square(oracle: Oracle) -> None:
+    gains = [oracle.gain({"wave_1": size, "wave_number_1": 11.0}) for size in (1e-3, 2e-3)]
+    assert gains[0] > 1.0
+    assert gains[1] == pytest.approx(4.0 * gains[0], rel=0.1)
+
+
+def test_the_oracle_calls_a_lag_as_in_a_stressed_null_no_physics(oracle: Oracle) -> None:
+    """A tenth of a millisecond costs one standard deviation; ten of them are an effect."""
+    lag = oracle.values["torque_lag"]
+    assert oracle.gain({"torque_lag": lag + 1e-4}) < 1.5
+    assert oracle.gain({"torque_lag": lag + 1.5e-3}) > 60.0
+
+
+def test_windows_are_where_the_velocity_turns_and_where_something_acts() -> None:
+    t = np.arange(2000) * 1e-3
+    velocity = np.sin(2.0 * np.pi * t)
+    active = np.zeros(2000)
+    active[300:305] = active[310] = active[900] = 0.5
+    nothing = np.zeros(2000)
+    run = TrueRun(nothing, nothing, nothing, nothing, velocity, active)
+    turns = windows_of("reversals", run, 0.1)
+    assert [0.5 * (start + end) for start, end in turns] == pytest.approx([0.5, 1.0, 1.5], abs=2e-3)
+    assert windows_of("active", run, 0.1) == [(0.3, 0.311), (0.9, 0.901)]
+    assert windows_of("", run, 0.1) == []
+
+
+def test_friction_shows_at_the_reversals_of_a_true_run(oracle: Oracle) -> None:
+    one = oracle.experiments[1]
+    run = simulate(
+        {**oracle.values, "friction_positive": 0.1, "friction_negative": 0.1}, one.reference
+    )
+    assert 3 <= len(windows_of("reversals", run, 0.1)) <= 6
