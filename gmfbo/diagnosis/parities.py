@@ -19,6 +19,7 @@ from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.held_twin import HeldTwin, hold, mean_effort
 from gmfbo.diagnosis.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
 from gmfbo.diagnosis.parity import Parity, block_rows, block_spread, fast_noise
+from gmfbo.diagnosis.simulations import Simulated
 from gmfbo.sources.augmented import Response
 
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
@@ -44,6 +45,8 @@ class Parities:
     logged : mapping of str to float
         Mean square of the command's residual if the logger stores the `held` or the `new` one;
         empty where the controller could not be checked.
+    held : tuple of Simulated
+        The twin while it was held on each recording; empty where it could not be.
     """
 
     controller: Parity | None
@@ -51,6 +54,7 @@ class Parities:
     transmission: Parity | None
     why_not: Mapping[str, str]
     logged: Mapping[str, float] = field(default_factory=dict)
+    held: tuple[Simulated, ...] = ()
 
 
 def logged_as(checked: Parities) -> str | None:
@@ -89,7 +93,8 @@ class _Checks:
         transmission = self._transmission()
         if self.case.simulations.tracking is not None:
             self.why_not["controller"] = "the twin is an open-loop plant"
-            return Parities(None, self._open_loop(), transmission, self.why_not)
+            kept = tuple(self.base.simulated)
+            return Parities(None, self._open_loop(), transmission, self.why_not, held=kept)
         twin = self._held_twin()
         if twin is None or not twin.settings:
             return Parities(None, None, transmission, self.why_not)
@@ -109,7 +114,8 @@ class _Checks:
             if controller is not None and controller.fails:
                 efforts = self._under_recorded_command(efforts, controller)
             plant = self._plant(efforts, held, self._noise_of_effort(twin))
-        return Parities(controller, plant, transmission, self.why_not, logged)
+        kept = tuple(Simulated((), run) for run in held)
+        return Parities(controller, plant, transmission, self.why_not, logged, kept)
 
     def _held_twin(self) -> HeldTwin | None:
         position = self.case.rig.position
