@@ -128,7 +128,7 @@ def export_augmented(
         container = build_container(wiring, step, Path(place))
         archive = container_archive(container, wiring, content)
         _write(Path(place), archive, text)
-        if this_platform() in platforms:
+        if this_platform().name in {platform.name for platform in platforms}:
             try_out(Path(place) / TWIN_FILE_NAME)
     fmu, twin_file = _write(folder, archive, text)
     folders = tuple(platform.fmi_folders[0] for platform in platforms)
