@@ -23,6 +23,7 @@ from gmfbo.diagnosis.simulations import Simulated
 from gmfbo.sources.augmented import Response
 
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
+_FARTHEST = 2.0  # standard deviations of a nuisance
 _LOAD_SHARE = 1.0 / 3.0  # of the torque's range: its typical size where it is not recorded
 
 Column = NDArray[np.float64]
@@ -230,7 +231,9 @@ class _Checks:
                 rate = np.gradient(driving, self.grids[k])
                 small = [ACTUATOR_GAIN * driving, ACTUATOR_LAG_S * rate]
                 rms.append(float(np.sqrt(np.mean(driving**2))))
-                residual = _without(residual, small, np.hypot(noise, TOLERANCE * rms[-1]))
+                spread = float(np.hypot(noise, TOLERANCE * rms[-1]))
+                # By means of blocks: command and effort share the noise of the measurement.
+                residual = _without(residual, small, spread, block_rows(self.grids[k]))
             columns.append(residual)
         typical = float(np.median(rms)) if rms else _LOAD_SHARE * excitation.torque
         total = max(float(np.hypot(noise, TOLERANCE * typical)), 1e-15)
@@ -290,10 +293,14 @@ class _Checks:
         return self.case.twin.binding.variables[variable].variable.si_unit
 
 
-def _without(residual: Column, columns: Sequence[Column], noise: float) -> Column:
+def _without(residual: Column, columns: Sequence[Column], noise: float, rows: int = 1) -> Column:
     """Leave out columns that are each as long as one standard deviation of their prior."""
-    matrix, rows = np.column_stack(columns), np.isfinite(residual)
-    own = matrix[rows] / noise
-    normal = own.T @ own + np.eye(len(columns))
-    sizes = np.linalg.solve(normal, own.T @ residual[rows] / noise)
-    return np.asarray(residual - matrix @ sizes, dtype=np.float64)
+    count = residual.size // rows
+    together = np.column_stack([residual, *columns])
+    means = together[: count * rows].reshape(count, rows, -1).mean(axis=1)
+    means = means[np.isfinite(means).all(axis=1)] / noise
+    target, own = means[:, 0], means[:, 1:]
+    sizes = np.linalg.solve(own.T @ own + np.eye(len(columns)), own.T @ target)
+    # A large residual would overrule any prior; what is this far off is not a nuisance.
+    sizes = np.clip(sizes, -_FARTHEST, _FARTHEST)
+    return np.asarray(residual - np.column_stack(columns) @ sizes, dtype=np.float64)
