@@ -207,7 +207,7 @@ def _apply_decoy(plan: Plan, setting: Setting, draft: _Draft, rng: Rng) -> None:
     elif name == "limit_out_of_reach":
         true["drive_limit"] = 1.4 * setting.peak_command
     elif name == "rate_out_of_reach":
-        true["drive_rate"] = 3.0 * setting.peak_slew
+        true["drive_rate"] = 200.0 * setting.peak_slew
     elif name == "sensor_zero":
         true["sensor_zero"] = rng.uniform(5.0, 20.0) * setting.machine.quantum
     elif name == "more_inertia":
@@ -248,14 +248,22 @@ def _within_limit(reference: Vector, values: Mapping[str, float]) -> Vector:
 
 def _setting(machine: Machine, true: Mapping[str, float], runs: list[TrueRun]) -> Setting:
     commands = [run.new for run in runs]
+    peak_command = float(max(np.max(np.abs(u)) for u in commands))
+    peak_speed = float(max(np.max(np.abs(run.velocity)) for run in runs))
     return Setting(
         machine=machine,
         values=true,
-        peak_command=float(max(np.max(np.abs(u)) for u in commands)),
+        peak_command=peak_command,
         rms_command=float(np.sqrt(np.mean(np.concatenate(commands) ** 2))),
         peak_slew=float(max(np.max(np.abs(np.diff(u))) for u in commands) / 1e-3),
-        peak_speed=float(max(np.max(np.abs(run.velocity)) for run in runs)),
+        peak_speed=peak_speed,
         travel=float(max(np.max(np.abs(run.position)) for run in runs)),
+        peak_mix=float(
+            max(
+                np.max(np.abs(run.new) / peak_command + np.abs(run.velocity) / peak_speed)
+                for run in runs
+            )
+        ),
     )
 
 

@@ -27,6 +27,8 @@ class Setting:
         [command], [command], [command/s] Of the recordings without the effect.
     peak_speed, travel : float
         [position/s], [position] Largest speed and distance from zero.
+    peak_mix : float
+        Largest sum of |command| and |speed|, each as a share of its own peak.
     """
 
     machine: Machine
@@ -36,6 +38,7 @@ class Setting:
     peak_slew: float
     peak_speed: float
     travel: float
+    peak_mix: float
 
     @property
     def torque(self) -> float:
@@ -226,11 +229,10 @@ def _saturation(s: Setting, rng: Rng) -> Callable[[float], Changes]:
 
 
 def _supply(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    # At standstill the limit is above every command; at the largest speed far below.
-    slope = rng.uniform(0.8, 1.2) * s.peak_command / s.peak_speed
+    # At size zero the limit only touches the recordings' worst point.
     return lambda size: {
-        "supply_limit": 1.6 * s.peak_command * (1.0 - size),
-        "supply_slope": float(slope),
+        "supply_limit": s.peak_mix * s.peak_command * (1.0 - size),
+        "supply_slope": s.peak_command / s.peak_speed,
     }
 
 
@@ -239,7 +241,8 @@ def _dead_zone(s: Setting, rng: Rng) -> Callable[[float], Changes]:
 
 
 def _rate(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    return lambda size: {"drive_rate": s.peak_slew * (1.0 - size)}
+    # A command that is held jumps: any rate turns its steps into ramps, slow ones stay behind.
+    return lambda size: {"drive_rate": s.peak_slew / size}
 
 
 def _lag(s: Setting, rng: Rng) -> Callable[[float], Changes]:
@@ -310,7 +313,7 @@ EFFECTS: dict[str, Hidden] = {
         "torque",
         ("plant", "transmission"),
         _SPEED,
-        _fixed(1e-3),
+        _fixed(1e-4),
         _fixed(0.5),
         "reversals",
     ),
@@ -360,7 +363,7 @@ EFFECTS: dict[str, Hidden] = {
     ),
     "constant_torque_offset": Hidden(_push, "torque", _PLANT, (), *_TORQUES),
     "actuator_saturation": Hidden(
-        _saturation, "command", _DRIVE, _COMMAND, _fixed(0.01), _fixed(0.75), "active"
+        _saturation, "command", _DRIVE, _COMMAND, _fixed(1e-3), _fixed(0.75), "active"
     ),
     "actuator_dead_zone": Hidden(
         _dead_zone,
@@ -371,7 +374,7 @@ EFFECTS: dict[str, Hidden] = {
         lambda s: 0.15 * s.peak_command,
     ),
     "actuator_rate_limit": Hidden(
-        _rate, "command", _DRIVE, _COMMAND, _fixed(0.02), _fixed(0.97), "active"
+        _rate, "command", _DRIVE, _COMMAND, _fixed(0.02), _fixed(8.0), "active"
     ),
     "actuator_lag": Hidden(_lag, "command", _DRIVE, (), _fixed(2e-5), _fixed(5e-3)),
     "transport_delay": Hidden(
@@ -379,7 +382,7 @@ EFFECTS: dict[str, Hidden] = {
     ),
     "thermal_derating": Hidden(_heat, "command", _DRIVE, _TIME, _fixed(1e-5), _fixed(0.4)),
     "supply_voltage_limit": Hidden(
-        _supply, "command", _DRIVE, ("velocity", "command"), _fixed(0.05), _fixed(0.85), "active"
+        _supply, "command", _DRIVE, ("velocity", "command"), _fixed(1e-3), _fixed(0.8), "active"
     ),
     "magnetic_saturation": Hidden(_iron, "command", _DRIVE, _COMMAND, _fixed(1e-4), _fixed(0.5)),
     "sensor_eccentricity": Hidden(

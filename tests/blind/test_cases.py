@@ -149,7 +149,7 @@ def test_windows_are_where_the_velocity_turns_and_where_something_acts() -> None
     t = np.arange(2000) * 1e-3
     velocity = np.sin(2.0 * np.pi * t)
     active = np.zeros(2000)
-    active[300:305] = active[310] = active[900] = 0.5
+    active[300:305] = active[310] = active[900] = 0.6
     nothing = np.zeros(2000)
     run = TrueRun(nothing, nothing, nothing, nothing, velocity, active)
     turns = windows_of("reversals", run, 0.1)

@@ -16,7 +16,7 @@ from tests.blind.truth import KINDS, SAMPLE, Diverged, parameter_names, simulate
 INERTIA = 0.01
 SIZED_OTHERWISE = (
     *("backlash", "torsional_compliance"),  # a load on a shaft remains
-    *("actuator_saturation", "actuator_rate_limit", "supply_voltage_limit"),  # zero is the peak
+    *("actuator_saturation", "supply_voltage_limit"),  # zero only touches the peak
     *("actuator_lag", "sensor_lag"),  # no faster than the integrator's step
 )
 FREE = {"kind": KINDS["none"], "inertia": INERTIA, "torque_gain": 1.0}

@@ -307,8 +307,11 @@ static void advance(World *w, double t, double end) {
             int limited;
             double gap = drive(w, w->x, &limited) - followed, most = p->drive_rate * (until - t);
             followed += clip(gap, most);
-            w->followed += 0.5 * clip(gap, most); /* its mean over this step */
-            if (fabs(gap) > most) w->active += until - t;
+            w->followed = followed;
+            if (fabs(gap) > most) { /* still under way: its mean over this step acts */
+                w->followed -= 0.5 * clip(gap, most);
+                w->active += until - t;
+            }
         }
         while (t < until - 1e-13) {
             double done = piece(w, t, until - t);

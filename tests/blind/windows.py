@@ -18,7 +18,8 @@ def windows_of(kind: str, run: TrueRun, speed: float) -> list[tuple[float, float
     Parameters
     ----------
     kind : str
-        `reversals` of the velocity, `active` where the plant says that it limits, or "".
+        `reversals` of the velocity, `active` where the plant limits more than half of a sample,
+        or "".
     run : TrueRun
         The true run with the effect.
     speed : float
@@ -33,7 +34,7 @@ def windows_of(kind: str, run: TrueRun, speed: float) -> list[tuple[float, float
             for k in turns
         ]
     elif kind == "active":
-        rows = np.flatnonzero(run.active > 0.0)
+        rows = np.flatnonzero(run.active > 0.5)
         spans = [(row * SAMPLE, (row + 1) * SAMPLE) for row in rows]
     else:
         spans = []
