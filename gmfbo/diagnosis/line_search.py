@@ -45,7 +45,7 @@ LEAST_GAIN = 25.0
 In 80 scans of white residuals the most was 23 and, once, 30.
 """
 
-FAINT = 0.02
+FAINT = 0.005
 """Share of the strongest line's gain below which others may be its shadow: the response is only
 linear."""
 

@@ -32,8 +32,10 @@ class Regression:
         self._dof = sum(w.n_residuals for w in misfit.whiteners)
 
     def normal(self, columns: Blocks) -> Normal:
-        """Normal equations of columns, shape (n, n_residuals) a window."""
-        return normal_equations(self.base.residual, columns, self.groups)
+        """Normal equations of columns, those of the model's own parameters first."""
+        free = np.zeros(len(columns[0]) - self.base.x.size)
+        precision = np.concatenate([self.base.prior, free])
+        return normal_equations(self.base.residual, columns, self.groups, precision)
 
     def left(self, columns: Blocks) -> Blocks:
         """Residual after a fit of columns."""
