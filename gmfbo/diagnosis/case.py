@@ -20,6 +20,7 @@ from gmfbo.diagnosis.preparation import (
     describe_rig,
     noise_runs,
     nuisance_directions,
+    own_variances,
     whiteners,
     windows_of,
 )
@@ -56,11 +57,17 @@ class Budget:
         S(f) of each window.
     directions : tuple of lists of Direction
         Nuisances of each recording.
+    loop_noise : tuple of lists of Direction
+        Changes of each recording's signals under the sensor's noise.
+    own_variances : tuple of lists of float
+        [SI unit squared] Noise of each signal beyond that.
     """
 
     windows: tuple[Window, ...]
     covariances: tuple[Spectrum, ...]
     directions: tuple[list[Direction], ...]
+    loop_noise: tuple[list[Direction], ...]
+    own_variances: tuple[list[float], ...]
 
     def whiteners(
         self, dispersion: Sequence[NDArray[np.float64]] | None = None
@@ -117,6 +124,12 @@ class Case:
     base: Fitted
     notes: list[str]
 
+    def change_setting(self, setting: Setting) -> None:
+        """Let other lines, bounds or scales hold from here on; the refit stays as it is."""
+        self.setting = setting
+        hypothesis = replace(self.base.hypothesis, setting=setting)
+        self.base = replace(self.base, hypothesis=hypothesis)
+
     def use(self, misfit: Misfit) -> None:
         """Measure everything by another budget."""
         self.misfit = misfit
@@ -138,7 +151,7 @@ def open_case(
     twin : FmuTwin
         The user's.
     recordings : sequence of Recording
-        All that are fitted.
+        Runs of the real axis.
     seed : int
         Of the noise runs.
     jobs : int or None
@@ -421,7 +434,11 @@ class _Opening:
         through = noise_runs(simulations, point, base.simulated, rig, noise, self.rng)
         spectra = covariances(windows, simulations.records, rig, noise, through, None)
         directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
-        return Budget(windows, tuple(spectra), tuple(directions))
+        own = [
+            own_variances(record, noise, changes)
+            for record, changes in zip(simulations.records, through, strict=True)
+        ]
+        return Budget(windows, tuple(spectra), tuple(directions), tuple(through), tuple(own))
 
 
 def _written_by_gmfbo(recordings: Sequence[Recording]) -> bool:

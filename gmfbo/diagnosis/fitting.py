@@ -51,6 +51,11 @@ class Fitted:
         return chi2(self.residual)
 
     @property
+    def prior(self) -> NDArray[np.float64]:
+        """Precision of a weak prior of each free parameter, shape (n,)."""
+        return self.hypothesis.prior
+
+    @property
     def parameters(self) -> dict[str, float]:
         """Uncertain parameters of the twin."""
         return self.hypothesis.parameters(self.x)

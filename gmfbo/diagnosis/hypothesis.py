@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.simulations import Point
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 
+PRIOR_WIDTH = 3.0
+"""Standard deviation of a weak prior of an effect's parameters, in typical sizes."""
+
+_PARAMETER_WIDTH = 0.3  # the same for the twin's own
 _INSIDE = 1e-6  # share of a range by which values stay off its ends
 
 
@@ -126,6 +130,14 @@ class Hypothesis:
             own = candidate.law.scales(self.setting.excitation)
             sizes += [own[p.name] for p in candidate.law.parameters]
         return np.array(sizes, dtype=float)
+
+    @property
+    def prior(self) -> NDArray[np.float64]:
+        """Precision of a weak prior of each free parameter about any value, shape (n,)."""
+        own = len(self.setting.uncertain)
+        widths = self.scales * PRIOR_WIDTH
+        widths[:own] = self.scales[:own] * _PARAMETER_WIDTH
+        return widths**-2
 
     def start(self, parameters: Mapping[str, float]) -> NDArray[np.float64]:
         """Vector of the effects' own values and these parameters of the twin."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.misfit import Blocks
 
-_RIDGE = 1e-8  # of each diagonal element: a direction that is not excited stays where it is
+_RIDGE = 1e-10  # of each diagonal element, against rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,31 +25,44 @@ class Normal:
         A r of each group.
     square : ndarray, shape (n_groups,)
         r'r of each group.
+    precision : ndarray, shape (n,)
+        Of a weak prior of each change about zero: what is excited in the group left out alone
+        stays where it is, rather than going where noise elsewhere takes it.
     """
 
     matrix: NDArray[np.float64]
     vector: NDArray[np.float64]
     square: NDArray[np.float64]
+    precision: NDArray[np.float64]
 
     def only(self, columns: Sequence[int]) -> Normal:
         """Return the equations of some of the columns."""
         chosen = np.asarray(columns, dtype=int)
         return Normal(
-            self.matrix[:, chosen[:, None], chosen[None, :]], self.vector[:, chosen], self.square
+            self.matrix[:, chosen[:, None], chosen[None, :]],
+            self.vector[:, chosen],
+            self.square,
+            self.precision[chosen],
         )
 
     def solution(self) -> NDArray[np.float64]:
         """Best change on all groups, shape (n,)."""
-        return _solve(self.matrix.sum(axis=0), self.vector.sum(axis=0))
+        return solve_weakly_bound(
+            self.matrix.sum(axis=0), self.vector.sum(axis=0)[:, None], self.precision
+        )[:, 0]
 
     def left_out(self) -> NDArray[np.float64]:
         """Square that remains in each group after a fit on all others, shape (n_groups,)."""
         if len(self.square) == 1:
             change = self.solution()[None]
         else:
-            matrix = self.matrix.sum(axis=0) - self.matrix
-            vector = self.vector.sum(axis=0) - self.vector
-            change = np.array([_solve(m, v) for m, v in zip(matrix, vector, strict=True)])
+            matrix, vector = sums_of_others(self.matrix), sums_of_others(self.vector)
+            change = np.array(
+                [
+                    solve_weakly_bound(m, v[:, None], self.precision)[:, 0]
+                    for m, v in zip(matrix, vector, strict=True)
+                ]
+            )
         return self._after(change)
 
     def fitted(self) -> NDArray[np.float64]:
@@ -63,7 +76,12 @@ class Normal:
         return remains
 
 
-def normal_equations(residual: Blocks, columns: Blocks, groups: Sequence[int]) -> Normal:
+def normal_equations(
+    residual: Blocks,
+    columns: Blocks,
+    groups: Sequence[int],
+    precision: NDArray[np.float64] | None = None,
+) -> Normal:
     """Sum the windows of each group.
 
     Parameters
@@ -74,6 +92,8 @@ def normal_equations(residual: Blocks, columns: Blocks, groups: Sequence[int]) -
         Shape (n, n_residuals) a window.
     groups : sequence of int
         Group of each window, from 0.
+    precision : ndarray, shape (n,)
+        Of a weak prior of each change; none unless given.
     """
     n, count = len(columns[0]), max(groups) + 1
     matrix, vector, square = np.zeros((count, n, n)), np.zeros((count, n)), np.zeros(count)
@@ -81,12 +101,38 @@ def normal_equations(residual: Blocks, columns: Blocks, groups: Sequence[int]) -
         matrix[g] += a @ a.T
         vector[g] += a @ r
         square[g] += r @ r
-    return Normal(matrix, vector, square)
+    return Normal(matrix, vector, square, np.zeros(n) if precision is None else precision)
 
 
-def _solve(matrix: NDArray[np.float64], vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+def sums_of_others(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum over all groups but one, for each; a group may outweigh all others by 1e12.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n_groups, ...)
+        Of each group.
+    """
+    count = len(values)
+    return np.array([values[[j for j in range(count) if j != g]].sum(axis=0) for g in range(count)])
+
+
+def solve_weakly_bound(
+    matrix: NDArray[np.float64], right: NDArray[np.float64], precision: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Solve normal equations under a weak prior about zero, scaled against rounding.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (n, n)
+        Symmetric.
+    right : ndarray, shape (n, m)
+        Right sides.
+    precision : ndarray, shape (n,)
+        Of the prior.
+    """
+    bound = matrix + np.diag(precision)
+    size = np.sqrt(np.maximum(np.diag(bound), 0.0))
     size = np.where(size > 0.0, size, 1.0)
-    scaled = matrix / np.outer(size, size) + _RIDGE * np.eye(len(size))
-    solution: NDArray[np.float64] = np.linalg.solve(scaled, vector / size) / size
+    scaled = bound / np.outer(size, size) + _RIDGE * np.eye(len(size))
+    solution: NDArray[np.float64] = np.linalg.solve(scaled, right / size[:, None]) / size[:, None]
     return solution

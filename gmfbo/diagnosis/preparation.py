@@ -217,7 +217,7 @@ def covariances(
     total = []
     for window in windows:
         record = records[window.record]
-        own = white_covariance(window, _own_variances(record, noise, loop_noise[window.record]))
+        own = white_covariance(window, own_variances(record, noise, loop_noise[window.record]))
         s = own + loop_covariance(window, loop_noise[window.record])
         if step_change is not None:
             s = s + loop_covariance(window, [step_change[window.record]])
@@ -226,10 +226,20 @@ def covariances(
     return total
 
 
-def _own_variances(
+def own_variances(
     record: Record, noise: Mapping[str, NoiseLevel], loop_noise: Sequence[Direction]
 ) -> list[float]:
-    """Variance of each signal beyond what the loop makes of the sensor's noise."""
+    """Variance of each signal beyond what the loop makes of the sensor's noise.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    noise : mapping of str to NoiseLevel
+        White noise of each signal.
+    loop_noise : sequence of Direction
+        Changes under the sensor's noise.
+    """
     variances = []
     for i, signal in enumerate(record.signals):
         if signal.name == EFFORT:

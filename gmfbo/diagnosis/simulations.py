@@ -213,6 +213,11 @@ class Simulations:
         """Apply work that uses `run_here` or `run_one`, several tasks at a time."""
         return list(self._threads.map(work, tasks))
 
+    def map_outer(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
+        """Apply work that simulates one run after the other, as many at a time as simulators."""
+        with ThreadPoolExecutor(len(self._all)) as threads:
+            return list(threads.map(work, tasks))
+
     def replace_records(self, records: Sequence[Record]) -> None:
         """Score other signals of the same recordings."""
         self.records = tuple(records)

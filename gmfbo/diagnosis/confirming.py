@@ -1,0 +1,186 @@
+"""The most promising effects fitted through the FMU, everything free."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gmfbo.diagnosis.fitting import Fitted, fit
+from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.leaving_out import normal_equations
+from gmfbo.diagnosis.misfit import Blocks, Misfit
+from gmfbo.diagnosis.screening import Probe, Screened
+
+MOST = 6
+"""Effects that are fitted in one round."""
+
+_LEAST_SHARE = 0.02  # of the best gain: less is no rival
+_ROUGH = ("limit", "transmission", "inertia", "spring")  # families with many minima
+
+
+def shortlist(screened: Sequence[Screened], least_gain: float) -> list[Candidate]:
+    """Effects worth a fit: the best start of each, their simpler limits, one a family.
+
+    Parameters
+    ----------
+    screened : sequence of Screened
+        Best first.
+    least_gain : float
+        Gain below which an effect is not worth a fit.
+    """
+    best: dict[str, Screened] = {}
+    for entry in screened:
+        best.setdefault(entry.probe.candidate.effect, entry)
+    worth = [s for s in best.values() if s.gain > least_gain and s.kept]
+    if not worth:
+        return []
+    chosen = [s for s in worth[:4] if s.gain > _LEAST_SHARE * worth[0].gain]
+    families = {s.probe.candidate.law.family for s in chosen}
+    for entry in worth:
+        family = entry.probe.candidate.law.family
+        if family not in families and len(chosen) < MOST and entry.gain > 0.1 * worth[0].gain:
+            chosen.append(entry)
+            families.add(family)
+    names = {s.probe.candidate.effect for s in chosen}
+    for entry in list(chosen):
+        for simpler in entry.probe.candidate.law.contains:
+            if simpler in best and simpler not in names and best[simpler].kept:
+                chosen.append(best[simpler])
+                names.add(simpler)
+    return [start_of(entry) for entry in chosen]
+
+
+def start_of(entry: Screened) -> Candidate:
+    """Effect at the amplitudes that screening found, where its fit begins."""
+    candidate = entry.probe.scaled(entry.shares)
+    law = candidate.law
+    values = {}
+    for name, value in candidate.values.items():
+        start = entry.probe.candidate.values[name]
+        values[name] = value if value else 0.1 * start
+    return Candidate(law.name, values, candidate.more, candidate.only)
+
+
+def confirm(
+    misfit: Misfit,
+    base: Fitted,
+    candidates: Sequence[Candidate],
+) -> list[Fitted]:
+    """Fit each candidate added to a model, several at a time; those that cannot run are left out.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and budget.
+    base : Fitted
+        The model so far.
+    candidates : sequence of Candidate
+        Effects at their starts.
+    """
+
+    def one(candidate: Candidate) -> Fitted | None:
+        hypothesis, parameters = _best_start(misfit, base, candidate)
+        return fit(misfit, hypothesis, parameters)
+
+    return [f for f in misfit.simulations.map_outer(one, candidates) if f is not None]
+
+
+def _best_start(
+    misfit: Misfit, base: Fitted, candidate: Candidate
+) -> tuple[Hypothesis, Mapping[str, float]]:
+    """The best of several points to begin at, since gaps and limits have many minima."""
+    starts = [candidate]
+    if candidate.law.family in _ROUGH:
+        excitation = base.hypothesis.setting.excitation
+        starts += [candidate.with_values(values) for values in candidate.law.starts(excitation)]
+    trials = [trial for start in starts for trial in trials_of(misfit, base, start)]
+    best = min(trials, key=lambda t: t.square, default=None)
+    if best is None:
+        return Hypothesis(base.hypothesis.setting, (*base.hypothesis.effects, candidate)), (
+            base.parameters
+        )
+    return best.hypothesis, best.parameters
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A candidate simulated at its start, and what a linear refit would leave.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        The model with the candidate.
+    parameters : dict of str to float
+        Of the twin.
+    square : float
+        chi2 after one linear step of the twin's parameters.
+    """
+
+    hypothesis: Hypothesis
+    parameters: dict[str, float]
+    square: float
+
+
+def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]:
+    """Simulate a candidate at its start, under the refitted and under the nominal parameters.
+
+    The refitted parameters of a twin without the effect have swallowed part of it: the nominal
+    ones may be nearer to the truth.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and simulators.
+    base : Fitted
+        The model so far.
+    candidate : Candidate
+        The effect at its start.
+    """
+    setting = base.hypothesis.setting
+    hypothesis = Hypothesis(setting, (*base.hypothesis.effects, candidate))
+    nominal = {u.name: u.nominal for u in setting.uncertain}
+    trials = []
+    for parameters in (base.parameters, nominal):
+        simulated = misfit.simulations.run_here(hypothesis.point(hypothesis.start(parameters)))
+        if all(run.finite for run in simulated):
+            square = _after_refit(misfit.residual(simulated), base)
+            trials.append(Trial(hypothesis, parameters, square))
+    return trials
+
+
+def _after_refit(residual: Blocks, base: Fitted) -> float:
+    one_group = [0] * len(residual)
+    normal = normal_equations(residual, base.sensitivity, one_group, base.prior)
+    return float(normal.fitted().sum())
+
+
+def limits_worth_fitting(misfit: Misfit, base: Fitted, tried: Sequence[Probe]) -> list[Candidate]:
+    """Limits that explain more under other parameters than those refitted without them.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and simulators.
+    base : Fitted
+        The model so far.
+    tried : sequence of Probe
+        The library; only effects with a shape and no size are tried.
+    """
+    shapes = [p.candidate for p in tried if not all(p.amplitudes)]
+
+    def one(candidate: Candidate) -> tuple[float, Candidate]:
+        trials = trials_of(misfit, base, candidate)
+        return min((t.square for t in trials), default=np.inf), candidate
+
+    best: dict[str, tuple[float, Candidate]] = {}
+    for square, candidate in misfit.simulations.map_outer(one, shapes):
+        if square < min(base.chi2, best.get(candidate.effect, (np.inf,))[0]):
+            best[candidate.effect] = square, candidate
+    return [candidate for _, candidate in sorted(best.values(), key=lambda entry: entry[0])]
+
+
+def by_name(fits: Sequence[Fitted]) -> Mapping[str, Fitted]:
+    """Fits by the effect that they added last."""
+    return {f.hypothesis.effects[-1].effect: f for f in fits}

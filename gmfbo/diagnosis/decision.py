@@ -1,0 +1,332 @@
+"""Which effects are missing: screened, fitted, and decided on what the fit has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case import Case, chi2_per_dof
+from gmfbo.diagnosis.confirming import confirm, limits_worth_fitting, shortlist
+from gmfbo.diagnosis.dispersion import dispersion_of
+from gmfbo.diagnosis.fitting import Fitted, fit, stacked
+from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
+from gmfbo.diagnosis.ranges import states_of
+from gmfbo.diagnosis.rivals import rivals_of
+from gmfbo.diagnosis.screening import Probe, Screened, probes, refined, screen
+from gmfbo.diagnosis.threshold import NullGains, left_out_square
+
+MOST_EFFECTS = 3
+"""Effects that are named at most; recordings of a few seconds do not tell more apart."""
+
+_NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
+_FIRST_SHARE = 0.01  # of the first effect's gain: a law that is 10 % off leaves as much
+_EXCITED = 25.0  # change of chi2 by which a recording shows an effect
+_HARM_SHARE = 0.1  # of the gain, which an excited recording may lose
+_LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
+_DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
+_GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters mislead
+_WORTH_FITTING = 8.0  # gain by screening below which no fit is tried
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """An effect that was fitted, and what it gains on what the fit has not seen.
+
+    Attributes
+    ----------
+    fitted : Fitted
+        The model with the effect as its last.
+    gains : ndarray, shape (n_groups,)
+        Fall of chi2 in each group that was left out.
+    signature : ndarray, shape (n_groups,)
+        Square of the change that the effect makes in each group.
+    chi2 : float
+        Of the fit to all.
+    """
+
+    fitted: Fitted
+    gains: NDArray[np.float64]
+    signature: NDArray[np.float64]
+    chi2: float
+
+    @property
+    def effect(self) -> Candidate:
+        """The effect, at its fitted values."""
+        return self.fitted.hypothesis.effects[-1]
+
+    @property
+    def name(self) -> str:
+        """Its name in the catalogue."""
+        return self.effect.effect
+
+    @property
+    def gain(self) -> float:
+        """Fall of chi2 on what was left out, over all groups."""
+        return float(self.gains.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One effect accepted, and what competed with it.
+
+    Attributes
+    ----------
+    winner : Evidence
+        What was accepted.
+    rivals : tuple of Evidence
+        Effects that explain the recordings as well.
+    fitted : tuple of Evidence
+        All effects that were fitted in this round.
+    needed : float
+        Gain that was asked for.
+    """
+
+    winner: Evidence
+    rivals: tuple[Evidence, ...]
+    fitted: tuple[Evidence, ...]
+    needed: float
+
+
+@dataclass(eq=False)
+class Decision:
+    """What was accepted, in the order of its discovery.
+
+    Attributes
+    ----------
+    rounds : list of Round
+        One for each accepted effect.
+    model : Fitted
+        The twin with all accepted effects.
+    tried : list of Probe
+        The whole library and its grids.
+    like_parameters : dict of str to str
+        Effects that were left out, and the parameter of the twin that does the same.
+    screened : list of Screened
+        What each probe explains of what the parameters leave.
+    threshold : float
+        Gain that chance gives once in a hundred times.
+    groups : tuple of int
+        Group of each window; whole groups are left out together.
+    refused : list of Evidence
+        Effects of the last round, of which none was accepted.
+    dispersion : float
+        chi2 per degree of freedom that the best model left by the budget alone.
+    """
+
+    rounds: list[Round] = field(default_factory=list)
+    model: Fitted | None = None
+    tried: list[Probe] = field(default_factory=list)
+    like_parameters: dict[str, str] = field(default_factory=dict)
+    screened: list[Screened] = field(default_factory=list)
+    threshold: float = np.inf
+    groups: tuple[int, ...] = ()
+    refused: list[Evidence] = field(default_factory=list)
+    dispersion: float = 1.0
+
+
+def decide(
+    case: Case,
+    candidates: Sequence[Candidate],
+    rng: np.random.Generator,
+    progress: Callable[[str, float], None],
+) -> Decision:
+    """Accept effects one after the other, until none gains enough.
+
+    Parameters
+    ----------
+    case : Case
+        Twin, recordings and budget; its budget is widened to what the best model leaves.
+    candidates : sequence of Candidate
+        The library: every start of every effect that can be tested.
+    rng : numpy Generator
+        Source of the null draws.
+    progress : callable
+        Told the stage and the share that is done.
+    """
+    decision = Decision(model=case.base, groups=groups_of(case))
+    progress("screening the library", 0.2)
+    decision.tried, decision.like_parameters = _apart_from_parameters(
+        case, probes(case.misfit, case.base, candidates)
+    )
+    for number in range(MOST_EFFECTS):
+        progress(f"fitting effect {number + 1}", 0.4 + 0.15 * number)
+        if not _next_round(case, decision, rng):
+            break
+    return decision
+
+
+def _apart_from_parameters(
+    case: Case, tried: Sequence[Probe]
+) -> tuple[list[Probe], dict[str, str]]:
+    """Leave out effects that the refitted parameters can make by themselves."""
+    one_group = [0] * len(case.budget.windows)
+    most: dict[str, float] = {}
+    for entry in screen(case.misfit, case.base, tried, one_group):
+        name = entry.probe.candidate.effect
+        most[name] = max(most.get(name, 0.0), entry.unlike_parameters)
+    alike = {
+        p.candidate.effect: _nearest_parameter(case, p)
+        for p in tried
+        if most.get(p.candidate.effect, 1.0) < _LEAST_UNLIKE
+    }
+    return [p for p in tried if p.candidate.effect not in alike], alike
+
+
+def _nearest_parameter(case: Case, probe: Probe) -> str:
+    """Parameter of the twin whose sensitivity is most parallel to an effect's change."""
+    columns = stacked(case.misfit, probe.columns[:1])
+    cosines = np.zeros(case.base.x.size)
+    for own, change in zip(case.base.sensitivity, columns, strict=True):
+        cosines += own @ change[0]
+    sizes = np.sqrt(sum(np.sum(own**2, axis=1) for own in case.base.sensitivity))
+    nearest = int(np.argmax(np.abs(cosines) / np.maximum(sizes, 1e-300)))
+    return case.setting.uncertain[nearest].name
+
+
+def groups_of(case: Case) -> tuple[int, ...]:
+    """Each stretch of a recording is left out by itself.
+
+    Without one of four recordings, parameters and effects extrapolate so far that chance alone
+    gives gains of a hundred; without one of eight stretches, of ten.
+    """
+    return tuple(range(len(case.budget.windows)))
+
+
+def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> bool:
+    assert decision.model is not None
+    named = {c.effect for c in decision.model.hypothesis.effects}
+    tried = [p for p in decision.tried if p.candidate.effect not in _with_limits(named)]
+    screened = screen(case.misfit, decision.model, tried, decision.groups)
+    if screened and screened[0].gain > _WORTH_FITTING:
+        screened = refined(case.misfit, decision.model, screened, decision.groups)
+    first = not decision.rounds
+    if first:
+        decision.screened = screened
+    chosen = shortlist(screened, _WORTH_FITTING)
+    if chi2_per_dof(decision.model, case.misfit) > _GROSS:
+        limits = limits_worth_fitting(case.misfit, decision.model, tried)
+        chosen += [c for c in limits[:2] if c.effect not in {x.effect for x in chosen}]
+    fits = confirm(case.misfit, decision.model, chosen)
+    if first:
+        fits = _widen_budget(case, decision, fits)
+        nulls = NullGains(case.misfit, case.base, decision.tried, decision.groups)
+        decision.threshold = nulls.threshold(rng)
+    evidence = sorted(
+        (_evidence(case, decision.model, fitted, decision.groups) for fitted in fits),
+        key=lambda e: -e.gain,
+    )
+    needed = _needed(decision)
+    accepted = [e for e in evidence if _is_accepted(case, e, decision, needed)]
+    if not accepted:
+        decision.refused = evidence
+        return False
+    winner = _polished(case, decision, _simplest(accepted, decision.threshold))
+    rivals = rivals_of(winner, accepted)
+    decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
+    decision.model = winner.fitted
+    return True
+
+
+def _polished(case: Case, decision: Decision, winner: Evidence) -> Evidence:
+    """Fit once more from where the fit stopped: what it still leaves would look like physics."""
+    again = fit(case.misfit, winner.fitted.hypothesis, winner.fitted.parameters, parallel=True)
+    if again is None or again.chi2 >= winner.chi2:
+        return winner
+    assert decision.model is not None
+    better = _evidence(case, decision.model, again, decision.groups)
+    return better if better.gain > winner.gain else winner
+
+
+def _with_limits(named: set[str]) -> set[str]:
+    """Named effects, and those that are a limit of them or of which they are one."""
+    from gmfbo.physics import CATALOGUE
+
+    out = set(named)
+    for name, law in CATALOGUE.items():
+        if name in named:
+            out |= set(law.contains)
+        if set(law.contains) & named:
+            out.add(name)
+    return out
+
+
+def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fitted]:
+    """Measure by what the best model of all leaves: a gain counts relative to that."""
+    best = min([case.base, *fits], key=lambda f: f.chi2)
+    decision.dispersion = max(1.0, chi2_per_dof(best, case.misfit))
+    spread = dispersion_of(best, case.misfit.whiteners)
+    wider = case.misfit.with_whiteners(case.budget.whiteners(spread))
+    case.use(wider)
+    decision.model = case.base
+    return [f.measured_by(wider) for f in fits]
+
+
+def _evidence(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) -> Evidence:
+    before, after = squares(model.residual, groups), squares(fitted.residual, groups)
+    inside = before - after
+    outside = left_out_square(model, groups) - left_out_square(fitted, groups)
+    if outside.sum() < _DOUBTFUL * inside.sum():
+        # Sensitivities of a gap or a limit may be rough: let the FMU tell.
+        outside = simulated_left_out(case.misfit, model, groups) - simulated_left_out(
+            case.misfit, fitted, groups
+        )
+    gains = outside if outside.sum() < inside.sum() else inside
+    signature = squares(
+        tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups
+    )
+    return Evidence(fitted, gains, signature, fitted.chi2)
+
+
+def _needed(decision: Decision) -> float:
+    """What the next effect has to gain: more where the model is known to be imperfect."""
+    if not decision.rounds:
+        return decision.threshold
+    assert decision.model is not None
+    beyond_noise = decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
+    first = decision.rounds[0].winner.gain
+    return max(decision.threshold, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
+
+
+def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
+    if evidence.gain <= needed:
+        return False
+    law, excitation = evidence.effect.law, case.setting.excitation
+    values = {**evidence.effect.more, **evidence.effect.values}
+    if law.size(values, excitation) < law.floor(excitation):
+        return False
+    excited = evidence.signature > _EXCITED
+    if np.any(evidence.gains[excited] < -_HARM_SHARE * evidence.gain):
+        return False
+    if np.any(evidence.gains[~excited] < -0.5 * decision.threshold):
+        return False
+    return _acts_long_enough(case, evidence)
+
+
+def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
+    least = evidence.effect.law.least_time
+    if not least:
+        return True
+    total = 0.0
+    values = {**evidence.effect.more, **evidence.effect.values}
+    for record, run in zip(case.simulations.records, evidence.fitted.simulated, strict=True):
+        states = states_of(run, record)
+        total += states.step * float(np.count_nonzero(evidence.effect.law.acts(states, values)))
+    return total >= least
+
+
+def _simplest(accepted: Sequence[Evidence], threshold: float) -> Evidence:
+    """The best, or its simplest limit over which it does not gain the threshold."""
+    best = max(accepted, key=lambda e: e.gain)
+    while True:
+        simpler = [
+            e
+            for e in accepted
+            if e.name in best.effect.law.contains and e.gain > best.gain - threshold
+        ]
+        if not simpler:
+            return best
+        best = max(simpler, key=lambda e: e.gain)

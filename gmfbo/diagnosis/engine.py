@@ -1,0 +1,243 @@
+"""From a twin and recordings to a diagnosis: the steps in their order."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gmfbo.diagnosis.case import Case, open_case
+from gmfbo.diagnosis.decision import Decision, decide
+from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
+from gmfbo.diagnosis.holding_out import split_of
+from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
+from gmfbo.diagnosis.library import candidates, untestable
+from gmfbo.diagnosis.lines import find_lines
+from gmfbo.diagnosis.location import locate
+from gmfbo.diagnosis.parities import parities
+from gmfbo.diagnosis.port_response import measure_port_response
+from gmfbo.diagnosis.reporting import (
+    alignments,
+    augmentation_of,
+    detectable_sizes,
+    named_effects,
+    not_testable,
+    units_of,
+)
+from gmfbo.diagnosis.validation import validate as validated_on
+from gmfbo.errors import InputError, did_you_mean
+from gmfbo.physics import CATALOGUE
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin import FmuTwin
+
+Progress = Callable[[str, float], None]
+
+
+def diagnose(
+    twin: FmuTwin | str | Path,
+    recordings: Sequence[Recording | str | Path],
+    validate: Sequence[Recording | str | Path] | None = None,
+    *,
+    seed: int = 0,
+    assume: Sequence[str] = (),
+    exclude: Sequence[str] = (),
+    progress: Progress | None = None,
+    jobs: int | None = None,
+) -> Diagnosis:
+    """Find out why a twin and recordings of the real axis differ.
+
+    Parameters
+    ----------
+    twin : FmuTwin, str or Path
+        The twin, or its twin file.
+    recordings : sequence of Recording, str or Path
+        Runs of the real axis.
+    validate : sequence of Recording, str or Path, optional
+        Runs that are only scored; without them, part of `recordings` is held out.
+    seed : int
+        Of all randomness.
+    assume : sequence of str
+        Effects that are tested even where the recordings seem not to show them.
+    exclude : sequence of str
+        Effects that are not considered.
+    progress : callable (str, float), optional
+        Told the stage and the share that is done.
+    jobs : int, optional
+        Simulations at a time; one a processor unless given.
+
+    Returns
+    -------
+    Diagnosis
+        What is missing, where, and how much better the fit is with it.
+
+    Raises
+    ------
+    InputError
+        An effect or parameter has no such name.
+    RecordingError
+        A recording cannot be read, or has nothing to compare.
+    SimulationError
+        The twin as it is cannot follow the recordings.
+    """
+    started = time.perf_counter()
+    _check_names((*assume, *exclude))
+    opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
+    read = [_read(recording, opened) for recording in recordings]
+    told = progress or _silent
+    told("running the twin", 0.0)
+    case = open_case(opened, read, seed=seed, jobs=jobs, on_run=_nothing)
+    try:
+        search = _Search(case, np.random.default_rng(seed), assume, exclude, told)
+        return search.diagnosis(seed, started)
+    finally:
+        case.simulations.close()
+        if not isinstance(twin, FmuTwin):
+            opened.close()
+
+
+def _silent(stage: str, share: float) -> None:
+    """Tell nobody."""
+
+
+def _nothing() -> None:
+    """Count nothing."""
+
+
+def _check_names(names: Sequence[str]) -> None:
+    for name in names:
+        if name not in CATALOGUE:
+            raise InputError(f"no effect '{name}'" + did_you_mean(name, CATALOGUE))
+
+
+def _read(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
+    if isinstance(recording, Recording):
+        return recording
+    return Recording.read(recording, twin)
+
+
+class _Search:
+    """The steps after a case was opened."""
+
+    def __init__(
+        self,
+        case: Case,
+        rng: np.random.Generator,
+        assume: Sequence[str],
+        exclude: Sequence[str],
+        progress: Progress,
+    ) -> None:
+        self.case, self.rng, self.progress = case, rng, progress
+        self.assume, self.exclude = assume, exclude
+        self.units = units_of(case)
+
+    def diagnosis(self, seed: int, started: float) -> Diagnosis:
+        case = self.case
+        self._look_for_lines()
+        reasons = self._reasons()
+        testable = [name for name in CATALOGUE if name not in reasons]
+        library = candidates(testable, case.setting.excitation)
+        decision = decide(case, library, self.rng, self.progress)
+        model = decision.model
+        assert model is not None
+        self.progress("validating", 0.85)
+        shows = None
+        if decision.rounds:
+            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
+        result = validated_on(case, model, split_of(case, shows), None)
+        augmented = result.augmented
+        spread = spread_of(augmented, self.rng)
+        self.progress("locating", 0.95)
+        named = named_effects(
+            case, decision, augmented, spread, self._probabilities(decision), self.units
+        )
+        effects = augmented.hypothesis.effects
+        location = locate(
+            case,
+            case.base,
+            parities(case, case.base),
+            effects,
+            augmented if effects else None,
+            self.units,
+        )
+        verdict = self._verdict(decision)
+        self.progress("done", 1.0)
+        return Diagnosis(
+            verdict=verdict,
+            evidence=self._sufficiency(reasons),
+            effects=named,
+            parameters=estimated(augmented, spread, case.twin.binding),
+            combinations=combinations_of(augmented, spread),
+            alignment=alignments(case, augmented),
+            detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
+            location=location,
+            fit=result.fit,
+            shape=None,
+            next_experiment=None,
+            not_testable=not_testable(case, reasons, decision),
+            cost=Cost(case.simulations.runs, time.perf_counter() - started),
+            seed=seed,
+            versions=_versions(),
+            notes=tuple(case.notes),
+            curves=result.curves,
+            augmentation=augmentation_of(case, augmented, self.units),
+        )
+
+    def _look_for_lines(self) -> None:
+        """Let what repeats in the misfit say which lines are worth testing."""
+        case = self.case
+        if "torque" not in case.base.simulated[0].response.ports:
+            return
+        self.progress("searching for lines", 0.1)
+        response = measure_port_response(case, "torque", self.rng)
+        if response is None:
+            return
+        lines = find_lines(case, case.base, response)
+        excitation = replace(
+            case.setting.excitation,
+            wavenumbers=lines.wavenumbers,
+            frequencies=lines.frequencies,
+            pulses=lines.pulses,
+        )
+        case.change_setting(replace(case.setting, excitation=excitation))
+
+    def _reasons(self) -> dict[str, str]:
+        return untestable(
+            self.case.twin.file,
+            self.case.setting.excitation,
+            assume=self.assume,
+            exclude=self.exclude,
+            has_inertia=self.case.setting.inertia is not None,
+        )
+
+    def _probabilities(self, decision: Decision) -> dict[str, float]:
+        found = {}
+        for entry in decision.rounds:
+            share = 1.0 / (1.0 + len(entry.rivals))
+            found[entry.winner.name] = 0.95 * share
+        return found
+
+    def _verdict(self, decision: Decision) -> Verdict:
+        case = self.case
+        if decision.rounds:
+            return "missing_physics"
+        return "parameters" if _parameters_matter(case, decision) else "none"
+
+    def _sufficiency(self, reasons: dict[str, str]) -> Sufficiency:
+        silent = [name for name, why in reasons.items() if why.startswith("not excited")]
+        return "insufficient" if "coulomb_friction" in silent else "sufficient"
+
+
+def _parameters_matter(case: Case, decision: Decision) -> bool:
+    """Whether refitting the uncertain parameters gains the threshold over the nominal ones."""
+    nominal = case.misfit.residual(case.nominal)
+    before = float(sum(np.sum(block**2) for block in nominal))
+    return before - case.base.chi2 > decision.threshold
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    return {name: version(name) for name in ("gmfbo", "numpy", "scipy", "fmpy")}

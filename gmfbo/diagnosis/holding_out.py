@@ -1,0 +1,107 @@
+"""Which stretches are fitted and which are only scored."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.misfit import Blocks, Misfit
+
+_WHOLE_FROM = 3  # recordings, from which whole ones are held out
+_SHARE = 0.3  # of the recordings
+
+
+@dataclass(frozen=True)
+class Split:
+    """Windows of a case, in two.
+
+    Attributes
+    ----------
+    fitted, held_out : tuple of int
+        Windows.
+    names_fitted, names_held_out : tuple of str
+        Recordings, with the stretch of time where one is cut.
+    """
+
+    fitted: tuple[int, ...]
+    held_out: tuple[int, ...]
+    names_fitted: tuple[str, ...]
+    names_held_out: tuple[str, ...]
+
+
+def split_of(case: Case, shows: Blocks | None) -> Split:
+    """Hold out whole recordings where there are three, else the last stretch of each.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    shows : Blocks or None
+        What the named physics changes: a recording that shows it well, though not the one that
+        shows it best, is held out, so that the score says something.
+    """
+    windows, records = case.budget.windows, case.simulations.records
+    count = len(records)
+    if count >= _WHOLE_FROM:
+        strength = np.zeros(count)
+        if shows is not None:
+            for window, block in zip(windows, shows, strict=True):
+                strength[window.record] += float(block @ block)
+        order = np.argsort(-strength, kind="stable")
+        out = set(order[1 : 1 + max(1, round(_SHARE * count))].tolist())
+        fitted = tuple(i for i, w in enumerate(windows) if w.record not in out)
+        held = tuple(i for i, w in enumerate(windows) if w.record in out)
+        names = [record.name for record in records]
+        return Split(
+            fitted,
+            held,
+            tuple(n for k, n in enumerate(names) if k not in out),
+            tuple(n for k, n in enumerate(names) if k in out),
+        )
+    last = {w.record: i for i, w in enumerate(windows)}
+    held = tuple(
+        i for i in last.values() if sum(w.record == windows[i].record for w in windows) > 1
+    )
+    fitted = tuple(i for i in range(len(windows)) if i not in held)
+    return Split(fitted, held, _stretches(case, fitted), _stretches(case, held))
+
+
+def restricted(misfit: Misfit, chosen: Sequence[int]) -> Misfit:
+    """Return the misfit of some of the windows.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Of all windows.
+    chosen : sequence of int
+        Which.
+    """
+    return replace(misfit, whiteners=tuple(misfit.whiteners[i] for i in chosen))
+
+
+def rows_of(case: Case, chosen: Sequence[int], record: int, signal: int) -> NDArray[np.int64]:
+    """Rows of one signal that lie in the chosen windows."""
+    pieces = [
+        np.arange(w.rows[signal].start, w.rows[signal].stop)
+        for w in (case.budget.windows[i] for i in chosen)
+        if w.record == record
+    ]
+    return np.concatenate(pieces) if pieces else np.zeros(0, dtype=np.int64)
+
+
+def _stretches(case: Case, chosen: Sequence[int]) -> tuple[str, ...]:
+    names = []
+    for k, record in enumerate(case.simulations.records):
+        rows = rows_of(case, chosen, k, 0)
+        if not rows.size:
+            continue
+        time = record.signals[0].time
+        if rows.size == time.size:
+            names.append(record.name)
+        else:
+            names.append(f"{record.name} [{time[rows[0]]:.3g}, {time[rows[-1]]:.3g}] s")
+    return tuple(names)

@@ -1,0 +1,196 @@
+"""How much better the augmented twin is on recordings that it was not fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.curve import Curve
+from gmfbo.diagnosis.fit_table import Fit, SignalFit
+from gmfbo.diagnosis.fitting import Fitted, fit
+from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
+from gmfbo.diagnosis.hypothesis import Hypothesis
+from gmfbo.diagnosis.misfit import Misfit, chi2
+from gmfbo.diagnosis.simulations import EFFORT, Simulated
+
+
+@dataclass(frozen=True, eq=False)
+class Validated:
+    """Models fitted on some recordings, scored on others.
+
+    Attributes
+    ----------
+    fit : Fit
+        The table.
+    curves : tuple of Curve
+        Recorded and simulated signals of all recordings.
+    parameters_only, augmented : Fitted
+        The twin with its parameters refitted, and with the named physics too; one and the same
+        where nothing was named.
+    """
+
+    fit: Fit
+    curves: tuple[Curve, ...]
+    parameters_only: Fitted
+    augmented: Fitted
+
+
+def validate(
+    case: Case,
+    model: Fitted,
+    split: Split,
+    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+) -> Validated:
+    """Refit on the fitted windows alone, and score on the others.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    model : Fitted
+        The twin with all named physics, where the refit starts.
+    split : Split
+        Which windows are fitted.
+    unnamed : sequence of sequences of ndarray, optional
+        Change of each recording's signals by a model without a name.
+    """
+    chosen = split.fitted or tuple(range(len(case.budget.windows)))
+    misfit = restricted(case.misfit, chosen)
+    plain = _refitted(misfit, case.base)
+    augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
+    scored = split.held_out or chosen
+    signals = _table(case, scored, plain, augmented, unnamed)
+    removed = _removed(case, scored, plain, augmented) if model.hypothesis.effects else None
+    table = Fit(split.names_fitted, split.names_held_out, signals, removed)
+    return Validated(table, _curves(case, plain, augmented), plain, augmented)
+
+
+def _refitted(misfit: Misfit, model: Fitted) -> Fitted:
+    hypothesis = Hypothesis(model.hypothesis.setting, model.hypothesis.effects)
+    again = fit(misfit, hypothesis, model.parameters, parallel=True, iterations=6)
+    assert again is not None, "it was simulated at these values before"
+    return again
+
+
+def _table(
+    case: Case,
+    scored: Sequence[int],
+    plain: Fitted,
+    augmented: Fitted,
+    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+) -> dict[str, SignalFit]:
+    names = [s.name for record in case.simulations.records for s in record.signals]
+    table = {}
+    for name in dict.fromkeys(names):
+        nominal = _nrmse(case, scored, name, case.nominal)
+        table[name] = SignalFit(
+            nominal=nominal,
+            parameters_only=_nrmse(case, scored, name, plain.simulated),
+            augmented=(
+                _nrmse(case, scored, name, augmented.simulated)
+                if augmented.hypothesis.effects
+                else float("nan")
+            ),
+            unnamed_spline=(
+                float("nan")
+                if unnamed is None
+                else _nrmse(case, scored, name, case.base.simulated, unnamed)
+            ),
+            noise_floor=_floor(case, scored, name),
+        )
+    return table
+
+
+def _nrmse(
+    case: Case,
+    scored: Sequence[int],
+    name: str,
+    simulated: Sequence[Simulated],
+    added: Sequence[Sequence[NDArray[np.float64]]] | None = None,
+) -> float:
+    """RMS error over the range of the recorded signal, over all scored rows."""
+    square, count, low, high = 0.0, 0, np.inf, -np.inf
+    for k, record in enumerate(case.simulations.records):
+        for i, signal in enumerate(record.signals):
+            rows = rows_of(case, scored, k, i)
+            if signal.name != name or not rows.size:
+                continue
+            residual = signal.values - simulated[k].signals[i]
+            if added is not None:
+                residual = residual - added[k][i]
+            square += float(np.sum(residual[rows] ** 2))
+            count += rows.size
+            low = min(low, float(signal.values[rows].min()))
+            high = max(high, float(signal.values[rows].max()))
+    extent = _extent(case, name, high - low)
+    return float(np.sqrt(square / count) / extent) if count and extent > 0.0 else float("nan")
+
+
+def _extent(case: Case, name: str, recorded: float) -> float:
+    """Range of a signal; that of the torque shown, for an effort which should be nothing."""
+    return case.setting.excitation.torque if name == EFFORT else recorded
+
+
+def _floor(case: Case, scored: Sequence[int], name: str) -> float:
+    """What noise alone leaves: the loop's answer to the sensor's noise and the signal's own."""
+    squares, extents = [], []
+    for k, record in enumerate(case.simulations.records):
+        for i, signal in enumerate(record.signals):
+            rows = rows_of(case, scored, k, i)
+            if signal.name != name or not rows.size:
+                continue
+            through = case.budget.loop_noise[k]
+            loop = float(np.mean([np.mean(c[i] ** 2) for c in through])) if through else 0.0
+            squares.append(loop + case.budget.own_variances[k][i])
+            extents.append(signal.values[rows])
+    if not squares:
+        return float("nan")
+    values = np.concatenate(extents)
+    extent = _extent(case, name, float(np.ptp(values)))
+    return float(np.sqrt(np.mean(squares)) / extent) if extent > 0.0 else float("nan")
+
+
+def _removed(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted) -> float | None:
+    """Share of the explainable whitened error that is gone; None where there is none."""
+    whole = Misfit(case.simulations, case.budget.whiteners())
+    misfit = restricted(whole, scored)
+    before, after = (
+        chi2(misfit.residual(plain.simulated)),
+        chi2(misfit.residual(augmented.simulated)),
+    )
+    floor = float(sum(w.n_residuals for w in misfit.whiteners))
+    if before - floor < 2.0 * np.sqrt(2.0 * floor):
+        return None
+    return float((before - after) / (before - floor))
+
+
+def _curves(case: Case, plain: Fitted, augmented: Fitted) -> tuple[Curve, ...]:
+    units = {
+        name: case.twin.binding.variables[entry.variable].variable.si_unit
+        for name, entry in case.twin.file.outputs.items()
+    }
+    curves = []
+    for k, record in enumerate(case.simulations.records):
+        for i, signal in enumerate(record.signals):
+            named = bool(augmented.hypothesis.effects)
+            curves.append(
+                Curve(
+                    recording=record.name,
+                    signal=signal.name,
+                    unit=units.get(signal.name, ""),
+                    time=signal.time,
+                    recorded=signal.values,
+                    nominal=case.nominal[k].signals[i],
+                    parameters_only=plain.simulated[k].signals[i],
+                    augmented=(
+                        augmented.simulated[k].signals[i]
+                        if named
+                        else np.full(signal.values.size, np.nan)
+                    ),
+                )
+            )
+    return tuple(curves)
