@@ -282,11 +282,10 @@ class AugmentedTwin:
             columns.append(np.repeat(padded, self.substeps))
         if measured is not None:
             rows = np.arange(len(plan.inputs)) / self.substeps - plan.lead
-            columns.append(np.interp(rows, np.arange(measured.size), measured))
-            ports += [
-                instance.variables["tracking.measured"].port(first + len(columns) - 1)
-                for instance in self._augmented.physics
-            ]
+            column = np.interp(rows, np.arange(measured.size), measured)
+            for instance in self._augmented.physics:
+                ports.append(instance.variables["tracking.measured"].port(first + len(columns)))
+                columns.append(column)
         return ports, columns
 
     def _outputs(self, first: int) -> list[Port]:
