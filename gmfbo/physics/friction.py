@@ -9,8 +9,8 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units
 
-# Below half a percent of the command range, friction was never told from model error.
-FLOOR_SHARE = 0.005
+# The decision rests on evidence; this share of the range is where a drive engineer stops caring.
+FLOOR_SHARE = 4e-4
 
 
 def floor(excitation: Excitation) -> float:

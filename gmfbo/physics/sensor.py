@@ -7,4 +7,4 @@ from gmfbo.physics.excitation import Excitation
 
 def floor(excitation: Excitation) -> float:
     """Smallest error of the reading that is claimed, in the unit of the position."""
-    return max(3.0 * excitation.resolution, 2e-4 * excitation.stroke)
+    return max(0.5 * excitation.resolution, 2e-5 * excitation.stroke)
