@@ -15,6 +15,7 @@ from gmfbo.diagnosis.simulations import Simulated
 
 _ITERATIONS = 10
 _TOLERANCE = 3e-4  # of chi2: far below what separates two hypotheses
+_FLAT = 1e-12  # gradient where parameters change nothing, as in a recording at rest
 _HOPELESS = 1e4  # residual that stands for a run which ended early
 
 
@@ -109,7 +110,7 @@ def fit(
             x_scale=hypothesis.scales,
             ftol=_TOLERANCE,
             xtol=1e-4,
-            gtol=None,
+            gtol=_FLAT,
             max_nfev=iterations,
         )
         x = solution.x

@@ -53,6 +53,8 @@ class NullGains:
         rng : numpy Generator
             Source of the draws.
         """
+        if not self._probes:
+            return LEAST_THRESHOLD
         draws = tuple(rng.standard_normal((size, _DRAWS)) for size in self._sizes)
         return max(LEAST_THRESHOLD, float(np.quantile(self.largest(draws), _QUANTILE)))
 

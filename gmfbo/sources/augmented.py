@@ -191,7 +191,7 @@ class AugmentedTwin:
         excitation : mapping of str to ndarray, shape (rows,)
             [FMU's unit] Added to a port from each communication point on.
         measured : ndarray, shape (rows,)
-            [FMU's unit] Position that the tracking loop follows, linear between rows.
+            [FMU's unit] Position that the tracking loop follows, a cubic spline between rows.
 
         Raises
         ------
@@ -282,7 +282,7 @@ class AugmentedTwin:
             columns.append(np.repeat(padded, self.substeps))
         if measured is not None:
             rows = np.arange(len(plan.inputs)) / self.substeps - plan.lead
-            column = np.interp(rows, np.arange(measured.size), measured)
+            column = _between_rows(measured, rows)
             for instance in self._augmented.physics:
                 ports.append(instance.variables["tracking.measured"].port(first + len(columns)))
                 columns.append(column)
@@ -321,3 +321,18 @@ class AugmentedTwin:
             column += 1
         effort = y[after, column] if "torque" in ports else np.zeros(points.size)
         return Response(outcome, held, new, states, ports, effort)
+
+
+def _between_rows(measured: NDArray[np.float64], rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Recorded column at fractional rows; its slope at a row is that of the motion.
+
+    Straight lines would lag the velocity by half a step, and the tracking loop would take that
+    for an inertia of its damping times half a step.
+    """
+    from scipy.interpolate import CubicSpline
+
+    inside = np.clip(rows, 0.0, measured.size - 1.0)
+    if measured.size < 4 or not np.all(np.isfinite(measured)):
+        return np.interp(inside, np.arange(measured.size), measured)
+    spline: NDArray[np.float64] = CubicSpline(np.arange(measured.size), measured)(inside)
+    return spline
