@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.case import Case, open_case
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
+from gmfbo.diagnosis.port_response import PortResponse, between_points, measure_port_response
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.seen_from_port import whitened_columns
 from gmfbo.physics import States
@@ -21,7 +21,9 @@ from gmfbo.sources.models import models_folder
 
 SERVO = models_folder() / "servo_axis.toml"
 GAINS = {"kp": 40.0, "kd": 0.8}
+Law = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 _TRUTH = {"inertia": 0.0105, "viscous": 0.03}
+_ROUNDS = 5  # after which a law and the motion under it agree
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +59,13 @@ def port_case(case: Case) -> PortCase:
     return PortCase(case, response)
 
 
-def open_servo(physics: Mapping[str, float], twin: FmuTwin | None = None) -> Case:
-    """Open the case of a servo axis that moves with hidden physics and a sensor's noise."""
+def open_servo(
+    physics: Mapping[str, float], twin: FmuTwin | None = None, law: Law | None = None
+) -> Case:
+    """Open the case of a servo axis that moves with hidden physics and a sensor's noise.
+
+    A hidden law gives a torque for each velocity and position; the recordings satisfy it.
+    """
     rng = np.random.default_rng(5)
     recordings = []
     with AugmentedTwin(FmuTwin(SERVO), substeps=10) as simulator:
@@ -66,11 +73,16 @@ def open_servo(physics: Mapping[str, float], twin: FmuTwin | None = None) -> Cas
             asked = Recording(
                 time=time, signals={"reference": reference}, name=f"rec{k}.csv", parameters=GAINS
             )
-            noise = 3e-5 * rng.standard_normal(time.size)
+            added = {"sensor": 3e-5 * rng.standard_normal(time.size)}
             plan = simulator.plan(asked, _TRUTH)
-            held = simulator.run(plan, _TRUTH, physics, excitation={"sensor": noise}).held
-            command = held["torque_command"] + 0.02 * rng.standard_normal(time.size)
-            signals = {"position": held["position"], "torque_command": command}
+            run = simulator.run(plan, _TRUTH, physics, excitation=added)
+            for _ in range(_ROUNDS):
+                if law is None:
+                    break
+                torque = between_points(law(run.states["velocity"], run.states["position"]))
+                run = simulator.run(plan, _TRUTH, physics, excitation={**added, "torque": torque})
+            command = run.held["torque_command"] + 0.02 * rng.standard_normal(time.size)
+            signals = {"position": run.held["position"], "torque_command": command}
             recordings.append(
                 replace(asked, signals={**asked.signals, **signals}, written_by="test")
             )
@@ -84,7 +96,7 @@ def opened(twin: FmuTwin, recordings: Sequence[Recording]) -> Case:
 
 def _references() -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """A multisine, two moves and a triangle of two seconds each."""
-    t = 1e-3 * np.arange(2000)
+    t: NDArray[np.float64] = 1e-3 * np.arange(2000, dtype=np.float64)
     tones = [(0.7, 0.1), (1.3, 2.0), (2.9, 4.2), (5.1, 5.5)]
     multisine = np.sum([0.15 * np.sin(2.0 * np.pi * f * t + p) for f, p in tones], axis=0)
     moves = np.clip((t - 0.2) * 4.0, 0.0, 1.0) - np.clip((t - 1.1) * 3.0, 0.0, 1.5)

@@ -47,13 +47,14 @@ def test_cogging_is_found_at_its_whole_cycles_a_turn(servo: PortCase, wavenumber
     base = servo.with_torque(waves(servo, {wavenumber: 0.02}), seed=1)
     found = find_lines(servo.case, base, servo.response)
     assert found.wavenumbers == (wavenumber,)
-    assert found.frequencies == found.pulses == ()
+    assert found.frequencies == ()
+    assert found.pulses == ()
 
 
 def test_a_line_between_whole_cycles_stays_there(servo: PortCase) -> None:
     base = servo.with_torque(waves(servo, {28.4: 0.1}), seed=2)
     found = find_lines(servo.case, base, servo.response)
-    assert found.wavenumbers == (pytest.approx(28.4, abs=0.1),)
+    np.testing.assert_allclose(found.wavenumbers, [28.4], atol=0.1)
 
 
 def test_several_lines_come_strongest_first(servo: PortCase) -> None:
@@ -75,13 +76,13 @@ def test_a_line_over_time_is_told_from_one_over_position(servo: PortCase) -> Non
     torques = [0.05 * np.sin(2.0 * np.pi * 13.3 * s.time + 1.0) for s in servo.states]
     found = find_lines(servo.case, servo.with_torque(torques, seed=5), servo.response)
     assert found.wavenumbers == ()
-    assert found.frequencies == (pytest.approx(13.3, abs=0.05),)
+    np.testing.assert_allclose(found.frequencies, [13.3], atol=0.05)
 
 
 def test_a_pulse_is_found_in_its_recording_to_a_hundredth_of_a_second(servo: PortCase) -> None:
     torques = [np.zeros(rows) for rows in servo.response.rows]
     time = servo.states[1].time
-    torques[1] = 0.1 * ((time >= 0.9) & (time < 1.02))
+    torques[1] = np.where((time >= 0.9) & (time < 1.02), 0.1, 0.0)
     found = find_lines(servo.case, servo.with_torque(torques, seed=6), servo.response)
     (pulse,) = found.passing
     assert pulse.record == 1

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.impulse_response import impulse_responses, random_binary, sampling
@@ -53,8 +54,8 @@ def test_a_random_binary_signal_is_silent_first_and_then_only_switches() -> None
 
 @given(st.floats(0.0, 3.0), st.floats(0.3, 4.0), st.integers(0, 2**31))
 def test_spreading_is_the_transpose_of_reading(offset: float, ratio: float, seed: int) -> None:
-    grid = 1e-3 * np.arange(50)
-    time = 1e-3 * np.arange(offset, 49.0, ratio)
+    grid = np.linspace(0.0, 0.049, 50)
+    time: NDArray[np.float64] = 1e-3 * np.arange(offset, 49.0, ratio, dtype=np.float64)
     samples = sampling(grid, time)
     rng = np.random.default_rng(seed)
     column, values = rng.standard_normal(50), rng.standard_normal(time.size)
@@ -137,7 +138,7 @@ def test_the_effort_that_holds_an_open_plant_answers_a_torque_by_its_opposite() 
 
 
 def _bench_recording() -> Recording:
-    time = 1e-3 * np.arange(2000)
+    time: NDArray[np.float64] = 1e-3 * np.arange(2000, dtype=np.float64)
     current = 2.0 * np.sin(2.0 * np.pi * 2.0 * time)
     with AugmentedTwin(FmuTwin(BENCH), substeps=10) as simulator:
         alone = Recording(time=time, signals={"current": current}, name="bench.csv")

@@ -35,7 +35,7 @@ def test_the_field_of_a_residual_gives_every_torques_share_in_it(servo: PortCase
     rng = np.random.default_rng(1)
     torques = [rng.standard_normal(rows) for rows in servo.response.rows]
     columns = whitened_columns(servo.case.misfit, servo.response, [t[None] for t in torques])
-    residual = tuple(rng.standard_normal(block.shape[1]) for block in columns)
+    residual = tuple(np.array(rng.standard_normal(block.shape[1])) for block in columns)
     there = sum(float(c[0] @ r) for c, r in zip(columns, residual, strict=True))
     seen = fields(servo.case.misfit, servo.response, residual)
     assert sum(float(s @ t) for s, t in zip(seen, torques, strict=True)) == pytest.approx(there)

@@ -1,0 +1,162 @@
+"""Torques without a law: piecewise linear over a state, each knot's value free."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from gmfbo.diagnosis.port_response import between_points
+from gmfbo.physics import States
+
+Array = NDArray[np.float64]
+
+_SPEED_SHARES = (0.004, 0.02, 0.08, 0.2, 0.4, 0.68, 1.0)  # of the range: laws bend near standstill
+_POSITION_KNOTS = 11
+_TIME_KNOTS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Torques that depend on one state in any way.
+
+    Attributes
+    ----------
+    name : {"velocity", "position", "signed_position", "time"}
+        Which.
+    against : str
+        The state, in words.
+    unit : {"velocity", "position", "time"}
+        Quantity that the knots are in.
+    knots : ndarray, shape (n_knots,)
+        Rising values of the state.
+    turn : ndarray, shape (n_values, n)
+        Values at the knots by each free number.
+    bends : ndarray of bool, shape (n,)
+        Free numbers that a prior holds back; not so a level and a slope.
+    columns : tuple of ndarray, shape (n, rows)
+        Of each recording: torque along it by each free number alone.
+    """
+
+    name: str
+    against: str
+    unit: str
+    knots: Array
+    turn: Array
+    bends: NDArray[np.bool_]
+    columns: tuple[Array, ...]
+
+    @property
+    def shared(self) -> bool:
+        """All recordings have the same values; else one set of knots after the other."""
+        return len(self.turn) == self.knots.size
+
+
+def families(states: Sequence[States]) -> list[Family]:
+    """All families over what recordings show.
+
+    Parameters
+    ----------
+    states : sequence of States
+        Of each recording.
+    """
+    found = [_of_velocity(states), _of_position(states), _of_signed_position(states)]
+    return [*(family for family in found if family is not None), _of_time(states)]
+
+
+def hats(values: Array, knots: Array) -> Array:
+    """Triangles that are one at their knot and zero at the next, shape (n_knots, n_values).
+
+    Beyond the outermost knots their triangles stay one: a torque does not end there.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n_values,)
+        Of the state.
+    knots : ndarray, shape (n_knots,)
+        Rising.
+    """
+    return np.array([np.interp(values, knots, row) for row in np.eye(knots.size)])
+
+
+def hinges(knots: Array) -> Array:
+    """Values at the knots by a level, a slope, and a bend at each inner knot, shape (n, n).
+
+    Without bends a line goes on beyond what was seen, which hats would not know of.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (n,)
+        Rising.
+    """
+    if knots.size == 1:
+        return np.ones((1, 1))
+    extent = knots[-1] - knots[0]
+    bends = np.maximum(knots[:, None] - knots[None, 1:-1], 0.0) / extent
+    return np.column_stack([np.ones(knots.size), (knots - knots[0]) / extent, bends])
+
+
+def _of_velocity(states: Sequence[States]) -> Family | None:
+    velocity = np.concatenate([s.velocity for s in states])
+    forth, back = float(np.quantile(velocity, 0.998)), -float(np.quantile(velocity, 0.002))
+    fastest = max(forth, back)
+    if fastest <= 0.0:
+        return None
+    shares = np.array(_SPEED_SHARES)
+    slowest = 2.0 * shares[0] * fastest
+    above = shares * forth if forth > slowest else np.zeros(0)
+    below = -shares[::-1] * back if back > slowest else np.zeros(0)
+    knots = np.concatenate([below, [0.0], above])
+    # Each direction is a curve of its own: what opposes the motion jumps at standstill.
+    turn = block_diag(*(hinges(side) for side in (below, np.zeros(1), above) if side.size))
+    bends = np.concatenate([_inner(side) for side in (below, np.zeros(1), above)])
+    columns = tuple(between_points(turn.T @ hats(s.velocity, knots)) for s in states)
+    return Family("velocity", "velocity", "velocity", knots, turn, bends, columns)
+
+
+def _of_position(states: Sequence[States]) -> Family | None:
+    knots = _position_knots(states)
+    if knots is None:
+        return None
+    turn = hinges(knots)
+    columns = tuple(between_points(turn.T @ hats(s.position, knots)) for s in states)
+    return Family("position", "position", "position", knots, turn, _inner(knots), columns)
+
+
+def _of_signed_position(states: Sequence[States]) -> Family | None:
+    knots = _position_knots(states)
+    if knots is None:
+        return None
+    turn = hinges(knots)
+    columns = tuple(
+        between_points(s.direction * (turn.T @ hats(s.position, knots))) for s in states
+    )
+    against = "position, with the sign of the velocity"
+    return Family("signed_position", against, "position", knots, turn, _inner(knots), columns)
+
+
+def _inner(knots: Array) -> NDArray[np.bool_]:
+    return np.arange(knots.size) >= 2
+
+
+def _position_knots(states: Sequence[States]) -> Array | None:
+    position = np.concatenate([s.position for s in states])
+    low, high = float(position.min()), float(position.max())
+    return np.linspace(low, high, _POSITION_KNOTS) if high > low else None
+
+
+def _of_time(states: Sequence[States]) -> Family:
+    """Values of its own for each recording, over the longest one's time."""
+    start = min(float(s.time[0]) for s in states)
+    end = max(float(s.time[-1]) for s in states)
+    knots = np.linspace(start, end, _TIME_KNOTS)
+    columns = []
+    for k, s in enumerate(states):
+        column = np.zeros((len(states) * knots.size, s.time.size))
+        column[k * knots.size : (k + 1) * knots.size] = between_points(hats(s.time, knots))
+        columns.append(column)
+    n = len(states) * knots.size
+    return Family("time", "time", "time", knots, np.eye(n), np.ones(n, dtype=bool), tuple(columns))
