@@ -306,16 +306,24 @@ def size_for_gain(
     oracle: Oracle,
     target: float,
 ) -> float:
-    """Size at which the oracle gains about `target`, within what is plausible; by bisection."""
+    """Size at which the oracle gains about `target`, within what is plausible; by bisection.
+
+    A loop that no longer holds, and swings to twice what was asked, is not plausible.
+    """
     low, high = np.log(hidden.low(setting)), np.log(hidden.high(setting))
-    for _ in range(9):
+    reach = [2.0 * np.max(np.abs(run.position)) for run in oracle.runs({})]
+    for _ in range(10):
         middle = 0.5 * (low + high)
         try:
-            weaker = oracle.quick_gain(shaped(float(np.exp(middle)))) < target
+            runs = oracle.runs(shaped(float(np.exp(middle))))
+            bounded = all(
+                np.max(np.abs(run.position)) < most for run, most in zip(runs, reach, strict=True)
+            )
+            weaker = bounded and oracle.quick_gain(runs) < target
         except Diverged:
             weaker = False
         if weaker:
             low = middle
         else:
             high = middle
-    return float(f"{np.exp(0.5 * (low + high)):.4g}")
+    return float(f"{np.exp(low):.4g}")

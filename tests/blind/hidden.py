@@ -382,7 +382,7 @@ EFFECTS: dict[str, Hidden] = {
     ),
     "thermal_derating": Hidden(_heat, "command", _DRIVE, _TIME, _fixed(1e-5), _fixed(0.4)),
     "supply_voltage_limit": Hidden(
-        _supply, "command", _DRIVE, ("velocity", "command"), _fixed(1e-3), _fixed(0.8), "active"
+        _supply, "command", _DRIVE, ("velocity", "command"), _fixed(1e-4), _fixed(0.8), "active"
     ),
     "magnetic_saturation": Hidden(_iron, "command", _DRIVE, _COMMAND, _fixed(1e-4), _fixed(0.5)),
     "sensor_eccentricity": Hidden(

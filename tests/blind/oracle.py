@@ -161,9 +161,8 @@ class Oracle:
         ]
         return np.linalg.qr(np.array(columns).T)[0]
 
-    def quick_gain(self, changes: Mapping[str, float]) -> float:
-        """Gain with the parameters' influence taken as linear: to choose a size by."""
-        true = self.runs(changes)
+    def quick_gain(self, true: Sequence[TrueRun]) -> float:
+        """Gain of true runs with the parameters' influence taken as linear: to choose a size."""
         e = self._residual([_signals(a) - b for a, b in zip(true, self._nominal, strict=True)])
         basis = self._sensitivities
         return float(e @ e - np.sum((basis.T @ e) ** 2))
