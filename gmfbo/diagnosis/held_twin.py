@@ -14,7 +14,9 @@ from gmfbo.diagnosis.ranges import tracking_loop
 from gmfbo.diagnosis.simulations import Simulated
 from gmfbo.sources.augmented import Response
 
-_DISTURBANCE = 0.05  # of the torque's range: what a null simulation hides
+DISTURBANCE = 0.05
+"""Share of the torque's range that a null simulation hides."""
+
 _DISTURBANCE_HZ = 7.0
 
 Column = NDArray[np.float64]
@@ -101,9 +103,9 @@ class HeldTwin:
         ports = self.base.simulated[k].response.ports
         hidden: dict[str, Column] = {}
         if "torque" in ports:
-            hidden = {"torque": _DISTURBANCE * excitation.torque * pattern}
+            hidden = {"torque": DISTURBANCE * excitation.torque * pattern}
         elif "command" in ports:
-            hidden = {"command": _DISTURBANCE * excitation.command * pattern}
+            hidden = {"command": DISTURBANCE * excitation.command * pattern}
         point = self.base.hypothesis.point(self.base.x)
         return self.case.simulations.run_one(point, k, excitation=hidden)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.budget import TOLERANCE
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.held_twin import HeldTwin, hold, mean_effort
+from gmfbo.diagnosis.held_twin import DISTURBANCE, HeldTwin, hold, mean_effort
 from gmfbo.diagnosis.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
 from gmfbo.diagnosis.parity import Parity, block_rows, block_spread, fast_noise
 from gmfbo.diagnosis.simulations import Simulated
@@ -105,13 +105,19 @@ class _Checks:
             for name in ("controller", "plant"):
                 self.why_not.setdefault(name, "the twin cannot be held on its recordings")
             return Parities(None, None, transmission, self.why_not)
-        controller: Parity | None = None
-        logged: dict[str, float] = {}
-        if self.command is not None and twin.feeds_controller and self._null_passes(twin):
-            controller, logged = self._controller(held, self.command)
-        plant = None
+        efforts = []
         if twin.holds_plant:
             efforts = [twin.effort(m, run) for m, run in zip(measured, held, strict=True)]
+        controller: Parity | None = None
+        logged: dict[str, float] = {}
+        if self.command is not None and twin.feeds_controller:
+            leak = self._leak(twin, self.command)
+            if leak is not None:
+                controller, logged = self._controller(
+                    held, self.command, leak * self._more(efforts)
+                )
+        plant = None
+        if twin.holds_plant:
             if controller is not None and controller.fails:
                 efforts = self._under_recorded_command(efforts, controller)
             plant = self._plant(efforts, held, self._noise_of_effort(twin))
@@ -147,28 +153,37 @@ class _Checks:
 
     # ---- null simulations -------------------------------------------------------------------
 
-    def _null_passes(self, twin: HeldTwin) -> bool:
-        """Whether a command comes out that the twin itself computed under a hidden disturbance.
+    def _leak(self, twin: HeldTwin, command: str) -> float | None:
+        """Spread of a command that should come out; None where it does not come out at all.
 
-        Without the disturbance, the test would pass even if the sensor port fed nothing.
+        The twin itself computed the command, under a disturbance that is hidden now. Without the
+        disturbance, the test would pass even if the sensor port fed nothing.
         """
-        assert self.command is not None, "asked only where the command is known"
         k = twin.busiest
         run = twin.disturbed(k)
         back = twin.run({k: twin.logged(k, run.response.held[twin.position])})
         if not run.finite or back is None:
             self.why_not["controller"] = "a null simulation of it did not run to its end"
-            return False
-        residual = run.response.held[self.command] - back[0].held[self.command]
+            return None
+        residual = run.response.held[command] - back[0].held[command]
         spread = block_spread([self.grids[k]], [self._scored(k, residual)])
-        noise = self._command_noise(self.command, self.case.noise[self.command].total)
+        noise = self._command_noise(command, self.case.noise[command].total)
         if (spread / noise) ** 2 > _PASSES_BELOW:
             self.why_not["controller"] = (
                 "the twin's own command does not come out when its own measurement is fed back "
-                "through the sensor port: that port does not feed every path of the controller"
+                "through the sensor port: the port does not feed every path of the controller, "
+                "or the twin adds noise of its own"
             )
-            return False
-        return True
+            return None
+        return spread
+
+    def _more(self, efforts: Sequence[Column]) -> float:
+        """By how much the recordings' disturbance exceeds that of the null simulation."""
+        if not efforts:
+            return 1.0
+        hidden = DISTURBANCE * self.case.setting.excitation.torque
+        scored = [self._scored(k, effort) for k, effort in enumerate(efforts)]
+        return max(1.0, block_spread(self.grids, scored) / hidden)
 
     def _noise_of_effort(self, twin: HeldTwin) -> float:
         """Spread of the effort's block means that the recorded position's noise causes."""
@@ -183,7 +198,9 @@ class _Checks:
 
     # ---- residuals --------------------------------------------------------------------------
 
-    def _controller(self, held: Sequence[Response], name: str) -> tuple[Parity, dict[str, float]]:
+    def _controller(
+        self, held: Sequence[Response], name: str, leak: float
+    ) -> tuple[Parity, dict[str, float]]:
         both = {
             "held": [self._command_residual(k, name, r.held[name]) for k, r in enumerate(held)],
             "new": [self._command_residual(k, name, r.new[name]) for k, r in enumerate(held)],
@@ -194,6 +211,7 @@ class _Checks:
         columns = both["new" if name in self.case.simulations.new_rows else "held"]
         fast = float(np.median([fast_noise(column) for column in columns]))
         noise = self._command_noise(name, max(fast, self.case.noise[name].least))
+        noise = float(np.hypot(noise, leak))
         return Parity(tuple(columns), tuple(self.grids), noise, self._unit(name)), logged
 
     def _command_residual(self, k: int, name: str, computed: Column) -> Column:
