@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import percentile_filter
 
 from gmfbo.diagnosis.line_axes import Axis
 from gmfbo.diagnosis.misfit import Blocks
@@ -53,6 +54,8 @@ _RIVAL = 0.5  # of the better family's gain: then the other is tried as well
 _HARDLY = 0.01  # of a line's gain: lost for a whole number of cycles a turn
 _NORMS = 24  # points of the scan at which the size of a line's change is computed
 _PEAKS = 6  # of the scan, that are regressed in full
+_SURROUNDINGS = 161  # points of the scan around a peak, whose upper quartile it has to exceed
+_PROMINENT = 3.0  # times
 _CLIMBED = 2  # of those, the best are refined
 _REFINED = 4  # rounds of refinement, each to a third of the distance
 
@@ -75,6 +78,12 @@ class LineSearch:
         self._known: dict[float, Blocks] = {}
         self._sizes = self._interpolated_sizes()
 
+    @property
+    def _lowest(self) -> float:
+        """Place below which a line is an offset or a slope to these recordings."""
+        lowest = 0.5 * float(self._axis.places[0])
+        return min(lowest, 0.9) if self._axis.rounded else lowest
+
     def strongest(self, own: Blocks, least: float) -> list[Line]:
         """Lines found one after the other, each beyond those before it and other columns."""
         found: list[Line] = []
@@ -84,6 +93,8 @@ class LineSearch:
             if self._axis.rounded and self._axis.places[0] > 1.0:
                 # Once a turn (gravity, unbalance) shows in less than a turn.
                 peaks = np.append(peaks, 1.0)
+            if not peaks.size:
+                break
             gains = self._gains(peaks, with_found)
             best = Line(0.0, 0.0)
             for i in np.argsort(-gains)[:_CLIMBED]:
@@ -96,6 +107,10 @@ class LineSearch:
             if best.gain < LEAST_GAIN * excess:
                 break
             found = self._settled([*found, best], own)
+            if min(line.gain for line in found) < LEAST_GAIN * excess:
+                # Together they explain no more than fewer do.
+                found = [line for line in found if line.gain >= LEAST_GAIN * excess]
+                break
         return sorted(self._whole(found, own), key=lambda line: -line.gain)
 
     def beyond(self, better: Blocks, lines: Sequence[Line], best: float) -> list[Line]:
@@ -150,7 +165,9 @@ class LineSearch:
         reach = 0.5 * self._axis.resolution
         for _ in range(_REFINED):
             near = line.place + reach * np.array([-1.0, -0.5, 0.5, 1.0])
-            near = near[near > 0.0]
+            near = near[near > self._lowest]
+            if not near.size:
+                break
             gains = self._gains(near, own)
             i = int(np.argmax(gains))
             if gains[i] > line.gain:
@@ -202,8 +219,13 @@ class LineSearch:
 
 
 def _peaks(places: Array, values: Array) -> Array:
-    """Highest local maxima of a scan."""
+    """Highest local maxima of a scan that stand out of their surroundings.
+
+    What happens at one place only, such as at a reversal, is spread over all wavenumbers alike.
+    """
     padded = np.concatenate([[-np.inf], values, [-np.inf]])
-    local = np.flatnonzero((values >= padded[:-2]) & (values > padded[2:]))
-    highest = local[np.argsort(-values[local])][:_PEAKS]
+    surroundings = percentile_filter(values, 75, min(_SURROUNDINGS, values.size), mode="nearest")
+    local = (values >= padded[:-2]) & (values > padded[2:]) & (values > _PROMINENT * surroundings)
+    found = np.flatnonzero(local)
+    highest = found[np.argsort(-values[found])][:_PEAKS]
     return np.asarray(places[highest])

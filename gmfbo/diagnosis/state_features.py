@@ -39,6 +39,8 @@ class Family:
         Free numbers that a prior holds back; not so a level and a slope.
     columns : tuple of ndarray, shape (n, rows)
         Of each recording: torque along it by each free number alone.
+    shared : bool
+        All recordings have the same values; else one set of knots after the other.
     """
 
     name: str
@@ -48,11 +50,7 @@ class Family:
     turn: Array
     bends: NDArray[np.bool_]
     columns: tuple[Array, ...]
-
-    @property
-    def shared(self) -> bool:
-        """All recordings have the same values; else one set of knots after the other."""
-        return len(self.turn) == self.knots.size
+    shared: bool = True
 
 
 def families(states: Sequence[States]) -> list[Family]:
@@ -159,4 +157,5 @@ def _of_time(states: Sequence[States]) -> Family:
         column[k * knots.size : (k + 1) * knots.size] = between_points(hats(s.time, knots))
         columns.append(column)
     n = len(states) * knots.size
-    return Family("time", "time", "time", knots, np.eye(n), np.ones(n, dtype=bool), tuple(columns))
+    free = np.ones(n, dtype=bool)
+    return Family("time", "time", "time", knots, np.eye(n), free, tuple(columns), shared=False)
