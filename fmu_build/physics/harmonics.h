@@ -31,9 +31,9 @@ static inline double cogging_torque(const double *v, const Signals *s) {
                      v + V_cogging_torque_cosine_1, s->position);
 }
 
-/* Torque constant that varies with the angle, in proportion to the current's magnitude. */
+/* Torque constant that varies with the angle: in proportion to the current, sign and all. */
 static inline double torque_ripple(const double *v, const Signals *s) {
-    return fabs(s->current) * harmonics(2, v + V_torque_ripple_wavenumber_1,
+    return s->current * harmonics(2, v + V_torque_ripple_wavenumber_1,
                                         v + V_torque_ripple_sine_1, v + V_torque_ripple_cosine_1,
                                         s->position);
 }

@@ -39,7 +39,7 @@ static inline Signals signals_now(const double *v, const LastStep *last, double 
                      ? rate_of_change(s.position, last->position, last->step)
                      : v[V_state_velocity];
     s.acceleration = rate_of_change(s.velocity, last->velocity, last->step);
-    s.command = v[V_state_command];
+    s.command = v[V_settings_command_is_input] > 0.5 ? v[V_port_command] : v[V_state_command];
     s.current = chosen(v[V_settings_current_known]) ? v[V_state_current] : s.command;
     s.load_torque = chosen(v[V_settings_load_torque_known]) ? v[V_state_load_torque] : s.current;
     s.voltage = v[V_state_voltage];

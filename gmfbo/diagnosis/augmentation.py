@@ -63,7 +63,6 @@ class Augmentation:
             This twin cannot be exported.
         """
         from gmfbo.sources.export import export_augmented
-
         from gmfbo.sources.twin import FmuTwin
 
         twin = FmuTwin(self.twin) if isinstance(self.twin, (str, Path)) else self.twin

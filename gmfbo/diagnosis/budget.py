@@ -6,15 +6,15 @@ is coloured by the control loop even when the twin is perfect, so noise is sent 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import EFFORT, Simulated
+from gmfbo.diagnosis.records import Record, ScoredSignal
+from gmfbo.diagnosis.simulations import Simulated
 from gmfbo.diagnosis.whitening import Spectrum, Window
 
 TOLERANCE = 5e-3
@@ -45,8 +45,8 @@ class NoiseLevel:
 
 def noise_levels(
     records: Sequence[Record], simulated: Sequence[Simulated]
-) -> dict[str, NoiseLevel]:
-    """Estimate each signal's noise from the fastest part of its residual.
+) -> list[dict[str, NoiseLevel]]:
+    """Estimate each signal's noise from the fastest part of its residual, for each recording.
 
     Parameters
     ----------
@@ -55,23 +55,49 @@ def noise_levels(
     simulated : sequence of Simulated
         The same recordings simulated; parameters matter little at these frequencies.
     """
-    powers: dict[str, list[float]] = {}
-    least: dict[str, float] = {}
+    levels = []
     for record, run in zip(records, simulated, strict=True):
+        own = {}
         for signal, values in zip(record.signals, run.signals, strict=True):
-            residual = signal.values - values
-            powers.setdefault(signal.name, []).append(_fast_power(residual))
-            quantum = signal.resolution / np.sqrt(12.0)
-            small = _LEAST_NOISE * float(np.ptp(signal.values))
-            least[signal.name] = max(least.get(signal.name, 0.0), quantum, small, 1e-15)
-    return {
-        name: NoiseLevel(max(float(np.sqrt(np.median(p))), least[name]), least[name])
-        for name, p in powers.items()
-    }
+            own[signal.name] = noise_level(signal, signal.values - values)
+        levels.append(own)
+    return levels
 
 
-def _fast_power(residual: NDArray[np.float64]) -> float:
-    """Variance of white noise with the residual's spectrum near its Nyquist frequency."""
+def noise_level(signal: ScoredSignal, residual: NDArray[np.float64]) -> NoiseLevel:
+    """Noise of one signal.
+
+    Parameters
+    ----------
+    signal : ScoredSignal
+        As it was recorded.
+    residual : ndarray, shape (n,)
+        [SI] What of it is not motion.
+    """
+    quantum = signal.resolution / np.sqrt(12.0)
+    least = max(quantum, _LEAST_NOISE * float(np.ptp(signal.values)), 1e-15)
+    return NoiseLevel(max(float(np.sqrt(fast_power(residual))), least), least)
+
+
+def pooled(levels: Sequence[Mapping[str, NoiseLevel]], name: str) -> NoiseLevel | None:
+    """Median of one signal's noise over the recordings; None where none holds it."""
+    own = [level[name] for level in levels if name in level]
+    if not own:
+        return None
+    return NoiseLevel(
+        float(np.median([level.total for level in own])),
+        float(np.median([level.least for level in own])),
+    )
+
+
+def fast_power(residual: NDArray[np.float64]) -> float:
+    """Variance of white noise with the same spectrum near the Nyquist frequency.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        What is not motion.
+    """
     n = residual.size
     # The second difference keeps what leaks from slow parts out of the fast ones.
     spectrum = np.abs(np.fft.rfft(np.diff(residual, 2))) ** 2 / n
@@ -117,7 +143,7 @@ def tolerance_covariance(window: Window, record: Record, positions: frozenset[st
     positions : frozenset of str
         Signals that are positions.
     """
-    spectrum = window.spectra([s.values - s.values[0] for s in record.signals])
+    spectrum = window.spectra([_carrier(s) for s in record.signals])
     power = _octaves(np.abs(spectrum) ** 2, window.frequencies)
     shares = np.array([_share(signal.name, positions) for signal in record.signals], dtype=float)
     return _diagonal(power * shares**2)
@@ -167,9 +193,12 @@ def excess_of_repeats(
     return _diagonal(np.maximum(power - own, 0.0))
 
 
+def _carrier(signal: ScoredSignal) -> NDArray[np.float64]:
+    """What a tolerance is a share of: the torque that moves the shaft, for an effort."""
+    return signal.values - signal.values[0] if signal.driving is None else signal.driving
+
+
 def _share(name: str, positions: frozenset[str]) -> float:
-    if name == EFFORT:
-        return 0.0
     return POSITION_TOLERANCE if name in positions else TOLERANCE
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
-from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
+from gmfbo.diagnosis.budget import NoiseLevel, noise_level, noise_levels, pooled
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
 from gmfbo.diagnosis.misfit import Misfit, chi2
@@ -29,7 +30,7 @@ from gmfbo.diagnosis.ranges import (
     probe_torque,
     tracking_loop,
 )
-from gmfbo.diagnosis.records import Record, ScoredSignal, scored_record
+from gmfbo.diagnosis.records import Record, ScoredSignal, resolution, scored_record
 from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations, require_run
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
 from gmfbo.errors import RecordingError
@@ -38,11 +39,11 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin
 from gmfbo.sources.twin import FmuTwin
 
-FINEST_STEP_S = 1e-4
+FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
-_STEP_EXCESS = 0.25  # of the budget, by which a finer step may change the outputs
+_JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +99,8 @@ class Case:
         Which signal is what.
     nominal : list of Simulated
         The recordings, simulated by the twin as it is.
-    noise : mapping of str to NoiseLevel
-        Of each signal.
+    noise : dict of str to NoiseLevel
+        Of each signal, over all recordings.
     budget : Budget
         What is not physics.
     misfit : Misfit
@@ -243,20 +244,20 @@ class _Opening:
             loop_time = max(stiffness.loop_time, 2.0 * self.twin.step)
         excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
         setting = Setting(self._uncertain(), excitation, self.twin.file.roles.get("inertia"))
-        windows = windows_of(simulations.records, loop_time)
+        windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         misfit, base = self._first_fit(simulations, windows, rig, noise, setting, nominal)
         budget = self._budget(simulations, windows, rig, base, ratio)
         misfit = Misfit(simulations, budget.whiteners())
         refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
         assert refitted is not None, "it was simulated at these values a moment ago"
-        noise = noise_levels(simulations.records, refitted.simulated)
+        levels = noise_levels(simulations.records, refitted.simulated)
         return Case(
             self.twin,
             simulations,
             substeps,
             rig,
             nominal,
-            noise,
+            self._pooled(simulations, rig, levels),
             budget,
             misfit,
             setting,
@@ -302,7 +303,8 @@ class _Opening:
             measured.append(on_grid / rig.position_to_si)
             rows = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
             time = grid[rows]
-            effort = ScoredSignal(EFFORT, time, np.zeros(time.size), 0.0)
+            rate = np.gradient(np.gradient(savgol_filter(measured[-1], 15, 3), grid), grid)
+            effort = ScoredSignal(EFFORT, time, np.zeros(time.size), 0.0, own * rate[rows])
             records.append(replace(record, signals=(effort,)))
         simulations.tracking = tracking_loop(own, measured)
         simulations.replace_records(records)
@@ -333,8 +335,8 @@ class _Opening:
                     continue
                 held = simulations.read(run.response, k)[i]
                 new = simulations.read(replace(run.response, held=run.response.new), k)[i]
-                if np.array_equal(held, new):
-                    return False
+                if not _jumps(held, new):
+                    return False  # a measurement moves on slowly: it is not held anywhere
                 for key, values in (("held", held), ("new", new)):
                     squares[key] += float(np.sum(np.diff(signal.values - values) ** 2))
         return squares["new"] < squares["held"]
@@ -350,7 +352,7 @@ class _Opening:
         simulations: Simulations,
         nominal: Sequence[Simulated],
         rig: Rig,
-        noise: dict[str, NoiseLevel],
+        noise: list[dict[str, NoiseLevel]],
         ratio: float,
         loop_time: float,
         substeps: int,
@@ -363,8 +365,7 @@ class _Opening:
         torque = ratio * float(max(commands)) if commands else 0.0
         if simulations.tracking is not None or torque <= 0.0:
             torque = self._moving_torque(simulations, nominal)
-        level = noise.get(rig.position or "")
-        resolution = 1e-9 if level is None else level.total / rig.position_to_si
+        resolution = self._position_noise(simulations, rig, noise) or 1e-9
         return measure_ranges(
             simulations.records,
             nominal,
@@ -375,6 +376,34 @@ class _Opening:
             inertia=self._inertia(),
             angular="m" not in {self._position_unit(), ""},
         )
+
+    def _pooled(
+        self, simulations: Simulations, rig: Rig, levels: list[dict[str, NoiseLevel]]
+    ) -> dict[str, NoiseLevel]:
+        names = dict.fromkeys(name for level in levels for name in level)
+        found = {name: level for name in names if (level := pooled(levels, name)) is not None}
+        if rig.position is not None and rig.position not in found:
+            own = self._position_noise(simulations, rig, levels) or 0.0
+            total = own * rig.position_to_si
+            found[rig.position] = NoiseLevel(total, total)
+        return found
+
+    def _position_noise(
+        self, simulations: Simulations, rig: Rig, noise: list[dict[str, NoiseLevel]]
+    ) -> float | None:
+        """[FMU's unit] Of the recorded position; None where there is none."""
+        if rig.position is None:
+            return None
+        level = pooled(noise, rig.position)
+        if level is not None:
+            return level.total / rig.position_to_si
+        found = []
+        for record in simulations.records:
+            column = record.plan.recording.signal(rig.position)
+            values = column[np.isfinite(column)]
+            signal = ScoredSignal(rig.position, np.arange(values.size), values, resolution(values))
+            found.append(noise_level(signal, values).total)
+        return float(np.median(found)) / rig.position_to_si
 
     def _moving_torque(self, simulations: Simulations, nominal: Sequence[Simulated]) -> float:
         inertia = self._inertia()
@@ -408,7 +437,7 @@ class _Opening:
         simulations: Simulations,
         windows: Sequence[Window],
         rig: Rig,
-        noise: dict[str, NoiseLevel],
+        noise: list[dict[str, NoiseLevel]],
         setting: Setting,
         nominal: list[Simulated],
     ) -> tuple[Misfit, Fitted]:
@@ -431,14 +460,21 @@ class _Opening:
     ) -> Budget:
         noise = noise_levels(simulations.records, base.simulated)
         point = base.hypothesis.point(base.x)
-        through = noise_runs(simulations, point, base.simulated, rig, noise, self.rng)
+        sigma = self._position_noise(simulations, rig, noise)
+        through = noise_runs(simulations, point, base.simulated, sigma, self.rng)
         spectra = covariances(windows, simulations.records, rig, noise, through, None)
         directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
         own = [
-            own_variances(record, noise, changes)
-            for record, changes in zip(simulations.records, through, strict=True)
+            own_variances(record, levels, changes)
+            for record, levels, changes in zip(simulations.records, noise, through, strict=True)
         ]
         return Budget(windows, tuple(spectra), tuple(directions), tuple(through), tuple(own))
+
+
+def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:
+    """Whether a signal changes at communication points, as commands do, and not in between."""
+    whole, at_point = float(np.sum(np.diff(held) ** 2)), float(np.sum((new - held) ** 2))
+    return at_point > _JUMP_SHARE * whole > 0.0
 
 
 def _written_by_gmfbo(recordings: Sequence[Recording]) -> bool:

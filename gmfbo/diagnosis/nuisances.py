@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.records import Record, ScoredSignal
-from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations
+from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
 from gmfbo.sources.twin_entries import OutputEntry
 
 Direction = tuple[NDArray[np.float64], ...]
@@ -28,7 +28,7 @@ CLOCK_SKEW = 1e-4
 SHIFT_SHARE = 0.1
 """Of a sample: when within its period a column is latched."""
 
-ACTUATOR_LAG_S, ACTUATOR_GAIN = 1.5e-4, 0.01
+ACTUATOR_LAG_S, ACTUATOR_GAIN = 2.5e-4, 0.01
 """Current loops differ by 0.1-0.3 ms and 1 % from what their twins say."""
 
 _FREE = 10.0  # times the range: as good as no prior
@@ -87,7 +87,10 @@ def record_directions(
     for i, (signal, values) in enumerate(zip(record.signals, simulated.signals, strict=True)):
         rate = _rate(signal, values)
         skew.append(CLOCK_SKEW * (signal.time - record.start) * rate)
-        if signal.name == EFFORT:
+        if signal.driving is not None:
+            slower = -ACTUATOR_LAG_S * np.gradient(signal.driving, signal.spacing)
+            directions.append(_only(record, i, slower))
+            directions.append(_only(record, i, ACTUATOR_GAIN * signal.driving))
             continue
         prior = alignments[signal.name]
         shift = prior.shift or SHIFT_SHARE * signal.spacing

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.budget import (
     NoiseLevel,
     excess_of_repeats,
+    fast_power,
     loop_covariance,
     tolerance_covariance,
     white_covariance,
@@ -22,9 +23,10 @@ from gmfbo.diagnosis.nuisances import (
     alignment_of,
     record_directions,
 )
-from gmfbo.diagnosis.records import Record
+from gmfbo.diagnosis.records import LEAST_ROWS, Record
 from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window, make_window
+from gmfbo.errors import RecordingError
 from gmfbo.sources.binding import Binding
 
 NOISE_RUNS = 4
@@ -33,6 +35,9 @@ NOISE_RUNS = 4
 _WINDOW_S = 1.2
 _MOST_WINDOWS = 4
 _LOOP_TIMES = 5.0
+_SETTLING = 10.0  # loop times after which e^-10 of a start is left
+_FIRST_ROWS = 5
+_ELSEWHERE = 0.02  # of a signal's range
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +114,12 @@ def _position_signal(binding: Binding, present: set[str]) -> str | None:
     return alike[0] if alike else None
 
 
-def windows_of(records: Sequence[Record], loop_time: float) -> tuple[Window, ...]:
+def windows_of(
+    records: Sequence[Record],
+    loop_time: float,
+    nominal: Sequence[Simulated] = (),
+    positions: Collection[str] = (),
+) -> tuple[Window, ...]:
     """Cut each recording into stretches of about a second that can be left out one by one.
 
     Parameters
@@ -118,26 +128,90 @@ def windows_of(records: Sequence[Record], loop_time: float) -> tuple[Window, ...
         What is scored.
     loop_time : float
         [s] Slowest time constant of the closed loop; a stretch is at least five long.
+    nominal : sequence of Simulated, optional
+        The twin as it is: a recording that starts elsewhere is scored once that is forgotten.
+    positions : collection of str
+        Signals by which that is told.
+
+    Raises
+    ------
+    RecordingError
+        Nothing is left to score.
     """
-    windows = []
+    windows: list[Window] = []
     for k, record in enumerate(records):
-        duration = record.end - record.start
-        parts = int(np.clip(duration // max(_WINDOW_S, _LOOP_TIMES * loop_time), 1, _MOST_WINDOWS))
-        for part in range(parts):
-            rows = []
-            for signal in record.signals:
-                n = signal.values.size
-                rows.append(slice(part * n // parts, (part + 1) * n // parts))
-            windows.append(make_window(k, [s.spacing for s in record.signals], rows))
+        elsewhere = bool(nominal) and starts_elsewhere(record, nominal[k], positions, loop_time)
+        found = [
+            window
+            for stretch in record.stretches(_SETTLING * loop_time, starts_elsewhere=elsewhere)
+            for window in _windows_within(k, record, stretch, loop_time)
+        ]
+        windows += found
+    if not windows:
+        raise RecordingError(
+            f"expected at least {LEAST_ROWS} rows in a row after the start has been forgotten, "
+            f"{_SETTLING * loop_time:.2g} s; got none; record longer, or without gaps"
+        )
     return tuple(windows)
+
+
+def _windows_within(
+    k: int, record: Record, stretch: tuple[float, float], loop_time: float
+) -> list[Window]:
+    start, end = stretch
+    parts = int(np.clip((end - start) // max(_WINDOW_S, _LOOP_TIMES * loop_time), 1, _MOST_WINDOWS))
+    ranges = []
+    for signal in record.signals:
+        slack = 1e-6 * signal.spacing
+        first, last = np.searchsorted(signal.time, [start - slack, end + slack])
+        ranges.append((int(first), int(last)))
+    if max(last - first for first, last in ranges) < LEAST_ROWS:
+        return []
+    windows = []
+    for part in range(parts):
+        rows = [
+            slice(a + part * (b - a) // parts, a + (part + 1) * (b - a) // parts) for a, b in ranges
+        ]
+        windows.append(make_window(k, [s.spacing for s in record.signals], rows))
+    return windows
+
+
+def starts_elsewhere(
+    record: Record, nominal: Simulated, positions: Collection[str], loop_time: float
+) -> bool:
+    """Whether a recording starts at another place or speed than its twin.
+
+    Within the first few rows neither parameters nor physics move anything that was at rest.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    nominal : Simulated
+        The same by the twin as it is.
+    positions : collection of str
+        Signals by which that is told; a command differs by any load.
+    loop_time : float
+        [s] For which a wrong speed goes on.
+    """
+    for signal, values in zip(record.signals, nominal.signals, strict=True):
+        if signal.name not in positions:
+            continue
+        apart = signal.values[:_FIRST_ROWS] - values[:_FIRST_ROWS]
+        place = abs(float(np.median(apart)))
+        moved = abs(float(apart[-1] - apart[0])) * loop_time / (_FIRST_ROWS * signal.spacing)
+        noise = float(np.median(np.abs(np.diff(signal.values, 2))))
+        bound = max(_ELSEWHERE * float(np.ptp(signal.values)), 3.0 * noise)
+        if place > bound or moved > bound + noise * loop_time / signal.spacing:
+            return True
+    return False
 
 
 def noise_runs(
     simulations: Simulations,
     point: Point,
     base: Sequence[Simulated],
-    rig: Rig,
-    noise: Mapping[str, NoiseLevel],
+    sigma: float | None,
     rng: np.random.Generator,
 ) -> list[list[Direction]]:
     """Send noise of the recorded size through the loop: changes of each recording's signals.
@@ -150,10 +224,8 @@ def noise_runs(
         Where.
     base : sequence of Simulated
         The same without noise.
-    rig : Rig
-        Which signal is the position.
-    noise : mapping of str to NoiseLevel
-        Sizes.
+    sigma : float or None
+        [FMU's unit] Of the position's noise; None where it is not recorded.
     rng : numpy Generator
         Source of the noise.
 
@@ -162,10 +234,7 @@ def noise_runs(
     list, one a recording, of up to NOISE_RUNS changes; empty where no port takes noise
     """
     ports = base[0].response.ports
-    if rig.position is None or rig.position not in noise:
-        return [[] for _ in base]
-    sigma = noise[rig.position].total / rig.position_to_si
-    if simulations.tracking is None and "sensor" not in ports:
+    if sigma is None or (simulations.tracking is None and "sensor" not in ports):
         return [[] for _ in base]
     orders = []
     for k, record in enumerate(simulations.records):
@@ -193,7 +262,7 @@ def covariances(
     windows: Sequence[Window],
     records: Sequence[Record],
     rig: Rig,
-    noise: Mapping[str, NoiseLevel],
+    noise: Sequence[Mapping[str, NoiseLevel]],
     loop_noise: Sequence[Sequence[Direction]],
     step_change: Sequence[Direction] | None,
 ) -> list[Spectrum]:
@@ -207,8 +276,8 @@ def covariances(
         What was measured.
     rig : Rig
         Which signals are positions.
-    noise : mapping of str to NoiseLevel
-        White noise of each signal.
+    noise : sequence of mapping of str to NoiseLevel
+        White noise of each signal, for each recording.
     loop_noise : sequence of sequences of Direction
         Changes under noise, of each recording.
     step_change : sequence of Direction or None
@@ -217,7 +286,9 @@ def covariances(
     total = []
     for window in windows:
         record = records[window.record]
-        own = white_covariance(window, own_variances(record, noise, loop_noise[window.record]))
+        own = white_covariance(
+            window, own_variances(record, noise[window.record], loop_noise[window.record])
+        )
         s = own + loop_covariance(window, loop_noise[window.record])
         if step_change is not None:
             s = s + loop_covariance(window, [step_change[window.record]])
@@ -248,9 +319,7 @@ def own_variances(
         level = noise[signal.name]
         through = 0.0
         if loop_noise:
-            through = (
-                float(np.mean([np.mean(np.diff(change[i]) ** 2) for change in loop_noise])) / 2
-            )
+            through = float(np.mean([fast_power(change[i]) for change in loop_noise]))
         variances.append(max(level.total**2 - through, level.least**2))
     return variances
 

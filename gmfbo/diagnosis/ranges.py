@@ -25,7 +25,7 @@ def states_of(simulated: Simulated, record: Record) -> States:
     velocity = states.get("velocity")
     if velocity is None:
         velocity = np.gradient(position, grid)
-    command = states.get("command", np.zeros(grid.size))
+    command = states.get("command", states.get("current", np.zeros(grid.size)))
     speed = float(np.quantile(np.abs(velocity), 0.995))
     return States(
         time=grid,
@@ -215,6 +215,7 @@ def measure_ranges(
         angular=angular,
         reversals=sum(reversals(s) for s in states),
         load=_positive(max(loads)) if loads else None,
+        effective_current=_positive(np.sqrt(np.mean(current**2))),
     )
 
 

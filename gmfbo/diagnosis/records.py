@@ -14,6 +14,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import RunPlan
 
 _JITTER_SHARE = 0.15  # of a sample; below it, times count as evenly spaced
+_GAP_SAMPLES = 4.5  # beyond which a line between the rows beside them tells nothing
 LEAST_ROWS = 64
 """Samples of a signal below which a recording says nothing."""
 
@@ -32,17 +33,37 @@ class ScoredSignal:
         [SI] As recorded.
     resolution : float
         [SI] Smallest step between recorded values; 0 where they are continuous.
+    driving : ndarray, shape (n,), or None
+        Torque that moves the shaft, where the signal is the effort that holds it.
     """
 
     name: str
     time: NDArray[np.float64]
     values: NDArray[np.float64]
     resolution: float
+    driving: NDArray[np.float64] | None = None
 
     @property
     def spacing(self) -> float:
         """[s] Between samples."""
         return float(self.time[-1] - self.time[0]) / (self.time.size - 1)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A stretch within which a logger lost more than single rows.
+
+    Attributes
+    ----------
+    start, end : float
+        [s] Last row before it and first row after it.
+    of_input : bool
+        What the axis was told is not known: it has to settle before it is scored again.
+    """
+
+    start: float
+    end: float
+    of_input: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +80,8 @@ class Record:
         That the twin's outputs are compared with.
     start, end : float
         [s] Within which all signals are scored.
+    gaps : tuple of Gap
+        Stretches within which something was not recorded.
     """
 
     name: str
@@ -66,6 +89,25 @@ class Record:
     signals: tuple[ScoredSignal, ...]
     start: float
     end: float
+    gaps: tuple[Gap, ...] = ()
+
+    def stretches(self, settling: float, *, starts_elsewhere: bool) -> list[tuple[float, float]]:
+        """[s] Begin and end of each stretch that can be scored.
+
+        Parameters
+        ----------
+        settling : float
+            [s] After which the axis has forgotten where it came from.
+        starts_elsewhere : bool
+            The twin does not start where the recording does.
+        """
+        begin = self.start + (settling if starts_elsewhere else 0.0)
+        found = []
+        for gap in sorted(self.gaps, key=lambda g: g.start):
+            found.append((begin, gap.start))
+            begin = max(begin, gap.end + (settling if gap.of_input else 0.0))
+        found.append((begin, self.end))
+        return [(a, b) for a, b in found if b > a]
 
 
 def scored_record(
@@ -105,7 +147,21 @@ def scored_record(
     start = max(float(recording.time[r][0]) for r in rows.values())
     end = min(float(recording.time[r][-1]) for r in rows.values())
     cut = tuple(_uniform(name, recording, rows[name], start, end) for name in present)
-    return Record(label, plan, cut, start, end)
+    gaps = [g for r in rows.values() for g in _gaps(recording.time[r], of_input=False)]
+    for name in plan.experiment.inputs:
+        if name in recording.signals:
+            known = np.isfinite(recording.signal(name))
+            gaps += _gaps(recording.time[known], of_input=True)
+    inside = tuple(g for g in gaps if g.end > start and g.start < end)
+    return Record(label, plan, cut, start, end, inside)
+
+
+def _gaps(time: NDArray[np.float64], *, of_input: bool) -> list[Gap]:
+    if time.size < 3:
+        return []
+    steps = np.diff(time)
+    wide = np.flatnonzero(steps > _GAP_SAMPLES * np.median(steps))
+    return [Gap(float(time[i]), float(time[i + 1]), of_input) for i in wide]
 
 
 def _uniform(
@@ -119,11 +175,17 @@ def _uniform(
     if even.size != time.size or np.abs(even - time).max() > _JITTER_SHARE * spacing:
         values = np.interp(even, time, values)
         time = even
-    return ScoredSignal(name, time, values, _resolution(values))
+    return ScoredSignal(name, time, values, resolution(values))
 
 
-def _resolution(values: NDArray[np.float64]) -> float:
-    """Quantum of a signal: the step of which most others are whole multiples; 0 for none."""
+def resolution(values: NDArray[np.float64]) -> float:
+    """Quantum of a signal: the step of which most others are whole multiples; 0 for none.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    """
     steps = np.abs(np.diff(values))
     steps = steps[steps > 1e-12 * max(1.0, float(np.abs(values).max()))]
     if steps.size < 10:

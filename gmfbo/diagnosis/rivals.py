@@ -28,7 +28,8 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
     """
     rivals = []
     for other in others:
-        if other.name == winner.name:
+        # A law that contains the winner explains as much by having it as its limit.
+        if other.name == winner.name or winner.name in other.effect.law.contains:
             continue
         distance = sum(
             float(np.sum((a - b) ** 2))

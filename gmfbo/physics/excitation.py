@@ -59,6 +59,8 @@ class Excitation:
         Sign changes of the velocity that last.
     load : float or None
         Largest |load torque| where that state is known; else the current stands for it.
+    effective_current : float or None
+        Root mean square of the current; None where it was not measured.
     wavenumbers : tuple of float
         Strong lines in the spectrum over position [rad per position unit], strongest first.
     frequencies : tuple of float
@@ -88,6 +90,7 @@ class Excitation:
     angular: bool
     reversals: int
     load: float | None = None
+    effective_current: float | None = None
     wavenumbers: tuple[float, ...] = ()
     frequencies: tuple[float, ...] = ()
     pulses: tuple[tuple[float, float], ...] = ()

@@ -136,6 +136,7 @@ class AugmentedTwin:
             "settings.current_known": float("current" in states),
             "settings.load_torque_known": float("load_torque" in states),
             "settings.command_lateness": self.step if self._augmented.late else 0.0,
+            "settings.command_is_input": float(self._augmented.command_input is not None),
         }
 
     def plan(self, recording: Recording, parameters: Mapping[str, float]) -> RunPlan:
@@ -210,7 +211,7 @@ class AugmentedTwin:
             start=coarse.start,
             step=self.step,
             settings=(*coarse.settings, *self._physics_settings(physics or {})),
-            inputs=(*coarse.inputs, *inputs),
+            inputs=(*self._through_physics(coarse.inputs, plan), *inputs),
             schedules=coarse.schedules,
             wires=(*coarse.wires, *self._augmented.wires),
             outputs=(*coarse.outputs, *outputs),
@@ -287,6 +288,17 @@ class AugmentedTwin:
                 ports.append(instance.variables["tracking.measured"].port(first + len(columns)))
                 columns.append(column)
         return ports, columns
+
+    def _through_physics(self, inputs: tuple[Port, ...], plan: RunPlan) -> tuple[Port, ...]:
+        """Let a recorded command reach its port by way of physics, which hands it on."""
+        name = self._augmented.command_input
+        if name is None or name not in plan.experiment.inputs:
+            return inputs
+        owner = self._serves("command")
+        assert owner is not None, "a command port has its physics"
+        column = list(plan.experiment.inputs).index(name)
+        through = owner.variables["port.command"].port(column)
+        return tuple(through if port.column == column else port for port in inputs)
 
     def _outputs(self, first: int) -> list[Port]:
         """States, ports and the effort, in columns after the twin's own."""

@@ -49,12 +49,16 @@ class AugmentedBinding:
     late : bool
         The command is computed after physics has acted on it, so physics sees that of the
         communication step before.
+    command_input : str or None
+        Recorded signal that drives the input at which the command port lies: it goes through
+        physics, whose effects see it without delay.
     """
 
     binding: Binding
     physics: tuple[PhysicsInstance, ...]
     wires: tuple[Wire, ...]
     late: bool
+    command_input: str | None = None
 
 
 def augment(binding: Binding) -> AugmentedBinding:
@@ -104,7 +108,14 @@ def augment(binding: Binding) -> AugmentedBinding:
     )
     whole = replace(binding, fmus=tuple(fmus), content=tuple(content), variables=variables)
     wires = tuple(wire for instance in instances for wire in _wires(whole, instance))
-    return AugmentedBinding(whole, instances, wires, _is_late(whole, instances))
+    through = _command_input(binding)
+    late = through is None and _is_late(whole, instances)
+    return AugmentedBinding(whole, instances, wires, late, through)
+
+
+def _command_input(binding: Binding) -> str | None:
+    port = binding.file.ports.get("command")
+    return next((n for n, e in binding.file.inputs.items() if e.variable == port), None)
 
 
 def _wires(binding: Binding, instance: PhysicsInstance) -> list[Wire]:
@@ -113,6 +124,10 @@ def _wires(binding: Binding, instance: PhysicsInstance) -> list[Wire]:
         own[f"state.{state}"].wire_from(binding.variables[name])
         for state, name in file.states.items()
     ]
+    if "command" not in file.states and "current" in file.states:
+        # What the actuator is told stands for what it does.
+        current = binding.variables[file.states["current"]]
+        wires.append(own["state.command"].wire_from(current))
     wires += [
         binding.variables[file.ports[port]].wire_from(own[PORT_OUTPUTS[port]])
         for port in instance.ports

@@ -161,6 +161,10 @@ def _add_physics(
     wiring.physics.append(physics)
     for state, name in binding.file.states.items():
         wiring.wires[End(physics, f"state.{state}")] = _end(binding, name)
+    if "command" not in binding.file.states and "current" in binding.file.states:
+        # What the actuator is told stands for what it does.
+        current = binding.file.states["current"]
+        wiring.wires[End(physics, "state.command")] = _end(binding, current)
 
 
 def _show(wiring: Wiring, binding: Binding, ports: Mapping[str, str]) -> None:

@@ -28,7 +28,7 @@ def test_each_torque_is_its_formula(
         "viscous_friction": -0.1 * v,
         "quadratic_drag": -0.1 * v * abs(v),
         "cogging_torque": 0.1 * np.sin(7.0 * q) + 0.1 * np.cos(28.0 * q),
-        "torque_ripple": abs(i) * (0.1 * np.sin(7.0 * q) + 0.1 * np.cos(14.0 * q)),
+        "torque_ripple": i * (0.1 * np.sin(7.0 * q) + 0.1 * np.cos(14.0 * q)),
         "gravity_torque": 0.2 * np.sin(q) + 0.3 * np.cos(q),
         "elastic_return": 0.1 - 0.5 * q,
         "constant_torque_offset": 0.2,
@@ -62,7 +62,7 @@ def test_the_ripple_follows_the_current_where_it_is_known(new_instance: NewInsta
         state__command=8.0,
     )
     effects.step(0.0, 1e-3)
-    assert effects.get("torque") == pytest.approx(0.3)
+    assert effects.get("torque") == pytest.approx(-0.3)
 
 
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 7e-3])

@@ -84,7 +84,7 @@ thermal_derating = Effect(
             scale=lambda e: 0.3 * e.duration,
         ),
     ),
-    fixed=lambda e: {"scale": _EFFECTIVE * e.current},
+    fixed=lambda e: {"scale": e.effective_current or _EFFECTIVE * e.current},
     starts=_starts,
     size=_size,
     size_name="loss",

@@ -12,7 +12,7 @@ from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
-    return np.abs(states.current) * harmonic.lines(states, parameters)
+    return states.current * harmonic.lines(states, parameters)
 
 
 def _starts(excitation: Excitation) -> Sequence[Values]:
