@@ -82,7 +82,7 @@ TRIALS = {
     "actuator_lag": Trial({"time": 2e-3}),
     "actuator_gain_loss": Trial({"loss": 0.1}, known=BOTH),
     "transport_delay": Trial({"delay": 2.3e-3}),
-    "thermal_derating": Trial({"loss": 0.8, "time": 0.3}, known=BOTH),
+    "thermal_derating": Trial({"loss": 0.1, "time": 0.3}, known=BOTH),
     "supply_voltage_limit": Trial({"limit": 2.0, "slope": 0.2}),
     "magnetic_saturation": Trial({"coefficient": 0.1}),
     "sensor_eccentricity": Trial({"sine": 0.02, "cosine": 0.03}),
