@@ -11,6 +11,7 @@ from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, Round
 from gmfbo.diagnosis.estimates import Alignment
 from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.holding_out import rows_of
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import Spread
 from gmfbo.diagnosis.named_effect import (
@@ -170,7 +171,7 @@ def not_testable(
 
 
 def alignments(case: Case, model: Fitted) -> dict[str, Alignment]:
-    """Scale, offset and lateness of each column against the final model.
+    """Scale, offset and lateness of each column against the final model, where it is scored.
 
     Parameters
     ----------
@@ -186,15 +187,17 @@ def alignments(case: Case, model: Fitted) -> dict[str, Alignment]:
             continue
         matrix = np.zeros((3, 3))
         vector = np.zeros(3)
-        for record, run in zip(case.simulations.records, model.simulated, strict=True):
-            for signal, values in zip(record.signals, run.signals, strict=True):
+        pairs = zip(case.simulations.records, model.simulated, strict=True)
+        for k, (record, run) in enumerate(pairs):
+            for i, (signal, values) in enumerate(zip(record.signals, run.signals, strict=True)):
                 if signal.name != name:
                     continue
+                rows = rows_of(case, range(len(case.budget.windows)), k, i)
                 columns = np.stack(
                     [values, np.ones(values.size), np.gradient(values, signal.spacing)]
-                )
+                )[:, rows]
                 matrix += columns @ columns.T
-                vector += columns @ (signal.values - values)
+                vector += columns @ (signal.values - values)[rows]
         scale, offset, rate = np.linalg.lstsq(matrix, vector, rcond=1e-12)[0]
         found[name] = Alignment(
             logged="new" if name in case.simulations.new_rows else "held",
