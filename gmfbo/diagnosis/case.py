@@ -401,7 +401,8 @@ class _Opening:
         for record in simulations.records:
             column = record.plan.recording.signal(rig.position)
             values = column[np.isfinite(column)]
-            signal = ScoredSignal(rig.position, np.arange(values.size), values, resolution(values))
+            rows = np.arange(values.size, dtype=np.float64)
+            signal = ScoredSignal(rig.position, rows, values, resolution(values))
             found.append(noise_level(signal, values).total)
         return float(np.median(found)) / rig.position_to_si
 

@@ -128,6 +128,6 @@ def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
             inverse = np.linalg.pinv(np.asarray(matrix), rcond=10.0 * _UNSEEN_DIRECTION)
             ratio = np.zeros(len(uncertain))
             ratio[i], ratio[pivot] = 1.0, -1.0 if power > 0.0 else 1.0
-            half = 1.96 * value * float(np.sqrt(max(ratio @ inverse @ ratio, 0.0)))
+            half = 1.96 * value * float(np.sqrt(max(float(ratio @ inverse @ ratio), 0.0)))
             found.append(Combination(expression, value, value - half, value + half))
     return tuple(found)

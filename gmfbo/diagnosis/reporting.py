@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from gmfbo.diagnosis.named_effect import (
 from gmfbo.diagnosis.simulations import EFFORT
 from gmfbo.physics import CATALOGUE, Units
 from gmfbo.sources.augmented_binding import PORT_OUTPUTS
+
+if TYPE_CHECKING:
+    from gmfbo.sources.export import PhysicsParameter
 
 
 def units_of(case: Case) -> Units:
@@ -224,7 +228,7 @@ def augmentation_of(case: Case, augmented: Fitted, units: Units) -> Augmentation
 
     point = augmented.hypothesis.point(augmented.x)
     fixed = dict(AugmentedTwin(case.twin, substeps=case.substeps).settings)
-    exposed = []
+    exposed: list[PhysicsParameter] = []
     for candidate in augmented.hypothesis.effects:
         exposed += _exposed(candidate, point.physics, units)
     shown = {parameter.name for parameter in exposed}
@@ -235,7 +239,9 @@ def augmentation_of(case: Case, augmented: Fitted, units: Units) -> Augmentation
     return Augmentation(case.twin, point.parameters, tuple(exposed), settings, case.substeps)
 
 
-def _exposed(candidate: Candidate, physics: Mapping[str, float], units: Units) -> list[object]:
+def _exposed(
+    candidate: Candidate, physics: Mapping[str, float], units: Units
+) -> list[PhysicsParameter]:
     from gmfbo.sources.export import PhysicsParameter
 
     law = candidate.law

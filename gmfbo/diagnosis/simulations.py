@@ -272,5 +272,6 @@ def _at(
     places = (time - grid[0]) / step
     rows = np.round(places).astype(int)
     if rows[-1] < grid.size and np.abs(places - rows).max() < 1e-3:
-        return values[rows]
+        exact: NDArray[np.float64] = values[rows]
+        return exact
     return np.interp(time, grid, values)

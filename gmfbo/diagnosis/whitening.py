@@ -134,7 +134,8 @@ class Whitener:
             s[hidden[:, signal], signal, :] = 0.0
             s[hidden[:, signal], :, signal] = 0.0
             s[hidden[:, signal], signal, signal] = _UNSEEN
-        return np.linalg.inv(np.linalg.cholesky(s))
+        factor: Spectrum = np.linalg.inv(np.linalg.cholesky(s)).astype(np.complex128)
+        return factor
 
     @cached_property
     def _deflation(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
