@@ -319,9 +319,12 @@ class _Opening:
         for name, entry in self.twin.file.outputs.items():
             if entry.logged == "new":
                 chosen.add(name)
-            elif entry.logged == "unknown" and not _written_by_gmfbo(self.recordings):
-                if self._new_fits_better(simulations, nominal, name):
-                    chosen.add(name)
+            elif (
+                entry.logged == "unknown"
+                and not _written_by_gmfbo(self.recordings)
+                and self._new_fits_better(simulations, nominal, name)
+            ):
+                chosen.add(name)
         simulations.new_rows = frozenset(chosen)
 
     def _new_fits_better(
@@ -462,7 +465,9 @@ class _Opening:
         noise = noise_levels(simulations.records, base.simulated)
         point = base.hypothesis.point(base.x)
         sigma = self._position_noise(simulations, rig, noise)
-        through = noise_runs(simulations, point, base.simulated, sigma, self.rng)
+        through = noise_runs(
+            simulations, point, base.simulated, sigma, rig.position, self.rng
+        )
         spectra = covariances(windows, simulations.records, rig, noise, through, None)
         directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
         own = [
