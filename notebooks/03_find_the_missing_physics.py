@@ -44,6 +44,7 @@ print(whole)
 # over a stretch that holds a reversal: without one, friction and a constant force look alike. The
 # simulation begins at the reversal before that, where the carriage really stands still, since the
 # twin begins at rest. The stretches do not overlap and end at the middle.
+# The recording itself begins 9 ms after a reversal, so its first 0.1 s are not scored.
 
 # %%
 MIDDLE = 0.5 * (whole.time[0] + whole.time[-1])  # [s]
