@@ -99,8 +99,9 @@ def fast_power(residual: NDArray[np.float64]) -> float:
         What is not motion.
     """
     n = residual.size
-    # The second difference keeps what leaks from slow parts out of the fast ones.
-    spectrum = np.abs(np.fft.rfft(np.diff(residual, 2))) ** 2 / n
+    # The second difference keeps slow parts, and the taper single lines, out of the other bins.
+    taper = np.hanning(n - 2)
+    spectrum = np.abs(np.fft.rfft(taper * np.diff(residual, 2))) ** 2 / np.sum(taper**2)
     frequency = np.fft.rfftfreq(n - 2)
     gain = (2.0 * np.sin(np.pi * frequency)) ** 4
     band = (frequency > _NOISE_BAND[0]) & (frequency < _NOISE_BAND[1])

@@ -156,6 +156,14 @@ def scored_record(
     return Record(label, plan, cut, start, end, inside)
 
 
+def _even(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Evenly spaced times from the first to the last, one for each row and each dropped one."""
+    steps = np.diff(time)
+    # Counted row by row: a median that jitter puts off by 0.5 % would add a row in 200.
+    places = np.round(steps / np.median(steps)).clip(1.0).sum()
+    return np.linspace(time[0], time[-1], int(places) + 1)
+
+
 def _gaps(time: NDArray[np.float64], *, of_input: bool) -> list[Gap]:
     if time.size < 3:
         return []
@@ -170,8 +178,8 @@ def _uniform(
     slack = 1e-9 * max(1.0, abs(end))
     inside = rows & (recording.time >= start - slack) & (recording.time <= end + slack)
     time, values = recording.time[inside], recording.signal(name)[inside]
-    spacing = float(np.median(np.diff(time)))
-    even = time[0] + spacing * np.arange(round((time[-1] - time[0]) / spacing) + 1)
+    even = _even(time)
+    spacing = float(even[1] - even[0])
     if even.size != time.size or np.abs(even - time).max() > _JITTER_SHARE * spacing:
         values = np.interp(even, time, values)
         time = even
