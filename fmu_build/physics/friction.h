@@ -32,13 +32,19 @@ static inline double presliding_friction(Bristle *bristle, const double *v, cons
            bristle_bent(bristle, v[V_presliding_friction_deflection], LEAD_OF_A_SPRING, s);
 }
 
-/* One level a direction: of the bend, so that the force has no jump where the velocity is zero. */
+/* One level a direction: of the bend, so that the force has no jump where the velocity is zero.
+ * Lubrication may differ by direction as well: half the difference of the viscous coefficients
+ * acts against the positive direction, half with the negative one. */
 static inline double asymmetric_friction(Bristle *bristle, const double *v, const Signals *s) {
     double positive = v[V_asymmetric_friction_level_positive];
     double negative = v[V_asymmetric_friction_level_negative];
-    if (positive == 0.0 && negative == 0.0) return bristle->bend = 0.0;
+    double viscous = -0.5 * v[V_asymmetric_friction_viscous_difference] * fabs(s->velocity);
+    if (positive == 0.0 && negative == 0.0) {
+        bristle->bend = 0.0;
+        return viscous;
+    }
     double bent = bristle_bent(bristle, v[V_asymmetric_friction_deflection], LEAD_OF_A_JUMP, s);
-    return -(bent > 0.0 ? positive : negative) * bent;
+    return viscous - (bent > 0.0 ? positive : negative) * bent;
 }
 
 /* Level grows with the load that the bearing and the gear transmit. */

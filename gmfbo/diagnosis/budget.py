@@ -24,7 +24,7 @@ POSITION_TOLERANCE = 5e-4
 """The same for a position, of which the controller sees a hundredth as error."""
 
 _NOISE_BAND = (0.30, 0.48)  # of the sampling frequency: too fast for mechanics
-_LEAST_NOISE = 1e-5  # of a signal's range
+_LEAST_NOISE = 1e-6  # of a signal's range
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def noise_level(signal: ScoredSignal, residual: NDArray[np.float64]) -> NoiseLev
         [SI] What of it is not motion.
     """
     quantum = signal.resolution / np.sqrt(12.0)
-    least = max(quantum, _LEAST_NOISE * float(np.ptp(signal.values)), 1e-15)
+    least = max(quantum or _LEAST_NOISE * float(np.ptp(signal.values)), 1e-15)
     return NoiseLevel(max(float(np.sqrt(fast_power(residual))), least), least)
 
 
@@ -146,7 +146,7 @@ def tolerance_covariance(window: Window, record: Record, positions: frozenset[st
     """
     spectrum = window.spectra([_carrier(s) for s in record.signals])
     power = _octaves(np.abs(spectrum) ** 2, window.frequencies)
-    shares = np.array([_share(signal.name, positions) for signal in record.signals], dtype=float)
+    shares = np.array([_share(signal, positions) for signal in record.signals], dtype=float)
     return _diagonal(power * shares**2)
 
 
@@ -195,12 +195,14 @@ def excess_of_repeats(
 
 
 def _carrier(signal: ScoredSignal) -> NDArray[np.float64]:
-    """What a tolerance is a share of: the torque that moves the shaft, for an effort."""
+    """What a tolerance is a share of."""
     return signal.values - signal.values[0] if signal.driving is None else signal.driving
 
 
-def _share(name: str, positions: frozenset[str]) -> float:
-    return POSITION_TOLERANCE if name in positions else TOLERANCE
+def _share(signal: ScoredSignal, positions: frozenset[str]) -> float:
+    if signal.driving is not None or signal.name not in positions:
+        return TOLERANCE
+    return POSITION_TOLERANCE
 
 
 def _octaves(power: NDArray[np.float64], frequencies: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
-from gmfbo.diagnosis.budget import NoiseLevel, noise_level, noise_levels, pooled
+from gmfbo.diagnosis.budget import NoiseLevel, fast_power, noise_level, noise_levels, pooled
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
 from gmfbo.diagnosis.misfit import Misfit, chi2
@@ -29,9 +28,10 @@ from gmfbo.diagnosis.ranges import (
     measure_ranges,
     probe_torque,
     tracking_loop,
+    untracked,
 )
 from gmfbo.diagnosis.records import Record, ScoredSignal, resolution, scored_record
-from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations, require_run
+from gmfbo.diagnosis.simulations import Point, Simulated, Simulations, require_run
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
@@ -291,7 +291,7 @@ class _Opening:
         return float(self.twin.parameters.get(role, self.twin.binding.nominal(role)))
 
     def _track(self, simulations: Simulations, rig: Rig, inertia: float | None) -> None:
-        """Hold an open-loop twin on its recordings, and score the effort that this takes."""
+        """Keep an open-loop twin near its recordings, and score what the loop leaves."""
         own = self._inertia() or inertia or 1.0
         measured = []
         records = []
@@ -301,25 +301,30 @@ class _Opening:
             grid = record.plan.grid
             on_grid = np.interp(grid, record.plan.recording.time[known], column[known])
             measured.append(on_grid / rig.position_to_si)
-            rows = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
-            time = grid[rows]
-            rate = np.gradient(np.gradient(savgol_filter(measured[-1], 15, 3), grid), grid)
-            effort = ScoredSignal(EFFORT, time, np.zeros(time.size), 0.0, own * rate[rows])
-            records.append(replace(record, signals=(effort,)))
+            fast = untracked(on_grid, grid)
+            records.append(
+                replace(
+                    record,
+                    signals=tuple(
+                        replace(s, driving=np.interp(s.time, grid, fast))
+                        if s.name in rig.positions
+                        else s
+                        for s in record.signals
+                    ),
+                )
+            )
         simulations.tracking = tracking_loop(own, measured)
         simulations.replace_records(records)
         self.notes.append(
-            "the twin is an open-loop plant: it was held on each recording by a tracking loop, "
-            "and the torque that this takes was scored"
+            "the twin is an open-loop plant: a slow tracking loop kept it near each recording, "
+            "and what that leaves was scored"
         )
 
     def _choose_rows(self, simulations: Simulations, nominal: Sequence[Simulated]) -> None:
         """Tell for each signal whether the logger stores the held command or the new one."""
         chosen = set()
         for name, entry in self.twin.file.outputs.items():
-            if entry.logged == "new":
-                chosen.add(name)
-            elif (
+            if entry.logged == "new" or (
                 entry.logged == "unknown"
                 and not _written_by_gmfbo(self.recordings)
                 and self._new_fits_better(simulations, nominal, name)
@@ -409,6 +414,22 @@ class _Opening:
             found.append(noise_level(signal, values).total)
         return float(np.median(found)) / rig.position_to_si
 
+    def _input_noise(self, simulations: Simulations) -> dict[str, list[float]]:
+        """[FMU's unit] Of each recorded input that enters at a port, for each recording."""
+        file, variables = self.twin.file, self.twin.binding.variables
+        found: dict[str, list[float]] = {}
+        for port, variable in file.ports.items():
+            for name, entry in file.inputs.items():
+                if entry.variable != variable:
+                    continue
+                factor = variables[variable].variable.to_si
+                found[port] = [
+                    float(np.sqrt(fast_power(record.plan.experiment.inputs[name]))) / factor
+                    for record in simulations.records
+                    if name in record.plan.experiment.inputs
+                ]
+        return {p: levels for p, levels in found.items() if len(levels) == len(simulations.records)}
+
     def _moving_torque(self, simulations: Simulations, nominal: Sequence[Simulated]) -> float:
         inertia = self._inertia()
         largest = max(float(np.abs(run.response.effort).max()) for run in nominal)
@@ -466,7 +487,13 @@ class _Opening:
         point = base.hypothesis.point(base.x)
         sigma = self._position_noise(simulations, rig, noise)
         through = noise_runs(
-            simulations, point, base.simulated, sigma, rig.position, self.rng
+            simulations,
+            point,
+            base.simulated,
+            sigma,
+            rig.position,
+            self._input_noise(simulations),
+            self.rng,
         )
         spectra = covariances(windows, simulations.records, rig, noise, through, None)
         directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)

@@ -18,12 +18,16 @@ from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.rivals import rivals_of
 from gmfbo.diagnosis.screening import Probe, Screened, probes, refined, screen
 from gmfbo.diagnosis.threshold import NullGains, left_out_square
+from gmfbo.physics import Effect
 
 MOST_EFFECTS = 3
 """Effects that are named at most; recordings of a few seconds do not tell more apart."""
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
 _FIRST_SHARE = 0.01  # of the first effect's gain: a law that is 10 % off leaves as much
+_EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
+_SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
+_VAGUE = 1.96  # standard deviations within which a value may be zero
 _EXCITED = 25.0  # change of chi2 by which a recording shows an effect
 _HARM_SHARE = 0.1  # of the gain, which an excited recording may lose
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
@@ -245,13 +249,11 @@ def _with_limits(named: set[str]) -> set[str]:
     """Named effects, and those that are a limit of them or of which they are one."""
     from gmfbo.physics import CATALOGUE
 
-    out = set(named)
-    for name, law in CATALOGUE.items():
-        if name in named:
-            out |= set(law.contains)
-        if set(law.contains) & named:
-            out.add(name)
-    return out
+    taken = set(named)
+    for name in named:
+        taken |= set(CATALOGUE[name].contains)
+    # Two laws that share a limit are one law twice.
+    return taken | {name for name, law in CATALOGUE.items() if set(law.contains) & taken}
 
 
 def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fitted]:
@@ -292,9 +294,9 @@ def _needed(decision: Decision) -> float:
 
 
 def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
-    if evidence.gain <= needed:
-        return False
     law, excitation = evidence.effect.law, case.setting.excitation
+    if evidence.gain <= needed + _freedom(law):
+        return False
     values = {**evidence.effect.more, **evidence.effect.values}
     if law.size(values, excitation) < law.floor(excitation):
         return False
@@ -304,6 +306,11 @@ def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: flo
     if np.any(evidence.gains[~excited] < -0.5 * decision.threshold):
         return False
     return _acts_long_enough(case, evidence)
+
+
+def _freedom(law: Effect) -> float:
+    """What an effect gains by chance beyond one of a single size, and by having been searched."""
+    return _EACH_PARAMETER * (len(law.parameters) - 1) + (_SEARCHED if law.is_searched else 0.0)
 
 
 def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
@@ -318,15 +325,28 @@ def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
     return total >= least
 
 
+def _has_vague_part(evidence: Evidence) -> bool:
+    """Whether an amplitude of the effect may as well be zero."""
+    fitted, law = evidence.fitted, evidence.effect.law
+    bounds = law.bounds(fitted.hypothesis.setting.excitation)
+    matrix = sum(s @ s.T for s in fitted.sensitivity) + np.diag(fitted.prior)
+    dof = sum(r.size for r in fitted.residual)
+    spread = max(1.0, fitted.chi2 / dof)
+    deviation = np.sqrt(np.diag(np.linalg.pinv(np.asarray(matrix), hermitian=True)) * spread)
+    place = fitted.x.size - len(law.parameters)
+    return any(
+        bounds[p.name][0] <= 0.0 and abs(fitted.x[i]) < _VAGUE * deviation[i]
+        for i, p in enumerate(law.parameters, start=place)
+    )
+
+
 def _simplest(accepted: Sequence[Evidence], threshold: float) -> Evidence:
     """The best, or its simplest limit over which it does not gain the threshold."""
     best = max(accepted, key=lambda e: e.gain)
     while True:
-        simpler = [
-            e
-            for e in accepted
-            if e.name in best.effect.law.contains and e.gain > best.gain - threshold
-        ]
+        limits = [e for e in accepted if e.name in best.effect.law.contains]
+        vague = _has_vague_part(best)
+        simpler = [e for e in limits if vague or e.gain > best.gain - threshold]
         if not simpler:
             return best
         best = max(simpler, key=lambda e: e.gain)

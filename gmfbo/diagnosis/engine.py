@@ -8,17 +8,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case, open_case
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
-from gmfbo.diagnosis.holding_out import split_of
+from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
 from gmfbo.diagnosis.library import candidates, untestable
 from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
+from gmfbo.diagnosis.outside import Outside, look_outside
 from gmfbo.diagnosis.parities import parities
-from gmfbo.diagnosis.port_response import measure_port_response
+from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
+from gmfbo.diagnosis.replay import probability
 from gmfbo.diagnosis.reporting import (
     alignments,
     augmentation_of,
@@ -28,6 +31,7 @@ from gmfbo.diagnosis.reporting import (
     units_of,
 )
 from gmfbo.diagnosis.validation import validate as validated_on
+from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
@@ -132,6 +136,7 @@ class _Search:
         self.case, self.rng, self.progress = case, rng, progress
         self.assume, self.exclude = assume, exclude
         self.units = units_of(case)
+        self._response: PortResponse | None = None
 
     def diagnosis(self, seed: int, started: float) -> Diagnosis:
         case = self.case
@@ -140,13 +145,21 @@ class _Search:
         testable = [name for name in CATALOGUE if name not in reasons]
         library = candidates(testable, case.setting.excitation)
         decision = decide(case, library, self.rng, self.progress)
+        outside = None
+        if self._response is not None:
+            self.progress("looking outside the library", 0.8)
+            outside = look_outside(case, decision, self._response)
+            if outside.is_better:
+                decision.model = case.base
+                decision.rounds.clear()
         model = decision.model
         assert model is not None
         self.progress("validating", 0.85)
         shows = None
         if decision.rounds:
             shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
-        result = validated_on(case, model, split_of(case, shows), None)
+        split = split_of(case, shows)
+        result = validated_on(case, model, split, self._unnamed_change(outside, split))
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)
@@ -154,15 +167,17 @@ class _Search:
             case, decision, augmented, spread, self._probabilities(decision), self.units
         )
         effects = augmented.hypothesis.effects
-        location = locate(
-            case,
-            case.base,
-            parities(case, case.base),
-            effects,
-            augmented if effects else None,
-            self.units,
-        )
-        verdict = self._verdict(decision)
+        verdict = self._verdict(decision, outside)
+        location = Location(None)
+        if verdict in ("missing_physics", "outside_library"):
+            location = locate(
+                case,
+                case.base,
+                parities(case, case.base),
+                effects,
+                augmented if effects else None,
+                self.units,
+            )
         self.progress("done", 1.0)
         return Diagnosis(
             verdict=verdict,
@@ -174,7 +189,7 @@ class _Search:
             detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
             location=location,
             fit=result.fit,
-            shape=None,
+            shape=self._shape(outside) if verdict == "outside_library" else None,
             next_experiment=None,
             not_testable=not_testable(case, reasons, decision),
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
@@ -191,7 +206,7 @@ class _Search:
         if "torque" not in case.base.simulated[0].response.ports:
             return
         self.progress("searching for lines", 0.1)
-        response = measure_port_response(case, "torque", self.rng)
+        self._response = response = measure_port_response(case, "torque", self.rng)
         if response is None:
             return
         lines = find_lines(case, case.base, response)
@@ -213,14 +228,36 @@ class _Search:
         )
 
     def _probabilities(self, decision: Decision) -> dict[str, float]:
-        found = {}
+        found, base = {}, self.case.base
         for entry in decision.rounds:
-            share = 1.0 / (1.0 + len(entry.rivals))
-            found[entry.winner.name] = 0.95 * share
+            found[entry.winner.name] = probability(base, entry, self.rng)
+            base = entry.winner.fitted
         return found
 
-    def _verdict(self, decision: Decision) -> Verdict:
+    def _unnamed_change(
+        self, outside: Outside | None, split: Split
+    ) -> list[Sequence[NDArray[np.float64]]] | None:
+        """What a free function changes in each recording, by a fit that sees the fitted ones."""
+        if outside is None:
+            return None
+        windows = self.case.budget.windows
+        unseen = {windows[i].record for i in split.held_out}
+        whole = unseen - {windows[i].record for i in split.fitted}
+        records = range(len(self.case.simulations.records))
+        return [outside.model.predicted(k, without=whole) for k in records]
+
+    def _shape(self, outside: Outside | None) -> Shape | None:
+        if outside is None:
+            return None
+        units = self.units
+        return outside.model.shape(
+            {"torque": units.torque, "position": units.position, "velocity": units.velocity}
+        )
+
+    def _verdict(self, decision: Decision, outside: Outside | None) -> Verdict:
         case = self.case
+        if outside is not None and outside.is_better:
+            return "outside_library"
         if decision.rounds:
             return "missing_physics"
         return "parameters" if _parameters_matter(case, decision) else "none"

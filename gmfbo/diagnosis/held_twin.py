@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.ranges import tracking_loop
+from gmfbo.diagnosis.ranges import HOLDING_RAD_S, tracking_loop
 from gmfbo.diagnosis.simulations import Simulated
 from gmfbo.sources.augmented import Response
 
@@ -127,7 +127,7 @@ def hold(case: Case, base: Fitted, position: str) -> HeldTwin:
     if "torque" in ports:
         parameters = base.hypothesis.point(base.x).parameters
         inertia = parameters.get(case.setting.inertia or "")
-        loop = tracking_loop(inertia or case.setting.excitation.shaft_inertia, [])
+        loop = tracking_loop(inertia or case.setting.excitation.shaft_inertia, [], HOLDING_RAD_S)
         settings |= loop.settings
     if "sensor" in ports:
         settings["tracking.sensor"] = 1.0

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import bilinear, lfilter
 
-from gmfbo.diagnosis.ranges import tracking_loop
+from gmfbo.diagnosis.ranges import HOLDING_RAD_S, tracking_loop
 from gmfbo.physics import States
 
 _BINS = 10
@@ -136,7 +136,7 @@ def _time_features(columns: Sequence[Column]) -> tuple[list[Column], Column]:
 
 def _through_loop(columns: Column, step: float) -> Column:
     """What a tracking loop on a unit inertia makes of a torque: (kd s + kp)/(s^2 + kd s + kp)."""
-    loop = tracking_loop(1.0, []).settings
+    loop = tracking_loop(1.0, [], HOLDING_RAD_S).settings
     kp, kd = loop["tracking.kp"], loop["tracking.kd"]
     upper, lower = bilinear([kd, kp], [1.0, kd, kp], 1.0 / step)
     return np.asarray(lfilter(upper, lower, columns, axis=0), dtype=np.float64)

@@ -22,8 +22,8 @@ Direction = tuple[NDArray[np.float64], ...]
 SCALE, POSITION_SCALE = 0.02, 3e-4
 """Column scales: current and torque sensors are specified to 1-3 %, encoders are not off."""
 
-CLOCK_SKEW = 1e-4
-"""Quartz clocks of two devices differ by up to 100 ppm."""
+CLOCK_SKEW = 2e-4
+"""Quartz clocks of two devices differ by up to 100 ppm each."""
 
 SHIFT_SHARE = 0.1
 """Of a sample: when within its period a column is latched."""
@@ -32,7 +32,7 @@ ACTUATOR_LAG_S, ACTUATOR_GAIN = 2.5e-4, 0.01
 """Current loops differ by 0.1-0.3 ms and 1 % from what their twins say."""
 
 _FREE = 10.0  # times the range: as good as no prior
-_OFFSET = 2e-3  # of a signal's range
+_OFFSET = 5e-4  # of a signal's range
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,6 @@ def record_directions(
     for i, (signal, values) in enumerate(zip(record.signals, simulated.signals, strict=True)):
         rate = _rate(signal, values)
         skew.append(CLOCK_SKEW * (signal.time - record.start) * rate)
-        if signal.driving is not None:
-            slower = -ACTUATOR_LAG_S * np.gradient(signal.driving, signal.spacing)
-            directions.append(_only(record, i, slower))
-            directions.append(_only(record, i, ACTUATOR_GAIN * signal.driving))
-            continue
         prior = alignments[signal.name]
         shift = prior.shift or SHIFT_SHARE * signal.spacing
         directions.append(_only(record, i, shift * rate))
@@ -123,10 +118,11 @@ def actuator_directions(
     """
     states = base[record].response.states
     ports = base[record].response.ports
-    if "command" not in states or not {"command", "torque"} & set(ports):
+    told = states.get("command", states.get("current"))
+    if told is None or not {"command", "torque"} & set(ports):
         return []
     port, gain = ("command", 1.0) if "command" in ports else ("torque", torque)
-    command = _smooth(states["command"])
+    command = _smooth(told)
     grid = simulations.records[record].plan.grid
     small = [
         -ACTUATOR_LAG_S * np.gradient(command, grid),

@@ -23,7 +23,7 @@ from gmfbo.diagnosis.impulse_response import (
     sampling,
 )
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import EFFORT, Simulated, Simulations
+from gmfbo.diagnosis.simulations import Simulated, Simulations
 from gmfbo.errors import SimulationError
 
 Array = NDArray[np.float64]
@@ -239,13 +239,10 @@ def _range_of(case: Case, port: str) -> float:
 def _on_grid(simulations: Simulations, run: Simulated) -> dict[str, Array]:
     """All signals that may be scored, shape (rows,) each."""
     response = run.response
-    columns = {
+    return {
         name: response.new[name] if name in simulations.new_rows else held
         for name, held in response.held.items()
     }
-    if simulations.tracking is not None:
-        columns[EFFORT] = response.effort
-    return columns
 
 
 def _nonlinearity(half: dict[str, Array], whole: dict[str, Array]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,10 @@ from gmfbo.diagnosis.nuisances import (
     record_directions,
 )
 from gmfbo.diagnosis.records import LEAST_ROWS, Record
-from gmfbo.diagnosis.simulations import EFFORT, Point, Simulated, Simulations
+from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window, make_window
 from gmfbo.errors import RecordingError
+from gmfbo.sources.augmented import Response
 from gmfbo.sources.binding import Binding
 
 NOISE_RUNS = 4
@@ -35,6 +36,7 @@ NOISE_RUNS = 4
 _WINDOW_S = 1.2
 _MOST_WINDOWS = 4
 _LOOP_TIMES = 5.0
+_CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
 _SETTLING = 10.0  # loop times after which e^-10 of a start is left
 _FIRST_ROWS = 5
 _ELSEWHERE = 0.02  # of a signal's range
@@ -212,6 +214,8 @@ def noise_runs(
     point: Point,
     base: Sequence[Simulated],
     sigma: float | None,
+    position: str | None,
+    input_noise: Mapping[str, Sequence[float]],
     rng: np.random.Generator,
 ) -> list[list[Direction]]:
     """Send noise of the recorded size through the loop: changes of each recording's signals.
@@ -226,6 +230,10 @@ def noise_runs(
         The same without noise.
     sigma : float or None
         [FMU's unit] Of the position's noise; None where it is not recorded.
+    position : str or None
+        Output that is the recorded position.
+    input_noise : mapping of str to sequence of float
+        [FMU's unit] Of recorded inputs, by the port at which they enter, for each recording.
     rng : numpy Generator
         Source of the noise.
 
@@ -239,23 +247,51 @@ def noise_runs(
     orders = []
     for k, record in enumerate(simulations.records):
         for _ in range(NOISE_RUNS):
-            orders.append((k, sigma * rng.standard_normal(record.plan.grid.size)))
+            rows = record.plan.grid.size
+            driven = {p: level[k] * rng.standard_normal(rows) for p, level in input_noise.items()}
+            orders.append((k, sigma * rng.standard_normal(rows), driven))
 
-    def one(order: tuple[int, NDArray[np.float64]]) -> tuple[int, Direction | None]:
-        k, column = order
+    def one(
+        order: tuple[int, NDArray[np.float64], dict[str, NDArray[np.float64]]],
+    ) -> tuple[int, Direction | None]:
+        k, column, driven = order
         if simulations.tracking is not None:
-            run = simulations.run_one(point, k, measured_noise=column)
+            run = simulations.run_one(point, k, measured_noise=column, excitation=driven)
         else:
             run = simulations.run_one(point, k, excitation={"sensor": column})
         if not run.finite:
             return k, None
-        return k, tuple(a - b for a, b in zip(run.signals, base[k].signals, strict=True))
+        signals = run.signals
+        if position is not None:
+            if simulations.tracking is None:
+                logged = _as_logged(run.response, base[k].response, position, column)
+            else:
+                # What is scored is recorded less simulated: the recording holds the noise.
+                held = {**run.response.held, position: run.response.held[position] - column}
+                logged = replace(run.response, held=held)
+            signals = simulations.read(logged, k)
+        return k, tuple(a - b for a, b in zip(signals, base[k].signals, strict=True))
 
     changes: list[list[Direction]] = [[] for _ in base]
     for k, change in simulations.map(one, orders):
         if change is not None:
             changes[k].append(change)
     return changes
+
+
+def _as_logged(
+    noisy: Response, quiet: Response, position: str, noise: NDArray[np.float64]
+) -> Response:
+    """Let a reading hold the noise of its own instant, as the logger and the controller see it.
+
+    The output at t_k is read before the inputs of t_k act: where it contains the sensor port, it
+    still holds the noise of the point before.
+    """
+    before = np.concatenate([noise[:1], noise[:-1]])
+    change = noisy.held[position] - quiet.held[position]
+    contained = float(change @ before) / float(before @ before) > _CONTAINED
+    reading = noisy.held[position] + noise - (before if contained else 0.0)
+    return replace(noisy, held={**noisy.held, position: reading})
 
 
 def covariances(
@@ -313,9 +349,6 @@ def own_variances(
     """
     variances = []
     for i, signal in enumerate(record.signals):
-        if signal.name == EFFORT:
-            variances.append(1e-18)
-            continue
         level = noise[signal.name]
         through = 0.0
         if loop_noise:
@@ -394,8 +427,6 @@ def nuisance_directions(
     def one(k: int) -> list[Direction]:
         record = simulations.records[k]
         own = record_directions(record, base[k], rig.alignments)
-        if simulations.tracking is not None:
-            return own
         return own + actuator_directions(simulations, point, base, k, torque_per_command)
 
     return list(simulations.map(one, range(len(base))))

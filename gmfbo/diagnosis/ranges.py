@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import bilinear, lfilter
 
 from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.simulations import Point, Simulated, Simulations, Tracking
@@ -14,8 +15,17 @@ from gmfbo.physics import Excitation, States
 
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range that a probing torque should move it by
-_TRACKING_RAD_S = 90.0
-"""[rad/s] Bandwidth of the loop that holds an open-loop twin; faster than most axes move."""
+TRACKING_RAD_S = 10.0
+"""[rad/s] Bandwidth of the loop that keeps an open-loop twin from drifting off its recordings.
+
+Low, so that it hardly reacts to the noise of what it follows: a loop that held the twin by force
+would turn that noise into torque in proportion to its inertia, and the least inertia would fit.
+"""
+
+HOLDING_RAD_S = 90.0
+"""[rad/s] The same for a loop whose effort is read as the torque that is missing."""
+
+_TRACKING_DAMPING = 0.8
 
 
 def states_of(simulated: Simulated, record: Record) -> States:
@@ -141,7 +151,11 @@ def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half:
     return float(grid[min(last, half)] - grid[0])
 
 
-def tracking_loop(inertia: float, measured: Sequence[NDArray[np.float64]]) -> Tracking:
+def tracking_loop(
+    inertia: float,
+    measured: Sequence[NDArray[np.float64]],
+    bandwidth: float = TRACKING_RAD_S,
+) -> Tracking:
     """Design a loop that holds a shaft of this inertia on its recordings.
 
     Parameters
@@ -150,12 +164,31 @@ def tracking_loop(inertia: float, measured: Sequence[NDArray[np.float64]]) -> Tr
         Torque per acceleration.
     measured : sequence of ndarray, shape (rows,)
         [FMU's unit] Recorded positions on the communication grid.
+    bandwidth : float
+        [rad/s]
     """
     settings = {
-        "tracking.kp": inertia * _TRACKING_RAD_S**2,
-        "tracking.kd": 1.6 * inertia * _TRACKING_RAD_S,
+        "tracking.kp": inertia * bandwidth**2,
+        "tracking.kd": 2.0 * _TRACKING_DAMPING * inertia * bandwidth,
     }
     return Tracking(settings, tuple(measured))
+
+
+def untracked(column: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What of a position the tracking loop leaves to be scored: its faster part.
+
+    Parameters
+    ----------
+    column : ndarray, shape (rows,)
+        Position on the communication grid.
+    grid : ndarray, shape (rows,)
+        [s]
+    """
+    w = TRACKING_RAD_S
+    closed = [1.0, 2.0 * _TRACKING_DAMPING * w, w**2]
+    b, a = bilinear([1.0, 0.0, 0.0], closed, fs=1.0 / float(grid[1] - grid[0]))
+    fast: NDArray[np.float64] = lfilter(b, a, column - column[0])
+    return fast
 
 
 def measure_ranges(

@@ -26,7 +26,7 @@ class ScoredSignal:
     Attributes
     ----------
     name : str
-        As the twin file calls it; `tracking effort` where an open loop is held by force.
+        As the twin file calls it.
     time : ndarray, shape (n,)
         [s]
     values : ndarray, shape (n,)
@@ -34,7 +34,7 @@ class ScoredSignal:
     resolution : float
         [SI] Smallest step between recorded values; 0 where they are continuous.
     driving : ndarray, shape (n,), or None
-        Torque that moves the shaft, where the signal is the effort that holds it.
+        Part of it that is scored, where a tracking loop takes the rest away.
     """
 
     name: str

@@ -21,7 +21,6 @@ from gmfbo.diagnosis.named_effect import (
     NamedEffect,
     NotTestable,
 )
-from gmfbo.diagnosis.simulations import EFFORT
 from gmfbo.physics import CATALOGUE, Units
 from gmfbo.sources.augmented_binding import PORT_OUTPUTS
 
@@ -187,8 +186,6 @@ def alignments(case: Case, model: Fitted) -> dict[str, Alignment]:
     found: dict[str, Alignment] = {}
     names = dict.fromkeys(s.name for r in case.simulations.records for s in r.signals)
     for name in names:
-        if name == EFFORT:
-            continue
         matrix = np.zeros((3, 3))
         vector = np.zeros(3)
         pairs = zip(case.simulations.records, model.simulated, strict=True)

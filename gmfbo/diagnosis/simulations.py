@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Self, TypeVar
 
 import numpy as np
@@ -19,9 +19,6 @@ from gmfbo.sources.augmented import AugmentedTwin, Columns, Response, RunPlan
 
 Task = TypeVar("Task")
 Made = TypeVar("Made")
-
-EFFORT = "tracking effort"
-"""Name of the torque that holds an open-loop twin on its recording; a right twin needs none."""
 
 
 @dataclass(frozen=True)
@@ -200,9 +197,7 @@ class Simulations:
         """Scored signals of a response at their own times."""
         columns = []
         for signal in self.records[record].signals:
-            if signal.name == EFFORT:
-                source = response.effort
-            elif signal.name in self.new_rows:
+            if signal.name in self.new_rows:
                 source = response.new[signal.name]
             else:
                 source = response.held[signal.name]
@@ -257,11 +252,6 @@ def require_run(simulated: Sequence[Simulated], what: str) -> None:
     for run in simulated:
         if not run.finite:
             raise SimulationError(f"{what}: {run.response.outcome.message}")
-
-
-def without_tracking_record(record: Record) -> Record:
-    """Leave the tracking effort out of what is scored."""
-    return replace(record, signals=tuple(s for s in record.signals if s.name != EFFORT))
 
 
 def _at(

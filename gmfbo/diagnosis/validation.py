@@ -15,7 +15,7 @@ from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
 from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.misfit import Misfit, chi2
-from gmfbo.diagnosis.simulations import EFFORT, Simulated
+from gmfbo.diagnosis.simulations import Simulated
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,13 +126,8 @@ def _nrmse(
             count += rows.size
             low = min(low, float(signal.values[rows].min()))
             high = max(high, float(signal.values[rows].max()))
-    extent = _extent(case, name, high - low)
+    extent = high - low
     return float(np.sqrt(square / count) / extent) if count and extent > 0.0 else float("nan")
-
-
-def _extent(case: Case, name: str, recorded: float) -> float:
-    """Range of a signal; that of the torque shown, for an effort which should be nothing."""
-    return case.setting.excitation.torque if name == EFFORT else recorded
 
 
 def _floor(case: Case, scored: Sequence[int], name: str) -> float:
@@ -150,7 +145,7 @@ def _floor(case: Case, scored: Sequence[int], name: str) -> float:
     if not squares:
         return float("nan")
     values = np.concatenate(extents)
-    extent = _extent(case, name, float(np.ptp(values)))
+    extent = float(np.ptp(values))
     return float(np.sqrt(np.mean(squares)) / extent) if extent > 0.0 else float("nan")
 
 

@@ -178,6 +178,12 @@ class Effect:
     confused_with: Mapping[str, str] = field(default_factory=dict)
     parameter_like: tuple[str, ...] = ()
 
+    @property
+    def is_searched(self) -> bool:
+        """Its place was looked for: a line over position or time, or an instant."""
+        names = {parameter.name for parameter in self.parameters}
+        return bool(names & {"wavenumber", "wavenumber_1", "frequency", "start"})
+
     def bounds(self, excitation: Excitation) -> dict[str, tuple[float, float]]:
         """Lower and upper bound of each fitted parameter, by name."""
         return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}

@@ -331,7 +331,12 @@ class AugmentedTwin:
         for port in self.ports:
             ports[port] = y[after, column]
             column += 1
-        effort = y[after, column] if "torque" in ports else np.zeros(points.size)
+        effort = np.zeros(points.size)
+        if "torque" in ports:
+            # The mean of each step moves the shaft; a value at its beginning leans on one side.
+            steps = y[1 + self.substeps * plan.lead :, column].reshape(-1, self.substeps)
+            effort[:-1] = steps.mean(axis=1)
+            effort[-1] = effort[-2]
         return Response(outcome, held, new, states, ports, effort)
 
 

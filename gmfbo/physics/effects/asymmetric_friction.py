@@ -3,7 +3,7 @@
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.effect import Effect, Values, signed
 from gmfbo.physics.states import Array, States
 from gmfbo.physics.units import Units, quantity
 
@@ -11,7 +11,8 @@ from gmfbo.physics.units import Units, quantity
 def _signal(states: States, parameters: Values) -> Array:
     direction = states.direction
     levels = np.where(direction > 0.0, parameters["level_positive"], parameters["level_negative"])
-    return np.asarray(-levels * direction, dtype=np.float64)
+    viscous = 0.5 * parameters.get("viscous_difference", 0.0) * np.abs(states.velocity)
+    return np.asarray(-levels * direction - viscous, dtype=np.float64)
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
@@ -31,9 +32,21 @@ asymmetric_friction = Effect(
     parameters=(
         friction.level("Level at positive velocity", "level_positive"),
         friction.level("Level at negative velocity", "level_negative"),
+        signed(
+            "viscous_difference",
+            "Viscous coefficient at positive less that at negative velocity",
+            "torque/velocity",
+            lambda e: e.torque / e.speed,
+        ),
     ),
     fixed=friction.fixed_deflection,
-    starts=lambda e: [{"level_positive": 0.08 * e.torque, "level_negative": 0.05 * e.torque}],
+    starts=lambda e: [
+        {
+            "level_positive": 0.08 * e.torque,
+            "level_negative": 0.05 * e.torque,
+            "viscous_difference": 0.01 * e.torque / e.speed,
+        }
+    ],
     size=lambda p, e: max(p["level_positive"], p["level_negative"]),
     size_name="level",
     size_unit="torque",
@@ -45,7 +58,7 @@ asymmetric_friction = Effect(
     region=friction.reversal_region,
     region_state="velocity",
     statement=_statement,
-    equation="tau = -F_p if omega > 0, +F_n if omega < 0",
+    equation="tau = -F_p - d/2 * omega if omega > 0, +F_n + d/2 * omega if omega < 0",
     source="Armstrong-Hélouvry, 1991",
     contains=("coulomb_friction",),
     confused_with={

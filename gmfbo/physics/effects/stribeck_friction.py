@@ -39,6 +39,11 @@ def _statement(parameters: Values, units: Units, place: str) -> str:
     level = quantity(parameters["level"], units.torque)
     breakaway = quantity(parameters["breakaway"], units.torque)
     velocity = quantity(parameters["velocity"], units.velocity)
+    if parameters["breakaway"] < parameters["level"]:
+        return (
+            f"Friction that rises with speed {place} is missing from the twin: about {breakaway} "
+            f"at low speed, {level} when sliding well above {velocity}."
+        )
     return (
         f"Stribeck friction {place} is missing from the twin: about {breakaway} at low speed, "
         f"{level} when sliding well above {velocity}."

@@ -1,0 +1,116 @@
+"""How far a name can be trusted: the decision repeated on what each rival would have recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.decision import Evidence, Round
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.leaving_out import solve_weakly_bound
+from gmfbo.diagnosis.misfit import Blocks
+
+DRAWS = 200
+"""Repetitions for each hypothesis."""
+
+_PRIOR_NULL, _PRIOR_OUTSIDE = 0.3, 0.15
+_MOST_TRUSTED = 0.95  # unless there are enough draws to say more
+_OUTSIDE_LIKENESS = 0.5  # of a random law's change that one of the effects can make
+
+
+def probability(base: Fitted, found: Round, rng: np.random.Generator) -> float:
+    """Probability that the named effect, or one it cannot be told from, is at work.
+
+    Each hypothesis is replayed: its fitted change of the outputs plus noise is decided on as the
+    recordings were, linearly about the twin without it. Bayes' rule with stated priors (nothing
+    0.3, outside the library 0.15, the effects the rest in equal parts) gives the probability,
+    with (k + 1) / (n + 2) for each frequency (Laplace 1812).
+
+    Parameters
+    ----------
+    base : Fitted
+        The twin before the effect was added.
+    found : Round
+        The winner and what competed with it.
+    rng : numpy Generator
+        Source of the noise.
+    """
+    changes = {e.name: _change(base, e) for e in found.fitted}
+    accepted = {found.winner.name, *(rival.name for rival in found.rivals)}
+    shares = {
+        name: _share_named(base, changes, change, accepted, found.needed, rng)
+        for name, change in changes.items()
+    }
+    nothing = tuple(np.zeros(r.size) for r in base.residual)
+    null = _share_named(base, changes, nothing, accepted, found.needed, rng)
+    outside = _share_named(
+        base,
+        changes,
+        _random_change(base, changes[found.winner.name], rng),
+        accepted,
+        found.needed,
+        rng,
+    )
+    each = (1.0 - _PRIOR_NULL - _PRIOR_OUTSIDE) / len(changes)
+    right = each * sum(shares[name] for name in accepted)
+    wrong = each * sum(share for name, share in shares.items() if name not in accepted)
+    total = right + wrong + _PRIOR_NULL * null + _PRIOR_OUTSIDE * outside
+    return float(min(right / total, _MOST_TRUSTED))
+
+
+def _change(base: Fitted, evidence: Evidence) -> Blocks:
+    return tuple(a - b for a, b in zip(base.residual, evidence.fitted.residual, strict=True))
+
+
+def _random_change(base: Fitted, like: Blocks, rng: np.random.Generator) -> Blocks:
+    """Change by a law outside the library: half like an effect, half like nothing known."""
+    size = np.sqrt(sum(float(block @ block) for block in like))
+    noise = [rng.standard_normal(block.size) for block in like]
+    norm = np.sqrt(sum(float(n @ n) for n in noise))
+    return tuple(
+        np.sqrt(_OUTSIDE_LIKENESS) * block + np.sqrt(1.0 - _OUTSIDE_LIKENESS) * size / norm * n
+        for block, n in zip(like, noise, strict=True)
+    )
+
+
+def _share_named(
+    base: Fitted,
+    changes: Mapping[str, Blocks],
+    truth: Blocks,
+    accepted: set[str],
+    needed: float,
+    rng: np.random.Generator,
+) -> float:
+    """How often the decision names one of the accepted effects under a truth."""
+    residuals = tuple(block[:, None] + rng.standard_normal((block.size, DRAWS)) for block in truth)
+    names = list(changes)
+    reference = _after(base.sensitivity, residuals, base.prior)
+    gains = []
+    for name in names:
+        together = tuple(
+            np.concatenate([own, change[None]])
+            for own, change in zip(base.sensitivity, changes[name], strict=True)
+        )
+        prior = np.append(base.prior, 1e-2)
+        gains.append(reference - _after(together, residuals, prior))
+    table = np.array(gains)
+    best = np.argmax(table, axis=0)
+    hits = [names[b] in accepted and table[b, i] > needed for i, b in enumerate(best)]
+    return (sum(hits) + 1) / (DRAWS + 2)
+
+
+def _after(
+    columns: Sequence[NDArray[np.float64]],
+    residuals: Sequence[NDArray[np.float64]],
+    prior: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Change of the square by a fit, of each draw."""
+    matrix = sum(a @ a.T for a in columns)
+    vector = sum(a @ r for a, r in zip(columns, residuals, strict=True))
+    change = solve_weakly_bound(np.asarray(matrix), np.asarray(vector), prior)
+    left: NDArray[np.float64] = np.einsum(
+        "ij,ik,kj->j", change, np.asarray(matrix), change
+    ) - 2.0 * np.einsum("ij,ij->j", change, np.asarray(vector))
+    return left
