@@ -28,8 +28,7 @@ _FIRST_SHARE = 0.01  # of the first effect's gain: a law that is 10 % off leaves
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
 _VAGUE = 1.96  # standard deviations within which a value may be zero
-_EXCITED = 25.0  # change of chi2 by which a recording shows an effect
-_HARM_SHARE = 0.1  # of the gain, which an excited recording may lose
+_HARM_SHARE = 0.15  # of the gain, which a recording may lose
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
 _GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters mislead
@@ -300,10 +299,8 @@ def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: flo
     values = {**evidence.effect.more, **evidence.effect.values}
     if law.size(values, excitation) < law.floor(excitation):
         return False
-    excited = evidence.signature > _EXCITED
-    if np.any(evidence.gains[excited] < -_HARM_SHARE * evidence.gain):
-        return False
-    if np.any(evidence.gains[~excited] < -0.5 * decision.threshold):
+    by_record = np.bincount([w.record for w in case.budget.windows], evidence.gains)
+    if np.any(by_record < -max(0.8 * decision.threshold, _HARM_SHARE * evidence.gain)):
         return False
     return _acts_long_enough(case, evidence)
 

@@ -230,7 +230,7 @@ class _Search:
     def _probabilities(self, decision: Decision) -> dict[str, float]:
         found, base = {}, self.case.base
         for entry in decision.rounds:
-            found[entry.winner.name] = probability(base, entry, self.rng)
+            found[entry.winner.name] = probability(base, entry, decision.dispersion, self.rng)
             base = entry.winner.fitted
         return found
 

@@ -17,10 +17,9 @@ DRAWS = 200
 
 _PRIOR_NULL, _PRIOR_OUTSIDE = 0.3, 0.15
 _MOST_TRUSTED = 0.95  # unless there are enough draws to say more
-_OUTSIDE_LIKENESS = 0.5  # of a random law's change that one of the effects can make
 
 
-def probability(base: Fitted, found: Round, rng: np.random.Generator) -> float:
+def probability(base: Fitted, found: Round, dispersion: float, rng: np.random.Generator) -> float:
     """Probability that the named effect, or one it cannot be told from, is at work.
 
     Each hypothesis is replayed: its fitted change of the outputs plus noise is decided on as the
@@ -34,6 +33,8 @@ def probability(base: Fitted, found: Round, rng: np.random.Generator) -> float:
         The twin before the effect was added.
     found : Round
         The winner and what competed with it.
+    dispersion : float
+        chi2 per degree of freedom that the best model left by the budget alone.
     rng : numpy Generator
         Source of the noise.
     """
@@ -45,14 +46,7 @@ def probability(base: Fitted, found: Round, rng: np.random.Generator) -> float:
     }
     nothing = tuple(np.zeros(r.size) for r in base.residual)
     null = _share_named(base, changes, nothing, accepted, found.needed, rng)
-    outside = _share_named(
-        base,
-        changes,
-        _random_change(base, changes[found.winner.name], rng),
-        accepted,
-        found.needed,
-        rng,
-    )
+    outside = _share_outside(base, found, dispersion)
     each = (1.0 - _PRIOR_NULL - _PRIOR_OUTSIDE) / len(changes)
     right = each * sum(shares[name] for name in accepted)
     wrong = each * sum(share for name, share in shares.items() if name not in accepted)
@@ -64,15 +58,15 @@ def _change(base: Fitted, evidence: Evidence) -> Blocks:
     return tuple(a - b for a, b in zip(base.residual, evidence.fitted.residual, strict=True))
 
 
-def _random_change(base: Fitted, like: Blocks, rng: np.random.Generator) -> Blocks:
-    """Change by a law outside the library: half like an effect, half like nothing known."""
-    size = np.sqrt(sum(float(block @ block) for block in like))
-    noise = [rng.standard_normal(block.size) for block in like]
-    norm = np.sqrt(sum(float(n @ n) for n in noise))
-    return tuple(
-        np.sqrt(_OUTSIDE_LIKENESS) * block + np.sqrt(1.0 - _OUTSIDE_LIKENESS) * size / norm * n
-        for block, n in zip(like, noise, strict=True)
-    )
+def _share_outside(base: Fitted, found: Round, dispersion: float) -> float:
+    """How often a law outside the library would be explained as well as the recordings were.
+
+    What an effect can make of an unknown law is taken as evenly spread between nothing and all.
+    """
+    noise = sum(r.size for r in base.residual) / dispersion
+    missing = max(base.chi2 - noise, 1.0)
+    left = max(found.winner.chi2 - noise, 0.0)
+    return float(np.clip(left / missing, 1.0 / (DRAWS + 2), 1.0))
 
 
 def _share_named(

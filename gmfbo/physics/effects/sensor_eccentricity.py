@@ -63,6 +63,7 @@ sensor_eccentricity = Effect(
     statement=_statement,
     equation="reading = phi + A * sin(n * phi) + B * cos(n * phi)",
     source="Hanselman, 1990",
+    contains=("sensor_offset",),
     confused_with={
         "gravity_torque": "standstill at several angles: gravity asks for a holding torque",
         "cogging_torque": "two speeds: an eccentric sensor gives torque as speed squared",
