@@ -107,7 +107,6 @@ class Simulations:
         self.records = tuple(records)
         self.new_rows: frozenset[str] = frozenset()
         self.tracking: Tracking | None = None
-        self.rough: list[list[tuple[NDArray[np.float64], ...]]] | None = None
         self._simulators: queue.SimpleQueue[AugmentedTwin] = queue.SimpleQueue()
         self._all = [open_twin() for _ in range(jobs)]
         for simulator in self._all:
