@@ -35,6 +35,7 @@ NOISE_RUNS = 4
 
 _WINDOW_S = 1.2
 _MOST_WINDOWS = 4
+_LEAST_WINDOWS = 4  # in all, where the loop is fast enough for it
 _LOOP_TIMES = 5.0
 _CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
 _SETTLING = 10.0  # loop times after which e^-10 of a start is left
@@ -141,12 +142,15 @@ def windows_of(
         Nothing is left to score.
     """
     windows: list[Window] = []
+    total = sum(record.end - record.start for record in records)
+    # Few or short recordings are cut finer, so that something can be left out of a fit.
+    width = max(min(_WINDOW_S, total / _LEAST_WINDOWS), _LOOP_TIMES * loop_time)
     for k, record in enumerate(records):
         elsewhere = bool(nominal) and starts_elsewhere(record, nominal[k], positions, loop_time)
         found = [
             window
             for stretch in record.stretches(_SETTLING * loop_time, starts_elsewhere=elsewhere)
-            for window in _windows_within(k, record, stretch, loop_time)
+            for window in _windows_within(k, record, stretch, width)
         ]
         windows += found
     if not windows:
@@ -158,10 +162,11 @@ def windows_of(
 
 
 def _windows_within(
-    k: int, record: Record, stretch: tuple[float, float], loop_time: float
+    k: int, record: Record, stretch: tuple[float, float], width: float
 ) -> list[Window]:
     start, end = stretch
-    parts = int(np.clip((end - start) // max(_WINDOW_S, _LOOP_TIMES * loop_time), 1, _MOST_WINDOWS))
+    # Rounded up by a row: a recording of four widths is cut in four.
+    parts = int(np.clip((end - start) * (1.0 + 1e-6) // width, 1, _MOST_WINDOWS))
     ranges = []
     for signal in record.signals:
         slack = 1e-6 * signal.spacing

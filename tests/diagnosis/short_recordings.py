@@ -174,6 +174,6 @@ def diagnosed(
     return diagnose(twin, recordings, exclude=excluded, jobs=jobs)
 
 
-def names(diagnosis: Diagnosis) -> list[str]:
+def named(diagnosis: Diagnosis) -> list[str]:
     """Effects that were named."""
     return [effect.name for effect in diagnosis.effects]

@@ -57,7 +57,9 @@ TRIALS = {
     "coulomb_friction": Trial({"level": 0.2}),
     "stribeck_friction": Trial({"level": 0.15, "breakaway": 0.3, "velocity": 0.3}),
     "presliding_friction": Trial({"level": 0.2, "deflection": 5e-3}),
-    "asymmetric_friction": Trial({"level_positive": 0.25, "level_negative": 0.15}),
+    "asymmetric_friction": Trial(
+        {"level_positive": 0.25, "level_negative": 0.15, "viscous_difference": 0.01}
+    ),
     "load_dependent_friction": Trial({"coefficient": 0.08, "level": 0.1}),
     "position_dependent_friction": Trial(
         {"level": 0.2, "sine": 0.08, "cosine": 0.08, "wavenumber": 8.0}, near={"wavenumber": 1.05}

@@ -1,0 +1,259 @@
+"""Few, short, blank, noiseless or odd recordings: the diagnosis says less rather than wrong."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gmfbo import diagnose
+from gmfbo.diagnosis.diagnosis import Diagnosis
+from gmfbo.errors import InputError, RecordingError
+from gmfbo.physics import CATALOGUE
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.models import models_folder
+from tests.diagnosis.short_recordings import (
+    QUIET_SERVO,
+    SERVO,
+    Axis,
+    climb,
+    diagnosed,
+    moves,
+    multisine,
+    named,
+)
+
+FRICTION = {"coulomb_friction.level": 0.25, "coulomb_friction.deflection": 1e-6}
+FEW = ("coulomb_friction", "viscous_friction", "constant_torque_offset", "transport_delay")
+LAWS = [name for name, effect in CATALOGUE.items() if effect.family == "friction"]
+
+
+def finds_friction(diagnosis: Diagnosis, within: float = 0.02) -> bool:
+    assert diagnosis.verdict == "missing_physics"
+    assert named(diagnosis) == ["coulomb_friction"]
+    level = diagnosis.effects[0].parameters["level"].value
+    return abs(level / 0.25 - 1.0) < within
+
+
+def from_row(recording: Recording, first: int) -> Recording:
+    return replace(
+        recording,
+        time=recording.time[first:],
+        signals={name: column[first:] for name, column in recording.signals.items()},
+    )
+
+
+@pytest.mark.parametrize("references", [(multisine,), (multisine, moves)])
+def test_one_recording_or_two_are_enough_where_friction_is_plain(
+    references: Sequence[object],
+) -> None:
+    recordings = SERVO.recordings(FRICTION, references)  # type: ignore[arg-type]
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
+    assert finds_friction(diagnosis)
+    assert diagnosis.fit.held_out
+
+
+def test_the_position_alone_tells_friction() -> None:
+    recordings = SERVO.recordings(FRICTION, signals=["position"])
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
+    assert finds_friction(diagnosis)
+    assert list(diagnosis.fit.signals) == ["position"]
+
+
+def test_a_position_at_a_quarter_of_the_rate_leaves_blank_cells_that_do_no_harm() -> None:
+    recordings = []
+    for recording in SERVO.recordings(FRICTION):
+        position = recording.signals["position"].copy()
+        position[np.arange(position.size) % 4 != 0] = np.nan
+        recordings.append(recording.with_signals({"position": position}))
+    assert finds_friction(diagnosed(SERVO.twin(), recordings, only=FEW))
+
+
+def test_a_recording_without_one_of_the_signals_counts_by_the_others() -> None:
+    first, second = SERVO.recordings(FRICTION)
+    signals = {n: c for n, c in second.signals.items() if n != "torque_command"}
+    diagnosis = diagnosed(SERVO.twin(), [first, replace(second, signals=signals)], only=FEW)
+    assert finds_friction(diagnosis)
+
+
+@pytest.mark.parametrize("logged", ["held", "new"])
+def test_an_unknown_loggers_convention_is_found(logged: str) -> None:
+    new = ["torque_command"] if logged == "new" else []
+    recordings = SERVO.recordings(FRICTION, written_by="", logged_new=new)
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
+    assert diagnosis.alignment["torque_command"].logged == logged
+    assert diagnosis.alignment["position"].logged == "held"
+    assert abs(diagnosis.alignment["torque_command"].shift) < 3e-4
+    assert finds_friction(diagnosis)
+
+
+def test_a_start_in_motion_is_scored_once_it_is_forgotten() -> None:
+    whole = SERVO.recordings(FRICTION, seconds=1.9)
+    recordings = [from_row(recording, 400) for recording in whole]
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
+    assert finds_friction(diagnosis, within=0.05)
+    assert diagnosis.parameters["inertia"].value == pytest.approx(0.0105, rel=0.03)
+    assert diagnosis.alignment["torque_command"].scale == pytest.approx(1.0, abs=0.03)
+
+
+def test_rows_that_a_logger_lost_are_not_made_up() -> None:
+    """A line across 40 lost rows is no motion: taken for one, friction was 7 % off."""
+    recordings = []
+    for recording in SERVO.recordings(FRICTION):
+        lost = {n: recording.signals[n].copy() for n in ("position", "torque_command")}
+        for column in lost.values():
+            column[300:340], column[700] = np.nan, np.nan
+        recordings.append(recording.with_signals(lost))
+    assert finds_friction(diagnosed(SERVO.twin(), recordings, only=FEW))
+
+
+def test_a_climb_without_reversals_is_insufficient_and_friction_is_not_excited() -> None:
+    recordings = SERVO.recordings({}, (climb, climb))
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
+    assert diagnosis.verdict in ("none", "parameters")
+    assert diagnosis.evidence == "insufficient"
+    why = {entry.name: entry.why for entry in diagnosis.not_testable}
+    assert why["coulomb_friction"].startswith("not excited: ")
+
+
+def test_an_assumed_effect_is_tested_where_the_recordings_seem_not_to_show_it() -> None:
+    recordings = SERVO.recordings(FRICTION, (climb, climb))
+    others = [name for name in CATALOGUE if name not in FEW]
+    diagnosis = diagnose(
+        SERVO.twin(), recordings, assume=["coulomb_friction"], exclude=others, jobs=1
+    )
+    assert "coulomb_friction" not in [entry.name for entry in diagnosis.not_testable]
+    assert "coulomb_friction" in named(diagnosis)
+
+
+def test_without_noise_friction_is_exact_and_nothing_else_is_named() -> None:
+    diagnosis = diagnosed(SERVO.twin(), QUIET_SERVO.recordings(FRICTION), only=FEW)
+    assert finds_friction(diagnosis, within=0.01)
+
+
+def test_without_noise_a_perfect_twin_lacks_nothing() -> None:
+    perfect = Axis(truth={}, noise={})
+    diagnosis = diagnosed(SERVO.twin(), perfect.recordings({}), only=FEW)
+    assert diagnosis.verdict == "none"
+
+
+@pytest.mark.parametrize("axis", [SERVO, QUIET_SERVO], ids=["noisy", "silent"])
+def test_an_axis_at_rest_tells_nothing_and_is_said_to(axis: Axis) -> None:
+    recordings = axis.recordings({}, (np.zeros_like, np.zeros_like))
+    diagnosis = diagnosed(SERVO.twin(), recordings)
+    assert (diagnosis.verdict, diagnosis.evidence) == ("none", "insufficient")
+    for estimate in diagnosis.parameters.values():
+        assert not estimate.identifiable
+        assert estimate.value == estimate.nominal
+    json.loads(diagnosis.to_json())
+
+
+def test_a_recording_of_50_rows_is_refused_in_one_line() -> None:
+    recordings = SERVO.recordings({}, seconds=0.05)
+    with pytest.raises(RecordingError, match=r"^rec0\.csv: expected at least 64 rows") as error:
+        diagnosed(SERVO.twin(), recordings)
+    assert "\n" not in str(error.value)
+
+
+def test_no_recording_is_refused() -> None:
+    with pytest.raises(RecordingError, match="expected at least one recording, got none"):
+        diagnosed(SERVO.twin(), [])
+
+
+def test_an_effect_that_is_not_in_the_catalogue_is_refused_with_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"no effect 'coulomb'.*coulomb_friction"):
+        diagnose(SERVO.twin(), SERVO.recordings({}), exclude=["coulomb"])
+
+
+def test_without_any_friction_law_none_of_the_others_is_named_with_confidence() -> None:
+    """Placebo: the true effect is out of the library, with all laws that contain it."""
+    diagnosis = diagnose(SERVO.twin(), SERVO.recordings(FRICTION), exclude=LAWS, jobs=1)
+    assert not set(LAWS) & set(named(diagnosis))
+    assert all(effect.probability < 0.5 for effect in diagnosis.effects)
+
+
+def content(diagnosis: Diagnosis) -> dict[str, object]:
+    """All of diagnosis.json but the time it took."""
+    text: dict[str, object] = json.loads(diagnosis.to_json())
+    cost = text["cost"]
+    assert isinstance(cost, dict)
+    cost.pop("seconds", None)
+    return text
+
+
+def test_the_same_seed_gives_the_same_diagnosis_whatever_the_number_of_jobs() -> None:
+    recordings = SERVO.recordings(FRICTION, seconds=1.0)
+    first, again, two = (
+        content(diagnosed(SERVO.twin(), recordings, only=FEW, jobs=jobs)) for jobs in (1, 1, 2)
+    )
+    assert first == again
+    assert first == two
+
+
+def written(recordings: Sequence[Recording], folder: Path) -> list[Path]:
+    paths = []
+    for recording in recordings:
+        columns: dict[str, NDArray[np.float64]] = {"time": recording.time, **recording.signals}
+        head = [f"# {name} = {value}" for name, value in recording.parameters.items()]
+        rows = [
+            ",".join(repr(float(v)) for v in row) for row in zip(*columns.values(), strict=True)
+        ]
+        path = folder / recording.name
+        path.write_text("\n".join([*head, ",".join(columns), *rows]) + "\n")
+        paths.append(path)
+    return paths
+
+
+def session(leader: int) -> list[int]:
+    """Processes of a session that are alive, by the kernel's table."""
+    alive = []
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            fields = (entry / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[3]) == leader and fields[0] != "Z":
+            alive.append(int(entry.name))
+    return alive
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs the table in /proc")
+def test_ctrl_c_ends_a_diagnosis_with_all_its_processes_and_writes_nothing(tmp_path: Path) -> None:
+    recordings = written(SERVO.recordings(FRICTION, seconds=2.5), tmp_path)
+    out = tmp_path / "out"
+    command = "import sys; from gmfbo.cli import main; sys.exit(main(sys.argv[1:]))"
+    twin = models_folder() / "servo_axis.toml"
+    arguments = ["diagnose", twin, *recordings, "--out", out, "--jobs", "2"]
+    with subprocess.Popen(
+        [sys.executable, "-c", command, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        deadline = time.monotonic() + 30.0
+        while len(session(process.pid)) < 3 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert len(session(process.pid)) >= 3, "its simulators did not start"
+        os.kill(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=30.0)
+    assert process.returncode == 130
+    assert said.startswith("gmfbo: interrupted")
+    assert said.count("\n") == 1
+    deadline = time.monotonic() + 5.0
+    while session(process.pid) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert session(process.pid) == []
+    assert list(out.iterdir()) == []
