@@ -173,6 +173,37 @@ def open_case(
     return opening.case(substeps)
 
 
+def open_unseen(
+    case: Case, recordings: Sequence[Recording], *, seed: int, jobs: int | None
+) -> Case:
+    """Open other recordings of the same axis, as a case was opened; nothing is fitted to them.
+
+    Parameters
+    ----------
+    case : Case
+        Whose twin, alignment and refitted parameters hold.
+    recordings : sequence of Recording
+        Runs that are only scored.
+    seed : int
+        Of the noise runs.
+    jobs : int or None
+        Simulators; None for one a processor.
+
+    Raises
+    ------
+    RecordingError
+        There is nothing to compare.
+    SimulationError
+        The twin as it is cannot follow a recording.
+    """
+    opening = _Opening(case.twin, recordings, seed, jobs or _processors(), _nothing, case.notes)
+    return opening.unseen(case)
+
+
+def _nothing() -> None:
+    """Count nothing."""
+
+
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -200,6 +231,49 @@ class _Opening:
         except BaseException:
             simulations.close()
             raise
+
+    def unseen(self, like: Case) -> Case:
+        simulations = self._simulations(like.substeps)
+        try:
+            return self._unseen(simulations, like)
+        except BaseException:
+            simulations.close()
+            raise
+
+    def _unseen(self, simulations: Simulations, like: Case) -> Case:
+        if like.simulations.tracking is not None:
+            settings = like.simulations.tracking.settings
+            self._track(simulations, like.rig, None)
+            assert simulations.tracking is not None, "it was set a moment ago"
+            simulations.tracking = replace(simulations.tracking, settings=settings)
+        simulations.new_rows = like.simulations.new_rows
+        nominal = simulations.run([Point()])[0]
+        require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
+        noise = noise_levels(simulations.records, nominal)
+        excitation = like.setting.excitation
+        windows = windows_of(simulations.records, excitation.loop_time)
+        empty: list[list[Direction]] = [[] for _ in simulations.records]
+        spectra = covariances(windows, simulations.records, like.rig, noise, empty, None)
+        misfit = Misfit(simulations, whiteners(windows, spectra, empty))
+        hypothesis = Hypothesis(like.setting)
+        base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
+        assert base is not None, "the nominal twin was simulated a moment ago"
+        ratio = excitation.torque / excitation.command
+        budget = self._budget(simulations, windows, like.rig, base, ratio)
+        misfit = Misfit(simulations, budget.whiteners())
+        return Case(
+            self.twin,
+            simulations,
+            like.substeps,
+            like.rig,
+            nominal,
+            self._pooled(simulations, like.rig, noise),
+            budget,
+            misfit,
+            like.setting,
+            base.measured_by(misfit),
+            self.notes,
+        )
 
     def _simulations(self, substeps: int) -> Simulations:
         def open_twin() -> AugmentedTwin:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.case import Case, open_case
+from gmfbo.diagnosis.case import Case, open_case, open_unseen
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
 from gmfbo.diagnosis.holding_out import Split, split_of
@@ -31,6 +31,7 @@ from gmfbo.diagnosis.reporting import (
     units_of,
 )
 from gmfbo.diagnosis.validation import validate as validated_on
+from gmfbo.diagnosis.validation import validate_unseen
 from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE
@@ -90,12 +91,19 @@ def diagnose(
     _check_names((*assume, *exclude))
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     read = [_read(recording, opened) for recording in recordings]
+    unseen = [_read(recording, opened) for recording in validate or ()]
     told = progress or _silent
     told("running the twin", 0.0)
     case = open_case(opened, read, seed=seed, jobs=jobs, on_run=_nothing)
     try:
         search = _Search(case, np.random.default_rng(seed), assume, exclude, told)
-        return search.diagnosis(seed, started)
+        if not unseen:
+            return search.diagnosis(seed, started, None)
+        other = open_unseen(case, unseen, seed=seed, jobs=jobs)
+        try:
+            return search.diagnosis(seed, started, other)
+        finally:
+            other.simulations.close()
     finally:
         case.simulations.close()
         if not isinstance(twin, FmuTwin):
@@ -138,7 +146,7 @@ class _Search:
         self.units = units_of(case)
         self._response: PortResponse | None = None
 
-    def diagnosis(self, seed: int, started: float) -> Diagnosis:
+    def diagnosis(self, seed: int, started: float, unseen: Case | None) -> Diagnosis:
         case = self.case
         self._look_for_lines()
         reasons = self._reasons()
@@ -158,8 +166,11 @@ class _Search:
         shows = None
         if decision.rounds:
             shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
-        split = split_of(case, shows)
-        result = validated_on(case, model, split, self._unnamed_change(outside, split))
+        if unseen is None:
+            split = split_of(case, shows)
+            result = validated_on(case, model, split, self._unnamed_change(outside, split))
+        else:
+            result = validate_unseen(case, unseen, model)
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)

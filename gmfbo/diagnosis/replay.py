@@ -11,6 +11,7 @@ from gmfbo.diagnosis.decision import Evidence, Round
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.leaving_out import solve_weakly_bound
 from gmfbo.diagnosis.misfit import Blocks
+from gmfbo.physics import CATALOGUE
 
 DRAWS = 200
 """Repetitions for each hypothesis."""
@@ -90,9 +91,19 @@ def _share_named(
         prior = np.append(base.prior, 1e-2)
         gains.append(reference - _after(together, residuals, prior))
     table = np.array(gains)
-    best = np.argmax(table, axis=0)
-    hits = [names[b] in accepted and table[b, i] > needed for i, b in enumerate(best)]
+    hits = [_is_named(names, table[:, i], accepted, needed) for i in range(DRAWS)]
     return (sum(hits) + 1) / (DRAWS + 2)
+
+
+def _is_named(
+    names: Sequence[str], gains: NDArray[np.float64], accepted: set[str], needed: float
+) -> bool:
+    """Whether the best, or its simplest limit that gains as much, is one of the accepted."""
+    best = int(np.argmax(gains))
+    limits = CATALOGUE[names[best]].contains
+    near = [i for i, n in enumerate(names) if n in limits and gains[i] > gains[best] - needed]
+    chosen = max(near, key=lambda i: float(gains[i]), default=best)
+    return names[chosen] in accepted and bool(gains[chosen] > needed)
 
 
 def _after(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,15 +63,49 @@ def validate(
     plain = _refitted(misfit, case.base)
     augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
     scored = split.held_out or chosen
+    return _scored(case, scored, plain, augmented, split, unnamed)
+
+
+def validate_unseen(case: Case, unseen: Case, model: Fitted) -> Validated:
+    """Score models of some recordings on others, which nothing has seen.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and the recordings that were fitted.
+    unseen : Case
+        The same twin and the other recordings.
+    model : Fitted
+        The twin with all named physics.
+    """
+    split = Split(
+        tuple(range(len(case.budget.windows))),
+        tuple(range(len(unseen.budget.windows))),
+        tuple(record.name for record in case.simulations.records),
+        tuple(record.name for record in unseen.simulations.records),
+    )
+    there = [_refitted(unseen.misfit, fitted, iterations=1) for fitted in (case.base, model)]
+    result = _scored(unseen, split.held_out, there[0], there[1], split, None)
+    return replace(result, parameters_only=case.base, augmented=model)
+
+
+def _scored(
+    case: Case,
+    scored: Sequence[int],
+    plain: Fitted,
+    augmented: Fitted,
+    split: Split,
+    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+) -> Validated:
     signals = _table(case, scored, plain, augmented, unnamed)
-    removed = _removed(case, scored, plain, augmented) if model.hypothesis.effects else None
+    removed = _removed(case, scored, plain, augmented) if augmented.hypothesis.effects else None
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
     return Validated(table, _curves(case, plain, augmented), plain, augmented)
 
 
-def _refitted(misfit: Misfit, model: Fitted) -> Fitted:
+def _refitted(misfit: Misfit, model: Fitted, iterations: int = 6) -> Fitted:
     hypothesis = Hypothesis(model.hypothesis.setting, model.hypothesis.effects)
-    again = fit(misfit, hypothesis, model.parameters, parallel=True, iterations=6)
+    again = fit(misfit, hypothesis, model.parameters, parallel=True, iterations=iterations)
     assert again is not None, "it was simulated at these values before"
     return again
 

@@ -9,7 +9,7 @@ from gmfbo.physics.states import Array, Mask
 
 # A limit must cut this share of the largest command, for this long, before it is claimed.
 CUT_SHARE = 0.01
-LEAST_TIME = 5e-3  # [s]
+LEAST_TIME = 1.5e-3  # [s]
 
 
 def cut_floor(excitation: Excitation) -> float:
