@@ -107,7 +107,7 @@ class Decision:
     tried : list of Probe
         The whole library and its grids.
     like_parameters : dict of str to str
-        Effects that were left out, and the parameter of the twin that does the same.
+        Effects that were left out, and why: mostly a parameter of the twin does the same.
     screened : list of Screened
         What each probe explains of what the parameters leave.
     threshold : float
@@ -180,14 +180,16 @@ def _apart_from_parameters(
 
 
 def _nearest_parameter(case: Case, probe: Probe) -> str:
-    """Parameter of the twin whose sensitivity is most parallel to an effect's change."""
+    """Why an effect is left out: the parameter whose sensitivity is most parallel to its change."""
     columns = stacked(case.misfit, probe.columns[:1])
+    if not case.base.x.size or not any(np.any(change) for change in columns):
+        return "changes nothing in these recordings"
     cosines = np.zeros(case.base.x.size)
     for own, change in zip(case.base.sensitivity, columns, strict=True):
         cosines += own @ change[0]
     sizes = np.sqrt(sum(np.sum(own**2, axis=1) for own in case.base.sensitivity))
     nearest = int(np.argmax(np.abs(cosines) / np.maximum(sizes, 1e-300)))
-    return case.setting.uncertain[nearest].name
+    return f"is parameter {case.setting.uncertain[nearest].name}"
 
 
 def groups_of(case: Case) -> tuple[int, ...]:
@@ -339,7 +341,7 @@ def _has_vague_part(evidence: Evidence) -> bool:
 
 def _simplest(accepted: Sequence[Evidence], threshold: float) -> Evidence:
     """The best, or its simplest limit over which it does not gain the threshold."""
-    best = max(accepted, key=lambda e: e.gain)
+    best = max(accepted, key=lambda e: e.gain - _freedom(e.effect.law))
     while True:
         limits = [e for e in accepted if e.name in best.effect.law.contains]
         vague = _has_vague_part(best)

@@ -168,8 +168,7 @@ def not_testable(
         if name in reasons:
             entries.append(NotTestable(name, reasons[name]))
         elif name in decision.like_parameters:
-            like = decision.like_parameters[name]
-            entries.append(NotTestable(name, f"is parameter {like}"))
+            entries.append(NotTestable(name, decision.like_parameters[name]))
     return tuple(entries)
 
 

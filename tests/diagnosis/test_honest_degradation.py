@@ -22,6 +22,7 @@ from gmfbo.errors import InputError, RecordingError
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.models import models_folder
+from tests.diagnosis.servo_recordings import certain
 from tests.diagnosis.short_recordings import (
     QUIET_SERVO,
     SERVO,
@@ -156,6 +157,14 @@ def test_an_axis_at_rest_tells_nothing_and_is_said_to(axis: Axis) -> None:
         assert not estimate.identifiable
         assert estimate.value == estimate.nominal
     json.loads(diagnosis.to_json())
+
+
+def test_at_rest_no_effect_is_said_to_be_a_parameter(tmp_path: Path) -> None:
+    for twin in (SERVO.twin(), certain("servo_axis", tmp_path)):
+        diagnosis = diagnosed(twin, SERVO.recordings({}, (np.zeros_like,)))
+        assert diagnosis.verdict == "none"
+        why = {entry.name: entry.why for entry in diagnosis.not_testable}
+        assert why["transport_delay"] == "changes nothing in these recordings"
 
 
 def test_a_recording_of_50_rows_is_refused_in_one_line() -> None:
