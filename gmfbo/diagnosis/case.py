@@ -143,7 +143,8 @@ def open_case(
     *,
     seed: int,
     jobs: int | None,
-    on_run: Callable[[], None],
+    new_rows: frozenset[str] | None = None,
+    on_run: Callable[[], None] = lambda: None,
 ) -> Case:
     """Run the twin along its recordings, measure the noise, refit what is uncertain.
 
@@ -157,6 +158,8 @@ def open_case(
         Of the noise runs.
     jobs : int or None
         Simulators; None for one a processor.
+    new_rows : frozenset of str, optional
+        Outputs of which the logger stores the value just computed; found out unless given.
     on_run : callable
         Called after each run.
 
@@ -170,6 +173,7 @@ def open_case(
     substeps = int(np.clip(round(twin.step / FINEST_STEP_S), 1, _MOST_SUBSTEPS))
     notes: list[str] = []
     opening = _Opening(twin, recordings, seed, jobs or _processors(), on_run, notes)
+    opening.new_rows = new_rows
     return opening.case(substeps)
 
 
@@ -223,6 +227,7 @@ class _Opening:
         self.twin, self.recordings, self.jobs, self.on_run = twin, recordings, jobs, on_run
         self.rng = np.random.default_rng(seed)
         self.notes = notes
+        self.new_rows: frozenset[str] | None = None
 
     def case(self, substeps: int) -> Case:
         simulations = self._simulations(substeps)
@@ -396,6 +401,9 @@ class _Opening:
 
     def _choose_rows(self, simulations: Simulations, nominal: Sequence[Simulated]) -> None:
         """Tell for each signal whether the logger stores the held command or the new one."""
+        if self.new_rows is not None:
+            simulations.new_rows = self.new_rows
+            return
         chosen = set()
         for name, entry in self.twin.file.outputs.items():
             if entry.logged == "new" or (

@@ -24,10 +24,12 @@ MOST_EFFECTS = 3
 """Effects that are named at most; recordings of a few seconds do not tell more apart."""
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
-_FIRST_SHARE = 0.01  # of the first effect's gain: a law that is 10 % off leaves as much
+_FIRST_SHARE = 0.03  # of the first effect's gain: a law that is 17 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
+_VAGUE_WORTH = 4.0  # thresholds by which a law is better that has a value which may be zero
 _VAGUE = 1.96  # standard deviations within which a value may be zero
+_BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
@@ -291,7 +293,8 @@ def _needed(decision: Decision) -> float:
     assert decision.model is not None
     beyond_noise = decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
     first = decision.rounds[0].winner.gain
-    return max(decision.threshold, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
+    further = (1 + len(decision.rounds)) * decision.threshold
+    return max(further, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
 
 
 def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
@@ -304,7 +307,22 @@ def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: flo
     by_record = np.bincount([w.record for w in case.budget.windows], evidence.gains)
     if np.any(by_record < -max(0.8 * decision.threshold, _HARM_SHARE * evidence.gain)):
         return False
+    if not _holds_between_recordings(case, evidence, decision):
+        return False
     return _acts_long_enough(case, evidence)
+
+
+def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision) -> bool:
+    """Whether a line that others show is there in each recording: a drift looks like one.
+
+    Stretches of one recording share its drift, so that leaving out one of them is not enough.
+    """
+    records = [w.record for w in case.budget.windows]
+    if not evidence.effect.law.is_line or len(set(records)) < 2:
+        return True
+    assert decision.model is not None
+    outside = left_out_square(decision.model, records) - left_out_square(evidence.fitted, records)
+    return float(outside.sum()) > _BETWEEN_SHARE * evidence.gain
 
 
 def _freedom(law: Effect) -> float:
@@ -345,7 +363,8 @@ def _simplest(accepted: Sequence[Evidence], threshold: float) -> Evidence:
     while True:
         limits = [e for e in accepted if e.name in best.effect.law.contains]
         vague = _has_vague_part(best)
-        simpler = [e for e in limits if vague or e.gain > best.gain - threshold]
+        most = (_VAGUE_WORTH if vague else 1.0) * threshold
+        simpler = [e for e in limits if e.gain > best.gain - most]
         if not simpler:
             return best
         best = max(simpler, key=lambda e: e.gain)

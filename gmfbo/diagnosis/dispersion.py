@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.whitening import Whitener
 
+_LOWEST_HZ = 0.7
+
 
 def dispersion_of(fitted: Fitted, whiteners: Sequence[Whitener]) -> list[NDArray[np.float64]]:
-    """Mean square of each whitened component by octave, at least 1, pooled over the windows.
+    """Mean square of each whitened component by half octave, at least 1, pooled over windows.
 
     A name is claimed for a gain relative to what the best model of all leaves: that was 1.3 to
     16 times the noise for the right family, since no law is exact.
@@ -34,9 +36,12 @@ def dispersion_of(fitted: Fitted, whiteners: Sequence[Whitener]) -> list[NDArray
         chosen = [i for i, w in enumerate(whiteners) if w.window.n_signals == count]
         pooled = _pooled([(fitted.residual[i], whiteners[i]) for i in chosen])
         for i in chosen:
-            octave = _octaves(whiteners[i].window.frequencies)
-            found[i] = np.array([pooled[o] for o in octave])
-    return found
+            band = _bands(whiteners[i].window.frequencies)
+            found[i] = np.array([pooled[o] for o in band])
+    return [
+        spread * _of_window(residual, whitener, spread)
+        for residual, whitener, spread in zip(fitted.residual, whiteners, found, strict=True)
+    ]
 
 
 def _pooled(
@@ -46,9 +51,9 @@ def _pooled(
     count: dict[int, NDArray[np.float64]] = {}
     for residual, whitener in parts:
         power, seen = _power(residual, whitener)
-        octave = _octaves(whitener.window.frequencies)
-        for o in np.unique(octave):
-            rows = octave == o
+        band = _bands(whitener.window.frequencies)
+        for o in np.unique(band):
+            rows = band == o
             total[o] = total.get(o, 0.0) + power[rows].sum(axis=0)
             count[o] = count.get(o, 0.0) + seen[rows].sum(axis=0)
     return {o: np.maximum(1.0, total[o] / np.maximum(count[o], 1.0)) for o in total}
@@ -68,7 +73,17 @@ def _power(
     return power, degrees
 
 
-def _octaves(frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
-    # Below 2 Hz there are few bins: they count as one band.
-    octaves: NDArray[np.int64] = np.floor(np.log2(np.maximum(frequencies, 1.0) / 2.0)).astype(int)
-    return np.maximum(octaves, 0)
+def _of_window(
+    residual: NDArray[np.float64], whitener: Whitener, spread: NDArray[np.float64]
+) -> float:
+    """By how much one window exceeds what is common to all, at least 1."""
+    power, degrees = _power(residual, whitener)
+    return max(1.0, float(np.sum(power / spread) / np.sum(degrees)))
+
+
+def _bands(frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Half octaves from the lowest frequency that a second shows: drifts are steep there."""
+    bands: NDArray[np.int64] = np.floor(
+        2.0 * np.log2(np.maximum(frequencies, _LOWEST_HZ) / _LOWEST_HZ)
+    ).astype(int)
+    return bands

@@ -19,7 +19,7 @@ from gmfbo.diagnosis.library import candidates, untestable
 from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.outside import Outside, look_outside
-from gmfbo.diagnosis.parities import parities
+from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.replay import probability
 from gmfbo.diagnosis.reporting import (
@@ -94,7 +94,7 @@ def diagnose(
     unseen = [_read(recording, opened) for recording in validate or ()]
     told = progress or _silent
     told("running the twin", 0.0)
-    case = open_case(opened, read, seed=seed, jobs=jobs, on_run=_nothing)
+    case = _aligned_case(opened, read, seed, jobs)
     try:
         search = _Search(case, np.random.default_rng(seed), assume, exclude, told)
         if not unseen:
@@ -114,8 +114,30 @@ def _silent(stage: str, share: float) -> None:
     """Tell nobody."""
 
 
-def _nothing() -> None:
-    """Count nothing."""
+def _aligned_case(
+    twin: FmuTwin, recordings: Sequence[Recording], seed: int, jobs: int | None
+) -> Case:
+    """Open a case, and once more where its controller says that the logger is of the other kind."""
+    case = open_case(twin, recordings, seed=seed, jobs=jobs)
+    command = twin.file.states.get("command")
+    unknown = {
+        name
+        for name, entry in twin.file.outputs.items()
+        if entry.logged == "unknown" and entry.variable == command
+    }
+    if not unknown or all(recording.written_by for recording in recordings):
+        return case
+    try:
+        decided = logged_as(parities(case, case.base))
+    except BaseException:
+        case.simulations.close()
+        raise
+    rows = case.simulations.new_rows
+    right = rows | unknown if decided == "new" else rows - unknown
+    if decided is None or right == rows:
+        return case
+    case.simulations.close()
+    return open_case(twin, recordings, seed=seed, jobs=jobs, new_rows=right)
 
 
 def _check_names(names: Sequence[str]) -> None:
@@ -236,6 +258,7 @@ class _Search:
             assume=self.assume,
             exclude=self.exclude,
             has_inertia=self.case.setting.inertia is not None,
+            is_open=self.case.simulations.tracking is not None,
         )
 
     def _probabilities(self, decision: Decision) -> dict[str, float]:

@@ -8,6 +8,7 @@ from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 from gmfbo.sources.twin_file import TwinFile
 
+_GAINS = {"actuator_gain_loss", "sensor_scale"}
 _STATES_FOR_FREE = {"velocity", "current"}  # differentiated, or taken from the command
 
 
@@ -18,6 +19,7 @@ def untestable(
     assume: Collection[str] = (),
     exclude: Collection[str] = (),
     has_inertia: bool,
+    is_open: bool,
 ) -> dict[str, str]:
     """Reasons by effect why it cannot be tested.
 
@@ -31,10 +33,14 @@ def untestable(
         Effects that the user takes for granted, or rules out.
     has_inertia : bool
         The twin names a parameter from which a load inertia can be taken.
+    is_open : bool
+        No controller is in the twin: a gain and an inertia are one.
     """
     reasons = {}
     for name, effect in CATALOGUE.items():
         reason = _why_not(effect, file, excitation, has_inertia)
+        if is_open and name in _GAINS and (inertia := file.roles.get("inertia")) in file.uncertain:
+            reason = f"is parameter {inertia}"
         if name in exclude:
             reason = "excluded by the user"
         if reason is not None and name not in assume:
@@ -58,6 +64,10 @@ def _why_not(
         return f"the twin names no state '{missing[0]}'"
     if effect.inertia_share and not has_inertia:
         return "the twin names no inertia in [roles] from which the load's could be taken"
+    if (inertia := file.roles.get("inertia")) in file.uncertain and (
+        "inertia" in effect.parameter_like and not effect.inertia_share
+    ):
+        return f"is parameter {inertia}"
     silent = effect.not_excited(excitation)
     return None if silent is None else f"not excited: {silent}"
 

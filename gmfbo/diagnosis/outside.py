@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.port_response import PortResponse
 from gmfbo.diagnosis.shape import Unnamed, unnamed
 
@@ -48,11 +49,15 @@ def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outs
     response : PortResponse
         From the torque port to the signals.
     """
-    model = unnamed(case, case.base, response)
-    shared = [f for f in model.families if f.family.shared]
-    gain = max((f.gain for f in shared), default=0.0)
     assert decision.model is not None
-    named = case.base.chi2 - decision.model.chi2
-    excess = case.base.chi2 * (1.0 - 1.0 / decision.dispersion)
-    needed = max(_THRESHOLDS * decision.threshold, _EXCESS_SHARE * excess)
-    return Outside(model, gain, named, gain > needed and named < _BETTER * gain)
+    # By the budget alone: what the best name leaves must not count as noise here.
+    plain = Misfit(case.simulations, case.budget.whiteners())
+    base, with_names = case.base.measured_by(plain), decision.model.measured_by(plain)
+    model = unnamed(replace(case, misfit=plain, base=base), base, response)
+    gain = max((min(f.gain, f.fall) for f in model.families if f.family.shared), default=0.0)
+    named = base.chi2 - with_names.chi2
+    dof = sum(w.n_residuals for w in plain.whiteners)
+    left = max(1.0, (base.chi2 - gain) / dof)
+    is_large = gain / left > _THRESHOLDS * decision.threshold
+    is_most = gain > _EXCESS_SHARE * (base.chi2 - dof)
+    return Outside(model, gain, named, is_large and is_most and named < _BETTER * gain)

@@ -25,7 +25,7 @@ class Family:
 
     Attributes
     ----------
-    name : {"velocity", "position", "signed_position", "time"}
+    name : {"velocity", "position", "signed_position", "damped_position", "time"}
         Which.
     against : str
         The state, in words.
@@ -61,7 +61,12 @@ def families(states: Sequence[States]) -> list[Family]:
     states : sequence of States
         Of each recording.
     """
-    found = [_of_velocity(states), _of_position(states), _of_signed_position(states)]
+    found = [
+        _of_velocity(states),
+        _of_position(states),
+        _of_signed_position(states),
+        _of_position_with_speed(states),
+    ]
     return [*(family for family in found if family is not None), _of_time(states)]
 
 
@@ -134,6 +139,19 @@ def _of_signed_position(states: Sequence[States]) -> Family | None:
     )
     against = "position, with the sign of the velocity"
     return Family("signed_position", against, "position", knots, turn, _inner(knots), columns)
+
+
+def _of_position_with_speed(states: Sequence[States]) -> Family | None:
+    knots = _position_knots(states)
+    fastest = max(float(np.abs(s.velocity).max()) for s in states)
+    if knots is None or fastest <= 0.0:
+        return None
+    turn = hinges(knots)
+    columns = tuple(
+        between_points(s.velocity / fastest * (turn.T @ hats(s.position, knots))) for s in states
+    )
+    against = "position, in proportion to the velocity (at its largest)"
+    return Family("damped_position", against, "position", knots, turn, _inner(knots), columns)
 
 
 def _inner(knots: Array) -> NDArray[np.bool_]:

@@ -184,6 +184,11 @@ class Effect:
         names = {parameter.name for parameter in self.parameters}
         return bool(names & {"wavenumber", "wavenumber_1", "frequency", "start"})
 
+    @property
+    def is_line(self) -> bool:
+        """It repeats over position or time."""
+        return self.is_searched and "start" not in {p.name for p in self.parameters}
+
     def bounds(self, excitation: Excitation) -> dict[str, tuple[float, float]]:
         """Lower and upper bound of each fitted parameter, by name."""
         return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}

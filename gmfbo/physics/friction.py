@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from gmfbo.physics.effect import EffectParameter, Values, positive
@@ -10,7 +12,12 @@ from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units
 
 # The decision rests on evidence; this share of the range is where a drive engineer stops caring.
-FLOOR_SHARE = 4e-4
+FLOOR_SHARE = 1.5e-4
+
+# Of the stroke: a contact gives less before it slides, a gear or a cable more.
+_CONTACT_SHARE = 0.004
+
+Deflections = Callable[[Excitation], tuple[float, float]]
 
 
 def floor(excitation: Excitation) -> float:
@@ -81,27 +88,33 @@ def bristle(position: Array, deflection: float) -> Array:
     return result
 
 
-def deflection(words: str) -> EffectParameter:
-    """Make the parameter that holds a deflection that can be seen."""
+def deflection(words: str, visible: Deflections) -> EffectParameter:
+    """Make the parameter that holds a deflection that can be seen, within these bounds."""
     return EffectParameter(
         "deflection",
         words,
         "position",
-        low=lambda e: visible_deflections(e)[0],
-        high=lambda e: visible_deflections(e)[1],
-        scale=lambda e: 2.0 * visible_deflections(e)[0],
+        low=lambda e: visible(e)[0],
+        high=lambda e: visible(e)[1],
+        scale=lambda e: 2.0 * visible(e)[0],
     )
 
 
-def visible_deflections(excitation: Excitation) -> tuple[float, float]:
-    """Range of deflections that these recordings can tell from plain sliding."""
+def contact_deflections(excitation: Excitation) -> tuple[float, float]:
+    """Deflections of a contact before it slides that can be told from plain sliding."""
     low = max(0.5 * excitation.resolution, bristle_deflection(excitation))
-    return low, max(0.2 * excitation.stroke, 100.0 * low)
+    return low, max(_CONTACT_SHARE * excitation.stroke, 10.0 * low)
 
 
-def deflection_grid(excitation: Excitation, count: int) -> list[float]:
+def body_deflections(excitation: Excitation) -> tuple[float, float]:
+    """Deflections of a gear or cable, which begin where those of a contact end."""
+    low = contact_deflections(excitation)[1]
+    return low, max(0.2 * excitation.stroke, 20.0 * low)
+
+
+def deflection_grid(excitation: Excitation, count: int, visible: Deflections) -> list[float]:
     """Deflections to start from: `count` of them, evenly over the logarithm, inside the bounds."""
-    low, high = visible_deflections(excitation)
+    low, high = visible(excitation)
     return [float(value) for value in np.geomspace(low, high, count + 2)[1:-1]]
 
 

@@ -135,7 +135,10 @@ class Axis:
                 run = simulator.run(plan, self.truth, physics, excitation=through)
                 assert run.outcome.status == "ok", run.outcome.message
                 columns = {
-                    name: (run.new if name in logged_new else run.held)[name]
+                    # The reading at t_k holds the noise of t_k, which the controller sees too.
+                    name: run.states["position"] + through["sensor"]
+                    if through is not None and name == "position"
+                    else (run.new if name in logged_new else run.held)[name]
                     + noise.get(name, np.zeros(time.size))
                     for name in (signals or run.held)
                 }

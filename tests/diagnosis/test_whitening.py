@@ -110,11 +110,11 @@ def fitted_with(residual: NDArray[np.float64]) -> Fitted:
     return Fitted(Hypothesis(setting), np.zeros(0), [], (residual,), (empty,), [])
 
 
-def test_dispersion_is_the_mean_square_of_each_octave_and_signal() -> None:
+def test_dispersion_is_the_mean_square_of_each_half_octave_and_signal() -> None:
     window, rng = window_of(), np.random.default_rng(5)
     whitener = Whitener(window, correlated(window))
     size = np.ones(window.seen.shape)
-    between = (window.frequencies >= 32.0) & (window.frequencies < 64.0)
+    between = (window.frequencies >= 44.8) & (window.frequencies < 63.35)
     size[between, 1] = 3.0
     n, m = window.frequencies.size, window.n_signals
     white = rng.standard_normal((n, m)) + 1j * rng.standard_normal((n, m))

@@ -37,7 +37,7 @@ def _signal(states: States, parameters: Values) -> Array:
 def _starts(excitation: Excitation) -> list[Values]:
     return [
         {"level": 0.07 * excitation.torque, "deflection": deflection}
-        for deflection in friction.deflection_grid(excitation, 3)[1:]
+        for deflection in friction.deflection_grid(excitation, 2, friction.body_deflections)
     ]
 
 
@@ -57,7 +57,7 @@ hysteresis = Effect(
     signal_path="transmission",
     parameters=(
         friction.level("Half the height of the loop"),
-        friction.deflection("Deflection of the loop"),
+        friction.deflection("Deflection of the loop", friction.body_deflections),
     ),
     fixed=lambda e: {"exponent": 1.0},
     starts=_starts,

@@ -18,7 +18,7 @@ def _feature(states: States) -> Array:
 def _starts(excitation: Excitation) -> list[Values]:
     return [
         {"level": 0.07 * excitation.torque, "deflection": deflection}
-        for deflection in friction.deflection_grid(excitation, 3)
+        for deflection in friction.deflection_grid(excitation, 3, friction.contact_deflections)
     ]
 
 
@@ -38,7 +38,7 @@ presliding_friction = Effect(
     signal_path="plant",
     parameters=(
         friction.level(),
-        friction.deflection("Deflection before sliding"),
+        friction.deflection("Deflection before sliding", friction.contact_deflections),
     ),
     starts=_starts,
     size=lambda p, e: p["level"],
