@@ -24,6 +24,7 @@ MOST_EFFECTS = 3
 """Effects that are named at most; recordings of a few seconds do not tell more apart."""
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
+_UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect has to take away
 _FIRST_SHARE = 0.03  # of the first effect's gain: a law that is 17 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
@@ -288,9 +289,11 @@ def _evidence(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) 
 
 def _needed(decision: Decision) -> float:
     """What the next effect has to gain: more where the model is known to be imperfect."""
-    if not decision.rounds:
-        return decision.threshold
     assert decision.model is not None
+    if not decision.rounds:
+        # Where even the best model leaves more than noise, that may look like an effect as well.
+        dof = sum(r.size for r in decision.model.residual)
+        return max(decision.threshold, _UNEXPLAINED_SHARE * dof * (1.0 - 1.0 / decision.dispersion))
     beyond_noise = decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
     first = decision.rounds[0].winner.gain
     further = (1 + len(decision.rounds)) * decision.threshold

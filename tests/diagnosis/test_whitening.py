@@ -121,7 +121,8 @@ def test_dispersion_is_the_mean_square_of_each_half_octave_and_signal() -> None:
     residual = whitener.flatten(size * white / np.sqrt(2.0))
     found = dispersion_of(fitted_with(residual), [whitener])[0]
     np.testing.assert_allclose(found[between, 1], 9.0, rtol=0.2)
-    np.testing.assert_allclose(found[~between], 1.0, atol=0.5)
+    many = ~between & (window.frequencies > 20.0)  # bands of enough bins to be near their mean
+    np.testing.assert_allclose(found[many], 1.0, atol=0.5)
     assert np.all(found >= 1.0)
     assert np.unique(found[between, 1]).size == 1
 
