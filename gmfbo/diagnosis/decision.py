@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -121,6 +121,10 @@ class Decision:
         Effects of the last round, of which none was accepted.
     dispersion : float
         chi2 per degree of freedom that the best model left by the budget alone.
+    silent : frozenset of str
+        Effects that were not excited and cannot be named.
+    in_doubt : Evidence or None
+        One of them that explains as much as the best that could have been named.
     """
 
     rounds: list[Round] = field(default_factory=list)
@@ -132,6 +136,8 @@ class Decision:
     groups: tuple[int, ...] = ()
     refused: list[Evidence] = field(default_factory=list)
     dispersion: float = 1.0
+    silent: frozenset[str] = frozenset()
+    in_doubt: Evidence | None = None
 
 
 def decide(
@@ -139,6 +145,8 @@ def decide(
     candidates: Sequence[Candidate],
     rng: np.random.Generator,
     progress: Callable[[str, float], None],
+    *,
+    silent: Collection[str] = (),
 ) -> Decision:
     """Accept effects one after the other, until none gains enough.
 
@@ -152,8 +160,11 @@ def decide(
         Source of the null draws.
     progress : callable
         Told the stage and the share that is done.
+    silent : collection of str
+        Effects among them that the recordings do not excite: they are never named, but where one
+        explains as much as the best, nothing is.
     """
-    decision = Decision(model=case.base, groups=groups_of(case))
+    decision = Decision(model=case.base, groups=groups_of(case), silent=frozenset(silent))
     progress("screening the library", 0.2)
     decision.tried, decision.like_parameters = _apart_from_parameters(
         case, probes(case.misfit, case.base, candidates)
@@ -232,8 +243,14 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if not accepted:
         decision.refused = evidence
         return False
-    winner = _polished(case, decision, _simplest(accepted, decision.threshold))
-    rivals = rivals_of(winner, accepted)
+    claimable = [e for e in accepted if e.name not in decision.silent]
+    silent = [e for e in accepted if e.name in decision.silent]
+    best_silent = max((e.gain for e in silent), default=-np.inf)
+    if not claimable or best_silent > max(e.gain for e in claimable) - decision.threshold:
+        decision.in_doubt = max(silent, key=lambda e: e.gain)
+        return False
+    winner = _polished(case, decision, _simplest(claimable, decision.threshold))
+    rivals = rivals_of(winner, claimable)
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
     decision.model = winner.fitted
     return True

@@ -84,6 +84,8 @@ class Diagnosis:
         What the augmented twin is made of; not part of the JSON.
     exported : Path or None
         Twin file of an augmented twin that was saved before, where this was read from a folder.
+    next_reference : str
+        Text of the file with the next reference; not part of the JSON.
     """
 
     verdict: Verdict
@@ -105,6 +107,7 @@ class Diagnosis:
     curves: tuple[Curve, ...] = field(default=(), compare=False)
     augmentation: Augmentation | None = field(default=None, compare=False)
     exported: Path | None = field(default=None, compare=False)
+    next_reference: str = field(default="", compare=False)
 
     @property
     def sentence(self) -> str:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,10 @@ from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
-from gmfbo.diagnosis.library import candidates, untestable
+from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untestable
 from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
+from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.outside import Outside, look_outside
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
@@ -30,6 +32,7 @@ from gmfbo.diagnosis.reporting import (
     not_testable,
     units_of,
 )
+from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.validation import validate as validated_on
 from gmfbo.diagnosis.validation import validate_unseen
 from gmfbo.diagnosis.whereabouts import Location, Shape
@@ -174,7 +177,15 @@ class _Search:
         reasons = self._reasons()
         testable = [name for name in CATALOGUE if name not in reasons]
         library = candidates(testable, case.setting.excitation)
-        decision = decide(case, library, self.rng, self.progress)
+        silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
+        library += candidates(silent, case.setting.excitation)
+        decision = decide(case, library, self.rng, self.progress, silent=silent)
+        if decision.in_doubt is not None:
+            name = decision.in_doubt.name.replace("_", " ")
+            case.notes.append(
+                f"{name} would explain these recordings as well as anything, but they hold no "
+                "reversal that could tell: nothing is named"
+            )
         outside = None
         if self._response is not None:
             self.progress("looking outside the library", 0.8)
@@ -211,6 +222,8 @@ class _Search:
                 augmented if effects else None,
                 self.units,
             )
+        self.progress("choosing the next experiment", 0.97)
+        experiment, reference = self._next_experiment(decision, reasons)
         self.progress("done", 1.0)
         return Diagnosis(
             verdict=verdict,
@@ -223,7 +236,8 @@ class _Search:
             location=location,
             fit=result.fit,
             shape=self._shape(outside) if verdict == "outside_library" else None,
-            next_experiment=None,
+            next_experiment=experiment,
+            next_reference=reference,
             not_testable=not_testable(case, reasons, decision),
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
             seed=seed,
@@ -260,6 +274,24 @@ class _Search:
             has_inertia=self.case.setting.inertia is not None,
             is_open=self.case.simulations.tracking is not None,
         )
+
+    def _next_experiment(
+        self, decision: Decision, reasons: dict[str, str]
+    ) -> tuple[NextExperiment | None, str]:
+        """What to record next where rivals remain or much was not excited, and its file's text."""
+        case = self.case
+        rivals = next((r for r in decision.rounds if r.rivals), None)
+        with TemporaryDirectory() as folder:
+            told = None
+            if rivals is not None:
+                fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
+                told = propose(case, fits, decision.threshold, Path(folder))
+            elif self._sufficiency(reasons) == "insufficient":
+                silent = [n for n, why in reasons.items() if why.startswith("not excited")]
+                told = propose_for(case, case.base, silent, Path(folder))
+            if told is None or not told.reference:
+                return told, ""
+            return told, (Path(folder) / told.reference).read_text(encoding="utf-8")
 
     def _probabilities(self, decision: Decision) -> dict[str, float]:
         found, base = {}, self.case.base

@@ -8,6 +8,9 @@ from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 from gmfbo.sources.twin_file import TwinFile
 
+NOT_EXCITED_BY_REVERSALS = "not excited: no reversal of the velocity"
+"""Reason for effects that a motion in one direction hides: they look like another."""
+
 _GAINS = {"actuator_gain_loss", "sensor_scale"}
 _STATES_FOR_FREE = {"velocity", "current"}  # differentiated, or taken from the command
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 # Reports lie above diagnosis, so the page is named here and found when it is written.
 PAGE = "gmfbo.reports.diagnosis_page:diagnosis_page"
+NEXT_FILE = "next.csv"
 TWIN_FILES = ("augmented.fmu", "augmented.toml")
 
 
@@ -43,12 +44,13 @@ def save(diagnosis: Diagnosis, folder: Path) -> tuple[Path, ...]:
         folder.mkdir(parents=True, exist_ok=True)
         twin_files, note = _write_twin(diagnosis, folder)
         told = replace(diagnosis, notes=(*diagnosis.notes, note)) if note else diagnosis
+        played = _write_reference(diagnosis, folder)
         report, content = folder / "report.html", folder / "diagnosis.json"
         write_whole(report, pkgutil.resolve_name(PAGE)(told).encode("utf-8"))
         write_whole(content, told.to_json().encode("utf-8"))
     except OSError as error:
         raise InputError(f"cannot write '{error.filename or folder}': {cause(error)}") from None
-    return content, report, *twin_files
+    return content, report, *twin_files, *played
 
 
 def _write_twin(diagnosis: Diagnosis, folder: Path) -> tuple[tuple[Path, ...], str]:
@@ -66,6 +68,16 @@ def _write_twin(diagnosis: Diagnosis, folder: Path) -> tuple[tuple[Path, ...], s
     finally:
         private.remove()
     return tuple(folder / name for name in TWIN_FILES), ""
+
+
+def _write_reference(diagnosis: Diagnosis, folder: Path) -> tuple[Path, ...]:
+    """Write the next reference as the file that a drive can play; an older one must not stay."""
+    told = diagnosis.next_experiment
+    if told is None or not told.reference or not diagnosis.next_reference:
+        (folder / NEXT_FILE).unlink(missing_ok=True)
+        return ()
+    write_whole(folder / told.reference, diagnosis.next_reference.encode("utf-8"))
+    return (folder / told.reference,)
 
 
 def _kept_twin(diagnosis: Diagnosis, folder: Path) -> tuple[Path, ...]:
