@@ -5,16 +5,40 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gmfbo import diagnose
-from tests.effect_table import documented_table, effect_table
+from gmfbo.physics import Effect, States, Units
+from tests.effect_table import EXAMPLE, documented_table, effect_table
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_documented_table_of_effects_is_that_of_the_catalogue() -> None:
     assert documented_table() == effect_table(), "run python -m tests.effect_table"
+
+
+def test_documented_effect_is_one() -> None:
+    page = (ROOT / "notebooks/docs/fmus.md").read_text(encoding="utf-8")
+    names: dict[str, object] = {}
+    exec(page.split("## Effects at the ports")[1].split("```python\n")[1].split("```")[0], names)
+    effect = names["cubic_spring"]
+    assert isinstance(effect, Effect)
+    (start,) = effect.starts(EXAMPLE)
+    low, high = effect.bounds(EXAMPLE)["stiffness"]
+    assert low < start["stiffness"] < high
+    assert effect.size(start, EXAMPLE) > effect.floor(EXAMPLE)
+    time, position = np.arange(4.0), np.array([0.0, 1.0, 2.0, -3.0])
+    still = np.zeros(4)
+    states = States(time, position, velocity=still, command=still, current=still, rest=0.1)
+    assert effect.signal is not None
+    np.testing.assert_array_equal(
+        effect.signal(states, {"stiffness": 2.0}), [0.0, -2.0, -16.0, 54.0]
+    )
+    np.testing.assert_array_equal(effect.acts(states, start), [False, False, True, True])
+    said = effect.statement({"stiffness": 2.0}, Units(), "at the motor shaft")
+    assert said == "A spring of about 2 N m/rad3 at the motor shaft is missing from the twin."
 
 
 def test_example_of_the_readme_finds_what_it_prints(
