@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from gmfbo.diagnosis.confirming import confirm, limits_worth_fitting, shortlist
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
 from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
+from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.rivals import rivals_of
 from gmfbo.diagnosis.screening import Probe, Screened, probes, refined, screen
@@ -25,7 +27,7 @@ MOST_EFFECTS = 3
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
 _UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect has to take away
-_FIRST_SHARE = 0.03  # of the first effect's gain: a law that is 17 % off leaves as much
+_FIRST_SHARE = 0.012  # of the first effect's gain: a law that is 11 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
 _VAGUE_WORTH = 4.0  # thresholds by which a law is better that has a value which may be zero
@@ -278,14 +280,31 @@ def _with_limits(named: set[str]) -> set[str]:
 
 
 def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fitted]:
-    """Measure by what the best model of all leaves: a gain counts relative to that."""
+    """Measure by what the whole library together leaves: a gain counts relative to that."""
     best = min([case.base, *fits], key=lambda f: f.chi2)
-    decision.dispersion = max(1.0, chi2_per_dof(best, case.misfit))
-    spread = dispersion_of(best, case.misfit.whiteners)
+    left = _beyond_library(case.misfit, best, decision.tried)
+    dof = sum(block.size for block in left)
+    decision.dispersion = max(1.0, chi2(left) / dof)
+    spread = dispersion_of(replace(best, residual=left), case.misfit.whiteners)
     wider = case.misfit.with_whiteners(case.budget.whiteners(spread))
     case.use(wider)
     decision.model = case.base
     return [f.measured_by(wider) for f in fits]
+
+
+def _beyond_library(misfit: Misfit, best: Fitted, tried: Sequence[Probe]) -> Blocks:
+    """Residual of the best model after a linear fit of every probe at once.
+
+    What a second effect would explain must not count as noise against it.
+    """
+    together = best.sensitivity
+    for probe in tried:
+        more = stacked(misfit, probe.columns)
+        together = tuple(np.concatenate([a, b]) for a, b in zip(together, more, strict=True))
+    precision = np.concatenate([best.prior, *(probe.prior for probe in tried)])
+    one_group = [0] * len(best.residual)
+    solution = normal_equations(best.residual, together, one_group, precision).solution()
+    return tuple(r - solution @ a for r, a in zip(best.residual, together, strict=True))
 
 
 def _evidence(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) -> Evidence:

@@ -45,13 +45,17 @@ class Menu:
 
 
 def reference_input(case: Case) -> str | None:
-    """Input that the controller follows: the one in the position's unit; None where none is."""
+    """Input that the controller follows: in the position's unit or in none; None where none is."""
     if case.simulations.tracking is not None or case.rig.position is None:
         return None
     binding = case.twin.binding
     inputs, outputs = binding.file.inputs, binding.file.outputs
     unit = binding.variables[outputs[case.rig.position].variable].variable.si_unit
-    alike = [n for n, e in inputs.items() if binding.variables[e.variable].variable.si_unit == unit]
+    alike = [
+        name
+        for name, entry in inputs.items()
+        if binding.variables[entry.variable].variable.si_unit in (unit, "", "1")
+    ]
     held = [n for n in alike if n in case.simulations.records[0].plan.recording.signals]
     return "reference" if "reference" in held else next(iter(held), None)
 
