@@ -13,6 +13,7 @@ from gmfbo.diagnosis.confirming import confirm, limits_worth_fitting, shortlist
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
 from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.intervals import spread_of
 from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
@@ -30,8 +31,8 @@ _UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect h
 _FIRST_SHARE = 0.012  # of the first effect's gain: a law that is 11 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
-_VAGUE_WORTH = 4.0  # thresholds by which a law is better that has a value which may be zero
-_VAGUE = 1.96  # standard deviations within which a value may be zero
+_PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
+_VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
@@ -381,29 +382,27 @@ def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
     return total >= least
 
 
-def _has_vague_part(evidence: Evidence) -> bool:
-    """Whether an amplitude of the effect may as well be zero."""
+def _may_vanish(evidence: Evidence, simpler: str) -> bool:
+    """Whether the values that set an effect apart from a simpler one may as well be zero."""
     fitted, law = evidence.fitted, evidence.effect.law
-    bounds = law.bounds(fitted.hypothesis.setting.excitation)
-    matrix = sum(s @ s.T for s in fitted.sensitivity) + np.diag(fitted.prior)
-    dof = sum(r.size for r in fitted.residual)
-    spread = max(1.0, fitted.chi2 / dof)
-    deviation = np.sqrt(np.diag(np.linalg.pinv(np.asarray(matrix), hermitian=True)) * spread)
+    apart = law.vanishing.get(simpler, ())
+    spread = spread_of(fitted, np.random.default_rng(0))
     place = fitted.x.size - len(law.parameters)
-    return any(
-        bounds[p.name][0] <= 0.0 and abs(fitted.x[i]) < _VAGUE * deviation[i]
-        for i, p in enumerate(law.parameters, start=place)
-    )
+    rows = [i for i, p in enumerate(law.parameters, start=place) if p.name in apart]
+    return bool(rows) and all(spread.low[i] < 0.0 < spread.high[i] for i in rows)
 
 
 def _simplest(accepted: Sequence[Evidence], threshold: float) -> Evidence:
     """The best, or its simplest limit over which it does not gain the threshold."""
     best = max(accepted, key=lambda e: e.gain - _freedom(e.effect.law))
     while True:
-        limits = [e for e in accepted if e.name in best.effect.law.contains]
-        vague = _has_vague_part(best)
-        most = (_VAGUE_WORTH if vague else 1.0) * threshold
-        simpler = [e for e in limits if e.gain > best.gain - most]
+        simpler = [
+            e
+            for e in accepted
+            if e.name in best.effect.law.contains
+            and e.gain
+            > best.gain - threshold * (_VAGUE_WORTH if _may_vanish(best, e.name) else _PLAIN_WORTH)
+        ]
         if not simpler:
             return best
         best = max(simpler, key=lambda e: e.gain)

@@ -15,6 +15,7 @@ from gmfbo.diagnosis.case import Case, open_case, open_unseen
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
 from gmfbo.diagnosis.holding_out import Split, split_of
+from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
 from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untestable
 from gmfbo.diagnosis.lines import find_lines
@@ -23,6 +24,7 @@ from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.outside import Outside, look_outside
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
+from gmfbo.diagnosis.pulses import EVERY, Pulse
 from gmfbo.diagnosis.replay import probability
 from gmfbo.diagnosis.reporting import (
     alignments,
@@ -170,13 +172,14 @@ class _Search:
         self.assume, self.exclude = assume, exclude
         self.units = units_of(case)
         self._response: PortResponse | None = None
+        self._pulses: tuple[Pulse, ...] = ()
 
     def diagnosis(self, seed: int, started: float, unseen: Case | None) -> Diagnosis:
         case = self.case
         self._look_for_lines()
         reasons = self._reasons()
         testable = [name for name in CATALOGUE if name not in reasons]
-        library = candidates(testable, case.setting.excitation)
+        library = candidates(testable, case.setting.excitation) + self._passing(testable)
         silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
         library += candidates(silent, case.setting.excitation)
         decision = decide(case, library, self.rng, self.progress, silent=silent)
@@ -190,7 +193,7 @@ class _Search:
         if self._response is not None:
             self.progress("looking outside the library", 0.8)
             outside = look_outside(case, decision, self._response)
-            if outside.is_better:
+            if outside.is_better and decision.in_doubt is None:
                 decision.model = case.base
                 decision.rounds.clear()
         model = decision.model
@@ -257,6 +260,7 @@ class _Search:
         if response is None:
             return
         lines = find_lines(case, case.base, response)
+        self._pulses = lines.passing
         excitation = replace(
             case.setting.excitation,
             wavenumbers=lines.wavenumbers,
@@ -264,6 +268,19 @@ class _Search:
             pulses=lines.pulses,
         )
         case.change_setting(replace(case.setting, excitation=excitation))
+
+    def _passing(self, testable: Sequence[str]) -> list[Candidate]:
+        """A disturbance that passed in one recording, as a candidate in that one alone."""
+        name = "pulse_disturbance"
+        if name not in testable:
+            return []
+        return [
+            Candidate(name, dict(start), only=pulse.record)
+            for start, pulse in zip(
+                CATALOGUE[name].starts(self.case.setting.excitation), self._pulses, strict=False
+            )
+            if pulse.record != EVERY
+        ]
 
     def _reasons(self) -> dict[str, str]:
         return untestable(
@@ -322,7 +339,7 @@ class _Search:
 
     def _verdict(self, decision: Decision, outside: Outside | None) -> Verdict:
         case = self.case
-        if outside is not None and outside.is_better:
+        if outside is not None and outside.is_better and decision.in_doubt is None:
             return "outside_library"
         if decision.rounds:
             return "missing_physics"

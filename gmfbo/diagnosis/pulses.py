@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 LEAST_PULSE_GAIN = 30.0
 """Fall of chi2 by which the best pulse stands out of the noise: 27 was the most in 40 nulls."""
 
+EVERY = -1
+"""A pulse in all recordings, such as one that a program triggers."""
+
 _SHORTEST_S = 0.01
 _LONGEST = 3  # that many fit into a recording: what lasts longer is no passing disturbance
 _DURATIONS = 64
@@ -35,7 +38,7 @@ class Pulse:
     Attributes
     ----------
     record : int
-        Which recording.
+        Which recording; EVERY where it comes at the same time in all.
     start, duration : float
         [s]
     gain : float
@@ -66,9 +69,14 @@ def strongest_pulse(
     """
     seen = fields(case.misfit, response, regression.left(own))
     ranked = sorted(_boxes(case, response, seen), key=lambda pulse: -pulse.gain)
-    if not ranked or (len(ranked) > 1 and ranked[0].gain < _STANDS_OUT * ranked[1].gain):
+    shared = _shared(case, response, seen)
+    if shared is not None and (not ranked or shared.gain > ranked[0].gain):
+        first = shared
+    elif not ranked or (len(ranked) > 1 and ranked[0].gain < _STANDS_OUT * ranked[1].gain):
         return None
-    pulse = _trimmed(ranked[0], case, regression, response, own)
+    else:
+        first = ranked[0]
+    pulse = _trimmed(first, case, regression, response, own)
     with_it = joined(own, pulse_change(case, response, pulse))
     return pulse if pulse.gain > LEAST_PULSE_GAIN * regression.excess(with_it) else None
 
@@ -78,7 +86,8 @@ def pulse_change(case: Case, response: PortResponse, pulse: Pulse) -> Blocks:
     columns = []
     for k, record in enumerate(case.simulations.records):
         inside = record.plan.grid - pulse.start
-        on = (inside > -1e-9) & (inside < pulse.duration - 1e-9) & (k == pulse.record)
+        on = (inside > -1e-9) & (inside < pulse.duration - 1e-9)
+        on &= pulse.record in (k, EVERY)
         columns.append(np.where(on, 1.0, 0.0)[None])
     return whitened_columns(case.misfit, response, columns)
 
@@ -104,6 +113,26 @@ def _trimmed(
             reach //= 2
         pulse = best
     return pulse
+
+
+def _shared(case: Case, response: PortResponse, seen: Sequence[Array]) -> Pulse | None:
+    """Strongest pulse at the same time in all recordings; None where they begin apart."""
+    grids = [record.plan.grid for record in case.simulations.records]
+    if len(grids) < 2 or np.ptp([grid[0] for grid in grids]) > 0.5 * response.step:
+        return None
+    rows = min(len(field) for field in seen)
+    sums = np.concatenate([[0.0], np.cumsum(sum(field[:rows] for field in seen))])
+    shortest = max(2, round(_SHORTEST_S / response.step))
+    durations = np.unique(np.round(np.geomspace(shortest, max(shortest + 1, rows // _LONGEST), 12)))
+    sizes = np.sum(_box_sizes(case, response, durations.astype(int)), axis=0)
+    best = Pulse(EVERY, 0.0, 0.0, 0.0)
+    for n, size in zip(durations.astype(int), sizes, strict=True):
+        gains = (sums[n:] - sums[:-n]) ** 2 / max(float(size), 1e-300)
+        place = int(np.argmax(gains))
+        if gains[place] > best.gain:
+            start = float(grids[0][place])
+            best = Pulse(EVERY, start, n * response.step, float(gains[place]))
+    return best if best.gain > 0.0 else None
 
 
 def _boxes(case: Case, response: PortResponse, seen: Sequence[Array]) -> list[Pulse]:

@@ -39,7 +39,7 @@ def probability(base: Fitted, found: Round, dispersion: float, rng: np.random.Ge
     rng : numpy Generator
         Source of the noise.
     """
-    changes = {e.name: _change(base, e) for e in found.fitted}
+    changes = {e.name: _change(base, e) for e in found.fitted if not _is_winner_again(e, found)}
     accepted = {found.winner.name, *(rival.name for rival in found.rivals)}
     shares = {
         name: _share_named(base, changes, change, accepted, found.needed, rng)
@@ -53,6 +53,12 @@ def probability(base: Fitted, found: Round, dispersion: float, rng: np.random.Ge
     wrong = each * sum(share for name, share in shares.items() if name not in accepted)
     total = right + wrong + _PRIOR_NULL * null + _PRIOR_OUTSIDE * outside
     return float(min(right / total, _MOST_TRUSTED))
+
+
+def _is_winner_again(evidence: Evidence, found: Round) -> bool:
+    """A law that contains the winner and explains no more is the winner by another name."""
+    contains = found.winner.name in evidence.effect.law.contains
+    return contains and evidence.gain < found.winner.gain + found.needed
 
 
 def _change(base: Fitted, evidence: Evidence) -> Blocks:

@@ -145,6 +145,8 @@ class Effect:
         Seconds for which `acts` must hold before the effect is claimed.
     contains : tuple of str
         Simpler effects that are a limit of it.
+    vanishing : mapping of str to tuple of str
+        Simpler effect: the parameters without which this one is that.
     confused_with : mapping of str to str
         Other effect: what separates the two.
     parameter_like : tuple of str
@@ -175,6 +177,7 @@ class Effect:
     inertia_share: bool = False
     least_time: float = 0.0
     contains: tuple[str, ...] = ()
+    vanishing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     confused_with: Mapping[str, str] = field(default_factory=dict)
     parameter_like: tuple[str, ...] = ()
 

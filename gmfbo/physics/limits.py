@@ -8,7 +8,7 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask
 
 # A limit must cut this share of the largest command, for this long, before it is claimed.
-CUT_SHARE = 0.01
+CUT_SHARE = 5e-4
 LEAST_TIME = 1.5e-3  # [s]
 
 
