@@ -27,6 +27,7 @@ struct Model {
     DelayLine delay;
     double last_added; /* to the command */
     SensorLag sensor_lag;
+    Homing homing;
     Tracking tracking;
 };
 const size_t model_bytes = sizeof(struct Model);
@@ -90,7 +91,7 @@ static double sensor_effects(Model *m, const Signals *s) {
     double reading = 0.0;
     reading += sensor_offset(v);
     reading += sensor_scale(v, s);
-    reading += sensor_eccentricity(v, s);
+    reading += sensor_eccentricity(&m->homing, v, s);
     reading += sensor_lag(&m->sensor_lag, v, s, m->last.step);
     return reading;
 }

@@ -16,9 +16,20 @@ static inline double sensor_scale(const double *v, const Signals *s) {
     return v[V_sensor_scale_share] * s->position;
 }
 
-static inline double sensor_eccentricity(const double *v, const Signals *s) {
+typedef struct {
+    int done;
+    double position; /* where the axis stood */
+} Homing;
+
+static inline double eccentricity_at(const double *v, double position) {
     return harmonic(v[V_sensor_eccentricity_sine], v[V_sensor_eccentricity_cosine],
-                    v[V_sensor_eccentricity_wavenumber] * s->position);
+                    v[V_sensor_eccentricity_wavenumber] * position);
+}
+
+/* Homing set the reading right where the axis stood: the error counts from there. */
+static inline double sensor_eccentricity(Homing *homing, const double *v, const Signals *s) {
+    if (!homing->done) *homing = (Homing){1, s->position};
+    return eccentricity_at(v, s->position) - eccentricity_at(v, homing->position);
 }
 
 /* Lagged reading minus the reading, exact where the position is a straight line between points:

@@ -28,10 +28,11 @@ def error(
 
 
 def test_each_error_is_its_formula(new_instance: NewInstance) -> None:
+    disc = 0.01 * np.sin(2.0 * POSITION) + 0.02 * np.cos(2.0 * POSITION)
     expected = {
         "sensor_offset": np.full(60, 0.1),
         "sensor_scale": 0.01 * POSITION,
-        "sensor_eccentricity": 0.01 * np.sin(2.0 * POSITION) + 0.02 * np.cos(2.0 * POSITION),
+        "sensor_eccentricity": disc - disc[0],  # homed where the axis stood
     }
     for effect, column in expected.items():
         result = error(new_instance, POSITION, **parameters(effect))

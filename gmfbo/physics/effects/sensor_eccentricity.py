@@ -18,7 +18,8 @@ def _line(excitation: Excitation) -> float:
 
 def _signal(states: States, parameters: Values) -> Array:
     line = parameters.get("wavenumber", 1.0)
-    return harmonic.wave(states, line, parameters["sine"], parameters["cosine"])
+    error = harmonic.wave(states, line, parameters["sine"], parameters["cosine"])
+    return error - error[0]
 
 
 def _size(excitation: Excitation) -> float:
@@ -61,7 +62,7 @@ sensor_eccentricity = Effect(
     ),
     region_state="position",
     statement=_statement,
-    equation="reading = phi + A * sin(n * phi) + B * cos(n * phi)",
+    equation="reading = phi + e(phi) - e(phi_start), e = A * sin(n * phi) + B * cos(n * phi)",
     source="Hanselman, 1990",
     contains=("sensor_offset",),
     confused_with={
