@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 NOT_EXCITED = "not excited"
+_MOST_DIGITS = 7
 
 
 def words(name: str) -> str:
@@ -35,9 +36,14 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 
 
 def interval(value: float, low: float, high: float, unit: str, digits: int = 3) -> str:
-    """Value with its 95 % interval and its unit: "0.52 [0.49, 0.55] N m"."""
+    """Value with its 95 % interval and its unit: "0.52 [0.49, 0.55] N m".
+
+    As many digits as it takes to see the interval's width.
+    """
     if not (math.isfinite(low) and math.isfinite(high)):
         return quantity(value, unit, digits)
+    while digits < _MOST_DIGITS and low < high and number(low, digits) == number(high, digits):
+        digits += 1
     ends = f"[{number(low, digits)}, {number(high, digits)}]"
     return f"{number(value, digits)} {ends} {unit_words(unit)}".rstrip()
 

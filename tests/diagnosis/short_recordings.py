@@ -161,7 +161,10 @@ def open_small(twin: FmuTwin, recordings: Sequence[Recording], jobs: int = 1) ->
 def decided(case: Case, names: Sequence[str]) -> Decision:
     """Decide on a few effects alone, which is quicker than on the whole library."""
     why = untestable(
-        case.twin.file, case.setting.excitation, has_inertia=case.setting.inertia is not None
+        case.twin.file,
+        case.setting.excitation,
+        has_inertia=case.setting.inertia is not None,
+        is_open=case.simulations.tracking is not None,
     )
     testable = [name for name in names if name not in why]
     assert set(names) <= set(CATALOGUE)
