@@ -43,6 +43,7 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
+_STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
 _JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
 
 
@@ -230,12 +231,39 @@ class _Opening:
         self.new_rows: frozenset[str] | None = None
 
     def case(self, substeps: int) -> Case:
+        if substeps > 1 and not self._steps_finely(substeps):
+            substeps = 1
+            self.notes.append(
+                "the twin gives other results, or none, at a finer communication step: physics was "
+                f"stepped at {self.twin.step:g} s, at which effects on the command are less exact"
+            )
         simulations = self._simulations(substeps)
         try:
             return self._case(simulations, substeps)
         except BaseException:
             simulations.close()
             raise
+
+    def _steps_finely(self, substeps: int) -> bool:
+        """Whether a finer communication step leaves the twin's outputs as they are.
+
+        Some FMUs refuse it; in some the controller computes once a step, whatever its length.
+        """
+        responses = []
+        for count in (1, substeps):
+            with AugmentedTwin(self.twin, substeps=count) as simulator:
+                plan = simulator.plan(self.recordings[0], {})
+                responses.append(simulator.run(plan, {}))
+        whole, fine = responses
+        if whole.outcome.status != "ok":
+            return True  # it is told to the user where the finer run fails as well
+        if fine.outcome.status != "ok":
+            return False
+        return all(
+            float(np.sqrt(np.mean((fine.held[name] - column) ** 2)))
+            <= _STEP_CHANGE * max(float(np.ptp(column)), 1e-300)
+            for name, column in whole.held.items()
+        )
 
     def unseen(self, like: Case) -> Case:
         simulations = self._simulations(like.substeps)

@@ -1,0 +1,85 @@
+"""A torque that no effect of the library makes is told from one that the library holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.outside import Outside, look_outside
+from tests.diagnosis.port_cases import Law, open_servo, port_case
+from tests.diagnosis.short_recordings import decided
+
+Array = NDArray[np.float64]
+
+LIBRARY = (
+    "coulomb_friction",
+    "quadratic_drag",
+    "constant_torque_offset",
+    "gravity_torque",
+    "elastic_return",
+    "transport_delay",
+    "actuator_gain_loss",
+)
+
+
+def dead_band_spring(velocity: Array, position: Array) -> Array:
+    """Nothing within 0.15 rad of the middle, 1 N m per rad beyond."""
+    return np.asarray(np.clip(position, -0.15, 0.15) - position)
+
+
+def drag_that_grows_along_the_way(velocity: Array, position: Array) -> Array:
+    """Viscous, with a coefficient in proportion to the position, which drives on one side."""
+    return np.asarray(-0.1 * position * velocity)
+
+
+def looked(physics: Mapping[str, float], law: Law | None = None) -> tuple[Decision, Outside]:
+    """Decide on a servo axis with hidden torques, and look outside the library."""
+    hidden = port_case(open_servo(physics, law=law))
+    try:
+        decision = decided(hidden.case, LIBRARY)
+        return decision, look_outside(hidden.case, decision, hidden.response)
+    finally:
+        hidden.case.simulations.close()
+
+
+@pytest.mark.parametrize(
+    ("law", "family"),
+    [(dead_band_spring, "position"), (drag_that_grows_along_the_way, "damped_position")],
+)
+def test_a_law_that_no_effect_makes_is_outside_the_library(law: Law, family: str) -> None:
+    decision, outside = looked({}, law)
+    assert outside.is_better
+    assert outside.model.best.family.name == family
+    assert outside.gain > 1000.0 * decision.threshold
+    assert outside.named < 0.7 * outside.gain
+
+
+@pytest.mark.parametrize("level", [0.02, 0.1])
+def test_friction_of_the_library_is_not_outside_it(level: float) -> None:
+    """Negative control: the free function explains as much as the name, and loses to it."""
+    decision, outside = looked({"coulomb_friction.level": level})
+    assert [found.winner.name for found in decision.rounds] == ["coulomb_friction"]
+    assert not outside.is_better
+    assert outside.named > 0.95 * outside.gain > 1000.0
+
+
+def test_where_nothing_is_missing_nothing_is_outside_the_library() -> None:
+    decision, outside = looked({})
+    assert decision.rounds == []
+    assert outside.named == 0.0
+    assert not outside.is_better
+    assert outside.gain < decision.threshold
+
+
+def test_looking_outside_leaves_the_decision_and_the_case_as_they_were() -> None:
+    hidden = port_case(open_servo({"coulomb_friction.level": 0.1}))
+    case = hidden.case
+    decision = decided(case, LIBRARY)
+    misfit, base, model = case.misfit, case.base, decision.model
+    look_outside(case, decision, hidden.response)
+    assert (case.misfit, case.base, decision.model) == (misfit, base, model)
+    case.simulations.close()
