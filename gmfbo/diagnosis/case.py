@@ -43,6 +43,7 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
+_READ_BACK = 0.5  # of what is added at the sensor port, which a reading shows a step later
 _STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
 _JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
 
@@ -229,6 +230,7 @@ class _Opening:
         self.rng = np.random.default_rng(seed)
         self.notes = notes
         self.new_rows: frozenset[str] | None = None
+        self.sensor_included = False
 
     def case(self, substeps: int) -> Case:
         if substeps > 1 and not self._steps_finely(substeps):
@@ -237,6 +239,7 @@ class _Opening:
                 "the twin gives other results, or none, at a finer communication step: physics was "
                 f"stepped at {self.twin.step:g} s, at which effects on the command are less exact"
             )
+        self.sensor_included = self._reads_back(substeps)
         simulations = self._simulations(substeps)
         try:
             return self._case(simulations, substeps)
@@ -265,7 +268,23 @@ class _Opening:
             for name, column in whole.held.items()
         )
 
+    def _reads_back(self, substeps: int) -> bool:
+        """Whether the state `position` holds what is added at the sensor port at once."""
+        with AugmentedTwin(self.twin, substeps=substeps) as simulator:
+            if "sensor" not in simulator.ports or "position" not in self.twin.file.states:
+                return False
+            plan = simulator.plan(self.recordings[0], {})
+            plain = simulator.run(plan, {})
+            position = plain.states["position"]
+            if plain.outcome.status != "ok" or position.size < 2:
+                return False
+            size = max(1e-3 * float(np.ptp(position)), 1e-6)
+            added = simulator.run(plan, {}, excitation={"sensor": np.full(position.size, size)})
+            moved = float(added.states["position"][1] - position[1])
+        return bool(moved > _READ_BACK * size)
+
     def unseen(self, like: Case) -> Case:
+        self.sensor_included = like.simulations.settings["tracking.sensor_included"] > 0.0
         simulations = self._simulations(like.substeps)
         try:
             return self._unseen(simulations, like)
@@ -310,7 +329,7 @@ class _Opening:
 
     def _simulations(self, substeps: int) -> Simulations:
         def open_twin() -> AugmentedTwin:
-            return AugmentedTwin(self.twin, substeps=substeps)
+            return AugmentedTwin(self.twin, substeps=substeps, sensor_included=self.sensor_included)
 
         with open_twin() as first:
             records = self._records(first)
@@ -350,7 +369,9 @@ class _Opening:
         if stiffness is not None and np.isfinite(stiffness.loop_time):
             loop_time = max(stiffness.loop_time, 2.0 * self.twin.step)
         excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
-        setting = Setting(self._uncertain(), excitation, self.twin.file.roles.get("inertia"))
+        role = self.twin.file.roles.get("inertia")
+        least = self.twin.binding.variables[role].variable.minimum if role else None
+        setting = Setting(self._uncertain(), excitation, role, least or 0.0)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         misfit, base = self._first_fit(simulations, windows, rig, noise, setting, nominal)
         budget = self._budget(simulations, windows, rig, base, ratio)

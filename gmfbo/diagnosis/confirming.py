@@ -17,7 +17,7 @@ MOST = 6
 """Effects that are fitted in one round."""
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
-_ROUGH = ("limit", "transmission", "inertia", "spring")  # families with many minima
+_ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
 
 def shortlist(screened: Sequence[Screened], least_gain: float) -> list[Candidate]:
@@ -156,8 +156,10 @@ def _after_refit(residual: Blocks, base: Fitted) -> float:
     return float(normal.fitted().sum())
 
 
-def limits_worth_fitting(misfit: Misfit, base: Fitted, tried: Sequence[Probe]) -> list[Candidate]:
-    """Limits that explain more under other parameters than those refitted without them.
+def rough_worth_fitting(
+    misfit: Misfit, base: Fitted, tried: Sequence[Probe], *, gross: bool
+) -> list[Candidate]:
+    """Effects that explain more under other parameters than those refitted without them.
 
     Parameters
     ----------
@@ -166,9 +168,12 @@ def limits_worth_fitting(misfit: Misfit, base: Fitted, tried: Sequence[Probe]) -
     base : Fitted
         The model so far.
     tried : sequence of Probe
-        The library; only effects with a shape and no size are tried.
+        The library; of it, the families with many minima are tried.
+    gross : bool
+        The misfit is so large that refitted parameters mislead; else limits alone are tried.
     """
-    shapes = [p.candidate for p in tried if not all(p.amplitudes)]
+    families = (*_ROUGH, "timing") if gross else ("limit",)
+    shapes = [p.candidate for p in tried if p.candidate.law.family in families]
 
     def one(candidate: Candidate) -> tuple[float, Candidate]:
         trials = trials_of(misfit, base, candidate)

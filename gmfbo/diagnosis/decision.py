@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case, chi2_per_dof
-from gmfbo.diagnosis.confirming import confirm, limits_worth_fitting, shortlist
+from gmfbo.diagnosis.confirming import confirm, rough_worth_fitting, shortlist
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -37,6 +37,7 @@ _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole record
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
+_UNEVEN = 1.4  # times the median stretch
 _GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters mislead
 _WORTH_FITTING = 8.0  # gain by screening below which no fit is tried
 
@@ -229,9 +230,11 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if first:
         decision.screened = screened
     chosen = shortlist(screened, _WORTH_FITTING)
-    if chi2_per_dof(decision.model, case.misfit) > _GROSS:
-        limits = limits_worth_fitting(case.misfit, decision.model, tried)
-        chosen += [c for c in limits[:2] if c.effect not in {x.effect for x in chosen}]
+    gross = chi2_per_dof(decision.model, case.misfit) > _GROSS
+    if gross or _is_uneven(decision.model):
+        rough = rough_worth_fitting(case.misfit, decision.model, tried, gross=gross)
+        known = {c.effect for c in chosen}
+        chosen += [c for c in rough if c.effect not in known][:3]
     fits = confirm(case.misfit, decision.model, chosen)
     if first:
         fits = _widen_budget(case, decision, fits)
@@ -257,6 +260,12 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
     decision.model = winner.fitted
     return True
+
+
+def _is_uneven(model: Fitted) -> bool:
+    """Whether some stretch shows far more misfit than most, as a limit does that is rarely met."""
+    means = [float(np.mean(block**2)) for block in model.residual]
+    return max(means) > _UNEVEN * float(np.median(means))
 
 
 def _polished(case: Case, decision: Decision, winner: Evidence) -> Evidence:

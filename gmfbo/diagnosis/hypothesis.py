@@ -84,11 +84,14 @@ class Setting:
         What the recordings show; bounds and scales follow from it.
     inertia : str or None
         Parameter of the twin from which a load inertia is taken.
+    least_inertia : float
+        [FMU's unit] Below which the FMU refuses it.
     """
 
     uncertain: tuple[Uncertain, ...]
     excitation: Excitation
     inertia: str | None = None
+    least_inertia: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +190,8 @@ class Hypothesis:
             if whole is None:
                 whole = self._nominal_inertia
             # What turns behind the gap or shaft no longer turns with the twin's own.
-            parameters[self.setting.inertia] = max(whole - moved, 1e-3 * whole)
+            least = max(1e-3 * whole, self.setting.least_inertia)
+            parameters[self.setting.inertia] = max(whole - moved, least)
         return Point(parameters, physics, only)
 
     @property

@@ -220,10 +220,9 @@ def augmentation_of(case: Case, augmented: Fitted, units: Units) -> Augmentation
     units : Units
         Of the twin.
     """
-    from gmfbo.sources.augmented import AugmentedTwin
 
     point = augmented.hypothesis.point(augmented.x)
-    fixed = dict(AugmentedTwin(case.twin, substeps=case.substeps).settings)
+    fixed = case.simulations.settings
     exposed: list[PhysicsParameter] = []
     for candidate in augmented.hypothesis.effects:
         exposed += _exposed(candidate, point.physics, units)

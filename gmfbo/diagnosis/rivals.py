@@ -10,6 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from gmfbo.diagnosis.decision import Evidence
 
+_AS_GOOD = 0.9  # of the gain, where only the way that physics is stepped sets two apart
 _QUANTILE = 1.645  # of a normal variable: 95 %
 
 
@@ -30,6 +31,9 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
     for other in others:
         # A law that contains the winner explains as much by having it as its limit.
         if other.name == winner.name or winner.name in other.effect.law.contains:
+            continue
+        if other.name in winner.effect.law.same_loop and other.gain > _AS_GOOD * winner.gain:
+            rivals.append(other)
             continue
         distance = sum(
             float(np.sum((a - b) ** 2))

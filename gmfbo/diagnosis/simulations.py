@@ -116,6 +116,11 @@ class Simulations:
         self.runs = 0
         self.on_run: Callable[[], None] = lambda: None
 
+    @property
+    def settings(self) -> dict[str, float]:
+        """Settings of physics.fmu that follow from the twin."""
+        return self._all[0].settings
+
     def run(self, points: Sequence[Point]) -> list[list[Simulated]]:
         """Simulate all recordings at each point.
 

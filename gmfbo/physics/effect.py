@@ -145,6 +145,8 @@ class Effect:
         Seconds for which `acts` must hold before the effect is claimed.
     contains : tuple of str
         Simpler effects that are a limit of it.
+    same_loop : tuple of str
+        Effects elsewhere in the loop that leave the same reading and the same command.
     vanishing : mapping of str to tuple of str
         Simpler effect: the parameters without which this one is that.
     confused_with : mapping of str to str
@@ -177,6 +179,7 @@ class Effect:
     inertia_share: bool = False
     least_time: float = 0.0
     contains: tuple[str, ...] = ()
+    same_loop: tuple[str, ...] = ()
     vanishing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     confused_with: Mapping[str, str] = field(default_factory=dict)
     parameter_like: tuple[str, ...] = ()

@@ -97,6 +97,8 @@ class AugmentedTwin:
         Run in a worker process; False is for FMUs that are trusted.
     time_limit_s : float
         [s] Wall-clock time that one simulation may take in the worker.
+    sensor_included : bool
+        The state `position` is the reading, which holds what is added at the sensor port.
 
     Raises
     ------
@@ -111,8 +113,9 @@ class AugmentedTwin:
         substeps: int = 10,
         isolated: bool = True,
         time_limit_s: float = 60.0,
+        sensor_included: bool = False,
     ) -> None:
-        self.twin, self.substeps = twin, substeps
+        self.twin, self.substeps, self._sensor_included = twin, substeps, sensor_included
         self._augmented: AugmentedBinding = augment(twin.binding)
         self._isolated, self._time_limit_s = isolated, time_limit_s
         self._runner: Runner | None = None
@@ -136,6 +139,7 @@ class AugmentedTwin:
             "settings.current_known": float("current" in states),
             "settings.load_torque_known": float("load_torque" in states),
             "settings.command_lateness": self.step if self._augmented.late else 0.0,
+            "tracking.sensor_included": float(self._sensor_included),
             "settings.command_is_input": float(self._augmented.command_input is not None),
         }
 

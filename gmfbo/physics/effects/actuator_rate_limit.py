@@ -48,7 +48,7 @@ actuator_rate_limit = Effect(
             scale=lambda e: 0.1 * e.command_rate,
         ),
     ),
-    starts=lambda e: [{"rate": share * e.command_rate} for share in (0.7, 0.35, 0.12)],
+    starts=lambda e: [{"rate": share * e.command_rate} for share in (0.9, 0.6, 0.35, 0.12)],
     size=lambda p, e: max(0.0, e.command_rate - p["rate"]),
     size_name="cut",
     size_unit="command/s",

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from gmfbo.physics import harmonic, sensor
 from gmfbo.physics.effect import Effect, Values, signed
 from gmfbo.physics.excitation import Excitation
@@ -19,7 +21,7 @@ def _line(excitation: Excitation) -> float:
 def _signal(states: States, parameters: Values) -> Array:
     line = parameters.get("wavenumber", 1.0)
     error = harmonic.wave(states, line, parameters["sine"], parameters["cosine"])
-    return error - error[0]
+    return np.asarray(error - error[0], dtype=np.float64)
 
 
 def _size(excitation: Excitation) -> float:

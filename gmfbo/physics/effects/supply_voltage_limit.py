@@ -22,6 +22,7 @@ def _starts(excitation: Excitation) -> list[Values]:
     command, slope = excitation.command, excitation.command / excitation.speed
     return [
         {"limit": 1.1 * command, "slope": 0.4 * slope},
+        {"limit": 1.0 * command, "slope": 0.1 * slope},
         {"limit": 0.85 * command, "slope": 0.2 * slope},
     ]
 
