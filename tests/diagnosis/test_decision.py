@@ -1,0 +1,122 @@
+"""Nothing is named where nothing is missing, or where a motion hides what could have been."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gmfbo.diagnosis.decision import MOST_EFFECTS, Decision, _with_limits, decide
+from gmfbo.diagnosis.library import candidates
+from gmfbo.physics import CATALOGUE
+from tests.diagnosis.short_recordings import SERVO, Reference, climb, moves, multisine, open_small
+
+FRICTION = {"coulomb_friction.level": 0.25, "coulomb_friction.deflection": 1e-6}
+LAWS = {name for name, effect in CATALOGUE.items() if "coulomb_friction" in effect.contains}
+FEW = (
+    "coulomb_friction",
+    "viscous_friction",
+    "constant_torque_offset",
+    "transport_delay",
+    "sensor_lag",
+)
+
+
+def decision_on(
+    physics: Mapping[str, float],
+    references: Sequence[Reference] = (multisine, moves),
+    *,
+    names: Collection[str] = FEW,
+    silent: Collection[str] = (),
+    seed: int = 5,
+) -> Decision:
+    """Decide on short recordings whether some effects are missing, parts of them unheard."""
+    case = open_small(SERVO.twin(), SERVO.recordings(physics, references, seed=seed))
+    try:
+        library = candidates(names, case.setting.excitation)
+        rng = np.random.default_rng(0)
+        return decide(case, library, rng, lambda stage, share: None, silent=silent)
+    finally:
+        case.simulations.close()
+
+
+def winners(decision: Decision) -> list[str]:
+    return [found.winner.name for found in decision.rounds]
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7])
+def test_where_nothing_is_missing_nothing_is_named(seed: int) -> None:
+    decision = decision_on({}, seed=seed)
+    assert decision.rounds == []
+    assert decision.in_doubt is None
+    assert decision.model is not None
+    assert decision.model.hypothesis.effects == ()
+    assert decision.like_parameters == {"viscous_friction": "is parameter viscous"}
+
+
+def test_coulomb_friction_is_named_at_its_level_and_not_once_more_by_a_larger_law() -> None:
+    decision = decision_on(FRICTION, names=("stribeck_friction", "hysteresis", *FEW))
+    assert winners(decision) == ["coulomb_friction"]
+    (found,) = decision.rounds
+    assert found.winner.effect.values["level"] == pytest.approx(0.25, rel=0.02)
+    assert found.winner.gain > 1000.0 * found.needed
+    assert decision.model is found.winner.fitted
+    assert not {rival.name for rival in found.rivals} & LAWS
+
+
+def test_a_transport_delay_is_named_at_its_time() -> None:
+    decision = decision_on({"transport_delay.delay": 2e-3})
+    assert winners(decision) == ["transport_delay"]
+    delay = decision.rounds[0].winner.effect.values["delay"]
+    assert delay == pytest.approx(2e-3, abs=1.5e-4)
+
+
+def test_friction_and_a_delay_are_named_one_after_the_other_the_stronger_first() -> None:
+    decision = decision_on({**FRICTION, "transport_delay.delay": 2e-3})
+    assert winners(decision) == ["coulomb_friction", "transport_delay"]
+    assert decision.rounds[0].winner.gain > decision.rounds[1].winner.gain
+    assert len(decision.rounds) <= MOST_EFFECTS
+
+
+@pytest.mark.parametrize("claimable", [("constant_torque_offset",), ()])
+def test_friction_on_a_ramp_one_way_puts_all_names_in_doubt(claimable: tuple[str, ...]) -> None:
+    """A constant torque would do the same there: to name it would be a guess."""
+    names = ("coulomb_friction", "transport_delay", *claimable)
+    decision = decision_on(FRICTION, (climb, climb), names=names, silent=["coulomb_friction"])
+    assert decision.in_doubt is not None
+    assert decision.in_doubt.name == "coulomb_friction"
+    assert decision.in_doubt.gain > decision.threshold
+    assert decision.rounds == []
+    assert decision.model is not None
+    assert decision.model.hypothesis.effects == ()
+
+
+def test_a_silent_effect_that_explains_less_than_the_best_casts_no_doubt() -> None:
+    decision = decision_on(FRICTION, silent=["constant_torque_offset", "sensor_lag"])
+    assert winners(decision) == ["coulomb_friction"]
+    assert decision.in_doubt is None
+
+
+@given(st.sampled_from(sorted(CATALOGUE)))
+def test_a_named_law_takes_its_limits_and_all_laws_that_share_one(name: str) -> None:
+    taken = _with_limits({name})
+    own = {name, *CATALOGUE[name].contains}
+    assert own <= taken
+    for other, law in CATALOGUE.items():
+        assert (other in taken) == (other in own or bool(set(law.contains) & own))
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", *sorted(LAWS)])
+def test_one_named_friction_law_takes_all_others_and_nothing_else(name: str) -> None:
+    assert _with_limits({name}) == {"coulomb_friction", *LAWS}
+
+
+def test_effects_without_a_common_limit_leave_each_other_free() -> None:
+    assert _with_limits({"transport_delay", "viscous_friction"}) == {
+        "transport_delay",
+        "viscous_friction",
+    }
+    assert _with_limits(set()) == set()
