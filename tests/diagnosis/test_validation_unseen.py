@@ -115,12 +115,6 @@ def test_where_nothing_is_missing_the_refitted_twin_alone_is_scored() -> None:
         assert fit.parameters_only < 1.2 * fit.noise_floor
 
 
-def test_an_empty_list_to_validate_on_is_none() -> None:
-    recordings = three(FRICTION)[:1]
-    given, none = (diagnosed_on(recordings, unseen) for unseen in ([], None))
-    assert given.fit == none.fit
-
-
 def test_a_short_recording_to_validate_on_is_refused_by_name() -> None:
     recordings = three(FRICTION)
     short = SERVO.recordings(FRICTION, (multisine,), seconds=0.05)
