@@ -15,15 +15,7 @@ from tests.diagnosis.short_recordings import decided
 
 Array = NDArray[np.float64]
 
-LIBRARY = (
-    "coulomb_friction",
-    "quadratic_drag",
-    "constant_torque_offset",
-    "gravity_torque",
-    "elastic_return",
-    "transport_delay",
-    "actuator_gain_loss",
-)
+LIBRARY = ("coulomb_friction", "gravity_torque", "elastic_return", "transport_delay")
 
 
 def dead_band_spring(velocity: Array, position: Array) -> Array:
@@ -62,10 +54,9 @@ def test_a_law_that_no_effect_makes_is_outside_the_library(law: Law, family: str
     assert outside.named < 0.7 * outside.gain
 
 
-@pytest.mark.parametrize("level", [0.02, 0.1])
-def test_friction_of_the_library_is_not_outside_it(level: float) -> None:
+def test_friction_of_the_library_is_not_outside_it() -> None:
     """Negative control: the free function explains as much as the name, and loses to it."""
-    decision, outside = looked({"coulomb_friction.level": level})
+    decision, outside = looked({"coulomb_friction.level": 0.1})
     assert [found.winner.name for found in decision.rounds] == ["coulomb_friction"]
     assert not outside.is_better
     assert outside.named > 0.95 * outside.gain > 1000.0
