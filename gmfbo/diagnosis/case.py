@@ -172,6 +172,8 @@ def open_case(
     SimulationError
         The twin as it is cannot follow a recording.
     """
+    if not recordings:
+        raise RecordingError("expected at least one recording, got none")
     substeps = int(np.clip(round(twin.step / FINEST_STEP_S), 1, _MOST_SUBSTEPS))
     notes: list[str] = []
     opening = _Opening(twin, recordings, seed, jobs or _processors(), on_run, notes)
@@ -340,8 +342,6 @@ class _Opening:
     def _records(self, simulator: AugmentedTwin) -> list[Record]:
         outputs = list(self.twin.file.outputs)
         warmup = self.twin.file.warmup or 0.0
-        if not self.recordings:
-            raise RecordingError("expected at least one recording, got none")
         return [
             scored_record(recording, simulator.plan(recording, {}), outputs, warmup)
             for recording in self.recordings

@@ -256,7 +256,7 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
         decision.in_doubt = max(silent, key=lambda e: e.gain)
         return False
     winner = _polished(case, decision, _simplest(claimable, decision.threshold))
-    rivals = rivals_of(winner, claimable)
+    rivals = rivals_of(winner, [e for e in evidence if e.name not in decision.silent])
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
     decision.model = winner.fitted
     return True

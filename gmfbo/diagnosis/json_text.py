@@ -16,7 +16,7 @@ from gmfbo.diagnosis.named_effect import DetectableSize
 from gmfbo.errors import InputError
 
 SCHEMA = 1
-NOT_IN_JSON = ("curves", "augmentation", "exported")
+NOT_IN_JSON = ("curves", "augmentation", "exported", "next_reference")
 
 
 class _Misfit(Exception):

@@ -14,8 +14,9 @@ from gmfbo.physics.units import Units
 # The decision rests on evidence; this share of the range is where a drive engineer stops caring.
 FLOOR_SHARE = 1.5e-4
 
-# Of the stroke: a contact gives less before it slides, a gear or a cable more.
-_CONTACT_SHARE = 0.004
+# What a contact gives before it slides; a gear or a cable gives more.
+_CONTACT_ANGLE = 0.015  # [rad]
+_CONTACT_SHARE = 0.004  # of a stroke in length
 
 Deflections = Callable[[Excitation], tuple[float, float]]
 
@@ -103,7 +104,8 @@ def deflection(words: str, visible: Deflections) -> EffectParameter:
 def contact_deflections(excitation: Excitation) -> tuple[float, float]:
     """Deflections of a contact before it slides that can be told from plain sliding."""
     low = max(0.5 * excitation.resolution, bristle_deflection(excitation))
-    return low, max(_CONTACT_SHARE * excitation.stroke, 10.0 * low)
+    most = _CONTACT_ANGLE if excitation.angular else _CONTACT_SHARE * excitation.stroke
+    return low, max(most, 10.0 * low)
 
 
 def body_deflections(excitation: Excitation) -> tuple[float, float]:

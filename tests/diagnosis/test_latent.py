@@ -45,12 +45,14 @@ def test_a_torque_put_into_the_fmu_comes_back_within_its_error(servo: PortCase) 
         error = (latent.torque - torque_at(latent.time))[known]
         assert known.mean() > 0.9
         assert np.sqrt(np.mean(error**2)) < 2.5 * latent.standard_error[known][0]
-        assert np.sqrt(np.mean(error**2)) < 0.03
+        assert np.sqrt(np.mean(error**2)) < 0.3 * np.sqrt(np.mean(torque_at(latent.time) ** 2))
 
 
 def test_a_right_twin_asks_for_next_to_nothing(servo: PortCase) -> None:
     for latent in latent_torque(servo.case, servo.case.base, servo.response):
-        assert np.sqrt(np.mean(latent.torque**2)) < 0.02
+        known = np.isfinite(latent.standard_error)
+        rms = np.sqrt(np.mean(latent.torque[known] ** 2))
+        assert rms < 2.5 * latent.standard_error[known][0]
 
 
 def test_what_is_not_scored_or_not_yet_answered_has_no_bound(servo: PortCase) -> None:
