@@ -76,13 +76,7 @@ class Budget:
         self, dispersion: Sequence[NDArray[np.float64]] | None = None
     ) -> tuple[Whitener, ...]:
         """Whiteners of all windows, less sure of themselves where a dispersion exceeds one."""
-        plain = whiteners(self.windows, self.covariances, self.directions)
-        if dispersion is None:
-            return plain
-        return tuple(
-            replace(w, dispersion=d, nuisances=None).without(self.directions[w.window.record])
-            for w, d in zip(plain, dispersion, strict=True)
-        )
+        return whiteners(self.windows, self.covariances, self.directions, dispersion)
 
 
 @dataclass(eq=False)
@@ -176,7 +170,7 @@ def open_case(
         raise RecordingError("expected at least one recording, got none")
     substeps = int(np.clip(round(twin.step / FINEST_STEP_S), 1, _MOST_SUBSTEPS))
     notes: list[str] = []
-    opening = _Opening(twin, recordings, seed, jobs or _processors(), on_run, notes)
+    opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
     opening.new_rows = new_rows
     return opening.case(substeps)
 
@@ -204,12 +198,8 @@ def open_unseen(
     SimulationError
         The twin as it is cannot follow a recording.
     """
-    opening = _Opening(case.twin, recordings, seed, jobs or _processors(), _nothing, case.notes)
+    opening = _Opening(case.twin, recordings, seed, jobs or _processors(), case.notes)
     return opening.unseen(case)
-
-
-def _nothing() -> None:
-    """Count nothing."""
 
 
 def _processors() -> int:
@@ -225,8 +215,8 @@ class _Opening:
         recordings: Sequence[Recording],
         seed: int,
         jobs: int,
-        on_run: Callable[[], None],
         notes: list[str],
+        on_run: Callable[[], None] = lambda: None,
     ) -> None:
         self.twin, self.recordings, self.jobs, self.on_run = twin, recordings, jobs, on_run
         self.rng = np.random.default_rng(seed)
@@ -307,7 +297,7 @@ class _Opening:
         excitation = like.setting.excitation
         windows = windows_of(simulations.records, excitation.loop_time)
         empty: list[list[Direction]] = [[] for _ in simulations.records]
-        spectra = covariances(windows, simulations.records, like.rig, noise, empty, None)
+        spectra = covariances(windows, simulations.records, like.rig, noise, empty)
         misfit = Misfit(simulations, whiteners(windows, spectra, empty))
         hypothesis = Hypothesis(like.setting)
         base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
@@ -364,7 +354,7 @@ class _Opening:
         noise = noise_levels(simulations.records, nominal)
         ratio = 1.0 if stiffness is None else stiffness.per_command
         if not np.isfinite(ratio):
-            ratio = self._unit_ratio()
+            ratio = 1.0  # torque and command taken to be in one unit
         loop_time = 0.05
         if stiffness is not None and np.isfinite(stiffness.loop_time):
             loop_time = max(stiffness.loop_time, 2.0 * self.twin.step)
@@ -398,18 +388,11 @@ class _Opening:
     def _torque_guess(self, nominal: Sequence[Simulated]) -> float:
         """A torque that the axis feels, to begin probing with."""
         states = nominal[0].response.states
-        same_unit = self._unit_ratio() == 1.0
-        if "command" in states and same_unit:
+        if "command" in states:
             return max(0.05 * float(np.abs(states["command"]).max()), 1e-9)
         inertia = self._inertia()
         if inertia is not None and "position" in states:
-            grid = nominal[0].response.states["position"]
-            moved = float(np.ptp(grid))
-            return max(inertia * moved * 10.0, 1e-9)
-        return 1.0
-
-    def _unit_ratio(self) -> float:
-        """Torque a unit of command, where both are in one unit; else unknown, taken as 1."""
+            return max(10.0 * inertia * float(np.ptp(states["position"])), 1e-9)
         return 1.0
 
     def _inertia(self) -> float | None:
@@ -599,7 +582,7 @@ class _Opening:
     ) -> tuple[Misfit, Fitted]:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         empty: list[list[Direction]] = [[] for _ in simulations.records]
-        spectra = covariances(windows, simulations.records, rig, noise, empty, None)
+        spectra = covariances(windows, simulations.records, rig, noise, empty)
         misfit = Misfit(simulations, whiteners(windows, spectra, empty))
         base = fit(misfit, Hypothesis(setting), {}, parallel=True, iterations=6)
         require_run(nominal, self.twin.name)
@@ -626,7 +609,7 @@ class _Opening:
             self._input_noise(simulations),
             self.rng,
         )
-        spectra = covariances(windows, simulations.records, rig, noise, through, None)
+        spectra = covariances(windows, simulations.records, rig, noise, through)
         directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
         own = [
             own_variances(record, levels, changes)

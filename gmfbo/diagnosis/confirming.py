@@ -184,8 +184,3 @@ def rough_worth_fitting(
         if square < min(base.chi2, best.get(candidate.effect, (np.inf,))[0]):
             best[candidate.effect] = square, candidate
     return [candidate for _, candidate in sorted(best.values(), key=lambda entry: entry[0])]
-
-
-def by_name(fits: Sequence[Fitted]) -> Mapping[str, Fitted]:
-    """Fits by the effect that they added last."""
-    return {f.hypothesis.effects[-1].effect: f for f in fits}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.physics import CATALOGUE, Effect, Excitation
@@ -91,12 +91,3 @@ def candidates(testable: Collection[str], excitation: Excitation) -> list[Candid
         if name in testable
         for values in CATALOGUE[name].starts(excitation)
     ]
-
-
-def like_a_parameter(shares: Mapping[str, float], least: float = 0.05) -> dict[str, str]:
-    """Effects of which parameters make all but a small share."""
-    return {
-        name: "the refitted parameters of the twin do the same"
-        for name, share in shares.items()
-        if share < least
-    }

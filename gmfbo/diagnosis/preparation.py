@@ -305,9 +305,8 @@ def covariances(
     rig: Rig,
     noise: Sequence[Mapping[str, NoiseLevel]],
     loop_noise: Sequence[Sequence[Direction]],
-    step_change: Sequence[Direction] | None,
 ) -> list[Spectrum]:
-    """S(f) of each window: loop noise, own noise, repeats, numerics, tolerance.
+    """S(f) of each window: loop noise, own noise, repeats, tolerance.
 
     Parameters
     ----------
@@ -321,8 +320,6 @@ def covariances(
         White noise of each signal, for each recording.
     loop_noise : sequence of sequences of Direction
         Changes under noise, of each recording.
-    step_change : sequence of Direction or None
-        Change of each recording with the step, where the twin cannot be stepped finely.
     """
     total = []
     for window in windows:
@@ -331,8 +328,6 @@ def covariances(
             window, own_variances(record, noise[window.record], loop_noise[window.record])
         )
         s = own + loop_covariance(window, loop_noise[window.record])
-        if step_change is not None:
-            s = s + loop_covariance(window, [step_change[window.record]])
         s = s + _repeats(window, windows, records, s)
         total.append(s + tolerance_covariance(window, record, rig.positions))
     return total
@@ -388,6 +383,7 @@ def whiteners(
     windows: Sequence[Window],
     spectra: Sequence[Spectrum],
     directions: Sequence[Sequence[Direction]],
+    dispersion: Sequence[NDArray[np.float64]] | None = None,
 ) -> tuple[Whitener, ...]:
     """Join budget and nuisances of each window.
 
@@ -399,10 +395,13 @@ def whiteners(
         S(f) of each window.
     directions : sequence of sequences of Direction
         Nuisances of each recording.
+    dispersion : sequence of ndarray, optional
+        Of each window: by how much its components exceed the budget.
     """
+    spread = [None] * len(windows) if dispersion is None else dispersion
     return tuple(
-        Whitener(window, s).without(directions[window.record])
-        for window, s in zip(windows, spectra, strict=True)
+        Whitener(window, s, dispersion=d).without(directions[window.record])
+        for window, s, d in zip(windows, spectra, spread, strict=True)
     )
 
 

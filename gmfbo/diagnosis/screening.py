@@ -293,10 +293,3 @@ def _within_bounds(candidate: Candidate, base: Fitted) -> Candidate:
         away = value if abs(value) > least else least
         values[name] = float(np.clip(away, low + 1e-6 * (high - low), 0.8 * high))
     return candidate.with_values(values)
-
-
-def starts(setting_effects: Mapping[str, Sequence[Mapping[str, float]]]) -> list[Candidate]:
-    """Candidates for each start of each effect."""
-    return [
-        Candidate(name, dict(values)) for name, grid in setting_effects.items() for values in grid
-    ]
