@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.case import Case, open_case, open_unseen
+from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
 from gmfbo.diagnosis.holding_out import Split, split_of
@@ -21,6 +21,7 @@ from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untest
 from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
+from gmfbo.diagnosis.opening import open_case, open_unseen
 from gmfbo.diagnosis.outside import Outside, look_outside
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response

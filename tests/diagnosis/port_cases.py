@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case, open_case
+from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.opening import open_case
 from gmfbo.diagnosis.port_response import PortResponse, between_points, measure_port_response
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.seen_from_port import whitened_columns

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case, open_case
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.opening import open_case
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin
 

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, diagnose
-from gmfbo.diagnosis.case import Case, open_case
+from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.library import candidates, untestable
+from gmfbo.diagnosis.opening import open_case
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin
