@@ -1,4 +1,5 @@
-/* A motor on a bench, without a controller: a current accelerates one mass. */
+/* A motor on a bench, without a controller: a current accelerates one mass. What a drive logs of
+ * the current may be filtered; the filter is exact for a current that is held over a step. */
 #include "model.h"
 #include "rotor.h"
 
@@ -17,6 +18,7 @@ const char *model_initialise(Model *m, const char *resources) {
     (void)resources;
     m->rotor.position = m->v[V_initial_position];
     m->rotor.velocity = m->v[V_initial_velocity];
+    m->v[V_logged_current] = m->v[V_initial_logged_current];
     refresh_outputs(m);
     return NULL;
 }
@@ -27,6 +29,8 @@ const char *model_step(Model *m, double t, double h) {
     m->rotor.torque = m->v[V_torque_constant] * m->v[V_current];
     rotor_advance(&m->rotor, &parameters, 0.0, m->v[V_tau_load], h);
     m->v[V_motor_current] = m->v[V_current];
+    double share = m->v[V_log_time] > 0.0 ? -expm1(-h / m->v[V_log_time]) : 1.0;
+    m->v[V_logged_current] += share * (m->v[V_current] - m->v[V_logged_current]);
     refresh_outputs(m);
     return isfinite(m->rotor.position) && isfinite(m->rotor.velocity) ? NULL : "the motor has diverged";
 }

@@ -115,6 +115,18 @@ def test_the_bench_follows_the_closed_form(new_instance: NewInstance) -> None:
     np.testing.assert_array_equal(table[1:, 2], 0.4)
 
 
+def test_the_bench_logs_its_current_behind_a_first_order_filter(new_instance: NewInstance) -> None:
+    """A step of current: 1 - exp(-t/T) from where the filter stood; without one, the current."""
+    t = np.arange(401) * 1e-3
+    for log_time, expected in ((0.125, 2.0 - 1.5 * np.exp(-t / 0.125)), (0.0, 2.0 + 0.0 * t)):
+        bench = new_instance("motor_bench").start(
+            current=2.0, log_time=log_time, initial_logged_current=0.5
+        )
+        table = bench.run({}, ["logged_current"], 1e-3, rows=400)
+        np.testing.assert_allclose(table[1:, 0], expected[1:], rtol=0.0, atol=1e-13)
+        assert table[0, 0] == 0.5
+
+
 def test_without_friction_the_bench_is_a_double_integrator(new_instance: NewInstance) -> None:
     bench = new_instance("motor_bench").start(
         viscous=0.0, current=1.0, initial_position=0.1, initial_velocity=-2.0
