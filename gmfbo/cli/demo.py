@@ -1,4 +1,4 @@
-"""`gmfbo demo`: the main job on the embedded twin."""
+"""`gmfbo demo`: tuning on the embedded twin, and the search for physics hidden in an axis."""
 
 from __future__ import annotations
 
@@ -39,10 +39,19 @@ def demo(
     out: Annotated[Path, typer.Option(help="New folder for all that the demo makes.")] = Path(
         "gmfbo-demo"
     ),
-    seed: Annotated[int, typer.Option(min=0, help="Which wrong twin, which initial gains.")] = 0,
-    runs: Annotated[int, typer.Option(min=3, help="Runs of the real axis.")] = 8,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Which wrong twin, which initial gains, what is hidden.")
+    ] = 0,
+    runs: Annotated[int, typer.Option(min=3, help="Runs of the real axis while tuning.")] = 8,
 ) -> None:
-    """Tune the embedded drive with few real runs and a wrong twin, in under two minutes."""
+    """Tune a drive with a wrong twin, then find what is hidden in an axis: under two minutes."""
+    folder = _new_folder(out)
+    _tune(folder, seed, runs)
+    console.print()
+    _find(folder, seed)
+
+
+def _tune(folder: Path, seed: int, runs: int) -> None:
     import json
 
     from gmfbo.cli.tune import run_study
@@ -50,13 +59,12 @@ def demo(
     from gmfbo.sources.models import models_folder
     from gmfbo.tuning.study import Study
 
-    folder = _new_folder(out)
     twin = json.dumps((models_folder() / "drive_twin.toml").as_posix())
     file = folder / "demo.toml"
     file.write_text(STUDY.format(seed=seed, runs=runs, twin=twin), encoding="utf-8")
     console.print(
-        "A servo joint follows a step of 1 rad. The real axis is a simulated drive; its digital\n"
-        f"twin has 50 % noise in the motor's flux map. Tuning takes {runs} runs of the real axis."
+        "1. Tuning. A servo joint follows a step of 1 rad. The real axis is a simulated drive;\n"
+        f"its twin has 50 % noise in the motor's flux map. Real runs to spend: {runs}."
     )
     study = Study.read(file)
     result = run_study(study, resume=False)
@@ -69,6 +77,39 @@ def demo(
     packed = folder / "demo.h5"
     pack_study(study.location, packed)
     console.print(f"one packed file    {packed}")
+
+
+def _find(folder: Path, seed: int) -> None:
+    """Hide something in an axis, diagnose its recordings without knowing, then compare."""
+    from gmfbo.cli.diagnose import diagnose_and_show
+    from gmfbo.cli.hidden.draw import draw
+    from gmfbo.cli.hidden.recordings import record
+    from gmfbo.cli.hidden.reveal import answer_lines, explained
+    from gmfbo.cli.hidden.sealed import seal, unseal
+    from gmfbo.sources.models import models_folder
+
+    twin = models_folder() / "servo_axis.toml"
+    drawn = draw(seed)
+    sealed = seal(drawn, folder / "sealed.json")
+    console.print(
+        "2. Diagnosis. Another axis has an effect that its twin lacks, or none: drawn from the\n"
+        f"seed and sealed in {sealed.path}, of which you see only the hash:\n"
+        f"sha256             {sealed.sha256}"
+    )
+    stored = folder / "recordings"
+    stored.mkdir()
+    recordings = record(drawn.plant, seed, stored)
+    found = folder / "found"
+    console.print(f"now runs           gmfbo diagnose {twin} {stored}/run*.csv --out {found}")
+    console.print()
+    diagnosis = diagnose_and_show(twin, recordings, found)  # of all this it gets the files alone
+    answer = unseal(sealed)
+    console.print()
+    console.print(f"The seal is broken, its hash is the same: {sealed.path}")
+    for line in answer_lines(answer, diagnosis):
+        console.print(line, markup=False)
+    console.print(explained(answer, diagnosis), markup=False)
+    console.print(f"report             {found / 'report.html'}")
 
 
 def _new_folder(out: Path) -> Path:

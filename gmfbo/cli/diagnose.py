@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from gmfbo.cli.console import console
 from gmfbo.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis import Diagnosis
 
 
 def diagnose(
@@ -44,24 +47,49 @@ def diagnose(
     _check_effects(assume or [], exclude or [])
     _check_folder(out)
 
+    diagnose_and_show(
+        twin,
+        recordings,
+        out,
+        validate=validate or None,
+        assume=tuple(assume or ()),
+        exclude=tuple(exclude or ()),
+        seed=seed,
+        jobs=jobs,
+    )
+
+
+def diagnose_and_show(
+    twin: Path, recordings: Sequence[Path], out: Path, **options: Any
+) -> Diagnosis:
+    """Diagnose with progress on the terminal, write the folder and print one screen.
+
+    Parameters
+    ----------
+    twin : Path
+        Twin file.
+    recordings : sequence of Path
+        Of the real axis.
+    out : Path
+        Folder to write.
+    **options
+        Of `gmfbo.diagnose`.
+
+    Returns
+    -------
+    Diagnosis
+        What was found.
+    """
     from gmfbo.cli.diagnosis_display import DiagnosisDisplay
     from gmfbo.cli.diagnosis_screen import screenful
     from gmfbo.diagnosis import diagnose as run_diagnosis
 
     with DiagnosisDisplay(console) as display:
-        diagnosis = run_diagnosis(
-            twin,
-            recordings,
-            validate=validate or None,
-            seed=seed,
-            assume=tuple(assume or ()),
-            exclude=tuple(exclude or ()),
-            progress=display.show,
-            jobs=jobs,
-        )
+        diagnosis = run_diagnosis(twin, recordings, progress=display.show, **options)
     written = diagnosis.save(out)
     for line in screenful(diagnosis, written):
         typer.echo(line)
+    return diagnosis
 
 
 def _check_effects(assume: Sequence[str], exclude: Sequence[str]) -> None:

@@ -1,0 +1,142 @@
+"""The answer beside what was found, and whether that is right."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from gmfbo.cli.hidden.draw import NOTHING, PARAMETERS, Draw
+from gmfbo.cli.hidden.effects import EFFECTS, HiddenEffect
+from gmfbo.diagnosis.plain_words import quantity, words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.diagnosis import Diagnosis
+    from gmfbo.diagnosis.named_effect import NamedEffect
+
+Mark = Literal["right", "one of the set", "missed", "wrong"]
+
+_BY_NAME = {effect.name: effect for effect in EFFECTS}
+_NOMINAL = {"inertia": 0.01, "viscous": 0.05}  # of models/servo_axis.fmu
+_UNITS = {"inertia": "kg.m2", "viscous": "N.m.s/rad"}
+_VERDICTS = {
+    "none": NOTHING,
+    "parameters": "other parameters, no effect",
+    "outside_library": "an effect outside the library",
+}
+
+
+def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
+    """Say whether a diagnosis found what was hidden.
+
+    Parameters
+    ----------
+    drawn : Draw
+        What was hidden.
+    diagnosis : Diagnosis
+        What was found.
+
+    Returns
+    -------
+    {"right", "one of the set", "missed", "wrong"}
+        `right`: that effect alone was named, or nothing where nothing was hidden. `one of the
+        set`: it stands among those that the named one cannot be told from. `missed`: it was not
+        named, and no other was. `wrong`: something was claimed that is not there.
+    """
+    if drawn.hidden in (NOTHING, PARAMETERS):
+        asked = "none" if drawn.hidden == NOTHING else "parameters"
+        if diagnosis.verdict == asked:
+            return "right"
+        return "missed" if diagnosis.verdict == "none" else "wrong"
+    if not diagnosis.effects:
+        return "missed"
+    marks = [_mark(effect, drawn.hidden) for effect in diagnosis.effects]
+    if "wrong" in marks:
+        return "wrong"
+    return "right" if "right" in marks else "one of the set"
+
+
+def _mark(effect: NamedEffect, hidden: str) -> Mark:
+    if effect.name == hidden:
+        return "right"
+    return "one of the set" if hidden in effect.indistinguishable_from else "wrong"
+
+
+def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
+    """Return the table of what was hidden and what was found.
+
+    Parameters
+    ----------
+    drawn : Draw
+        What was hidden.
+    diagnosis : Diagnosis
+        What was found.
+
+    Returns
+    -------
+    list of str
+        A heading, a line with the names, and one for each size that is the same in both.
+    """
+    rows = [("", "hidden", "found")]
+    rows.append(("effect", _told(drawn.hidden), _named(diagnosis)))
+    if drawn.hidden in _BY_NAME:
+        rows += _size_rows(_BY_NAME[drawn.hidden], drawn, diagnosis)
+    for name, nominal in _NOMINAL.items():
+        one = diagnosis.parameters.get(name)
+        found = quantity(one.value, one.unit) if one is not None and one.identifiable else "-"
+        rows.append((name, quantity(drawn.plant.get(name, nominal), _UNITS[name]), found))
+    wide = [max(len(row[column]) for row in rows) for column in (0, 1)]
+    return [f"{a:<{wide[0]}}  {b:<{wide[1]}}  {c}".rstrip() for a, b, c in rows]
+
+
+def _told(hidden: str) -> str:
+    return "other parameters, no effect" if hidden == PARAMETERS else words(hidden)
+
+
+def _named(diagnosis: Diagnosis) -> str:
+    if not diagnosis.effects:
+        return _VERDICTS.get(diagnosis.verdict, words(diagnosis.verdict))
+    told = []
+    for effect in diagnosis.effects:
+        rivals = " or ".join(words(name) for name in effect.indistinguishable_from)
+        told.append(words(effect.name) + (f" (or {rivals})" if rivals else ""))
+    return " + ".join(told)
+
+
+def _size_rows(
+    hidden: HiddenEffect, drawn: Draw, diagnosis: Diagnosis
+) -> list[tuple[str, str, str]]:
+    named = next((one for one in diagnosis.effects if one.name == hidden.name), None)
+    values = {name: one.value for name, one in named.parameters.items()} if named else {}
+    rows = []
+    for size in hidden.sizes:
+        found = quantity(size.found(values), size.unit) if values else "-"
+        rows.append((size.name, quantity(size.true(drawn.plant), size.unit), found))
+    return rows
+
+
+def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
+    """Say the mark with its reason, in one sentence.
+
+    Parameters
+    ----------
+    drawn : Draw
+        What was hidden.
+    diagnosis : Diagnosis
+        What was found.
+    """
+    mark, hidden = judged(drawn, diagnosis), words(drawn.hidden)
+    if mark == "right":
+        return {
+            NOTHING: "RIGHT: nothing was hidden, and nothing is claimed.",
+            PARAMETERS: "RIGHT: only parameters are off, and no effect is claimed.",
+        }.get(drawn.hidden, f"RIGHT: it was {hidden}.")
+    if mark == "one of the set":
+        return f"ONE OF THE SET: it was {hidden}, which these recordings do not tell apart."
+    if mark == "missed":
+        if diagnosis.verdict == "outside_library":
+            return f"MISSED: it saw that something is there, but did not name {hidden}."
+        return f"MISSED: it was {_told(drawn.hidden)}, which was not found."
+    if drawn.hidden in (NOTHING, PARAMETERS):
+        return f"WRONG: {_told(drawn.hidden)} is the truth; found was {_named(diagnosis)}."
+    if any(effect.name == drawn.hidden for effect in diagnosis.effects):
+        return f"WRONG: {hidden} is there, but something else was named beside it that is not."
+    return f"WRONG: it was {hidden}, not {_named(diagnosis)}."
