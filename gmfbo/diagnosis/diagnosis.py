@@ -12,6 +12,7 @@ from gmfbo.diagnosis.curve import Curve
 from gmfbo.diagnosis.estimates import Alignment, Combination, EstimatedParameter
 from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.named_effect import DetectableSize, NamedEffect, NotTestable
+from gmfbo.diagnosis.predictions import Predictions
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError
@@ -78,6 +79,8 @@ class Diagnosis:
         Versions of the software.
     notes : tuple of str
         Plain remarks, such as numerical limits.
+    predictions : Predictions or None
+        Explanations that remain, with the values that predict a recording under each.
     curves : tuple of Curve
         Signals before and after, for plots; not part of the JSON.
     augmentation : Augmentation or None
@@ -104,6 +107,7 @@ class Diagnosis:
     seed: int
     versions: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    predictions: Predictions | None = None
     curves: tuple[Curve, ...] = field(default=(), compare=False)
     augmentation: Augmentation | None = field(default=None, compare=False)
     exported: Path | None = field(default=None, compare=False)

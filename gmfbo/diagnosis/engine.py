@@ -26,6 +26,7 @@ from gmfbo.diagnosis.outside import Outside, look_outside
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
+from gmfbo.diagnosis.remaining_explanations import predictions_of
 from gmfbo.diagnosis.replay import probability
 from gmfbo.diagnosis.reporting import (
     alignments,
@@ -247,6 +248,7 @@ class _Search:
             seed=seed,
             versions=_versions(),
             notes=tuple(case.notes),
+            predictions=predictions_of(case, decision, augmented, self.units),
             curves=result.curves,
             augmentation=augmentation_of(case, augmented, self.units),
         )

@@ -22,6 +22,7 @@ from gmfbo.diagnosis.named_effect import (
     NamedEffect,
     NotTestable,
 )
+from gmfbo.diagnosis.predictions import Explanation, Predictions, Span
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.whereabouts import Location, Shape, TimeWindow
 from gmfbo.errors import InputError
@@ -108,6 +109,19 @@ diagnoses = st.builds(
     seed=st.integers(),
     versions=mappings(names),
     notes=tuples(names),
+    predictions=st.none()
+    | st.builds(
+        Predictions,
+        tuples(
+            st.builds(
+                Explanation, names, tuples(names), mappings(numbers), mappings(numbers), numbers
+            )
+        ),
+        numbers,
+        mappings(numbers),
+        mappings(st.builds(Span, numbers, numbers, names)),
+        tuples(names),
+    ),
 )
 
 
@@ -145,6 +159,7 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     read = Diagnosis.from_json(written(tmp_path, PUBLISHED))
     again = json.loads(read.to_json())
     assert again.pop("notes") == []
+    assert again.pop("predictions") is None
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 
@@ -152,7 +167,7 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
 def test_a_made_diagnosis_has_the_published_names() -> None:
     content = json.loads(friction().to_json())
     published = shape_of(PUBLISHED)
-    assert [*published, "notes"] == list(content)
+    assert [*published, "notes", "predictions"] == list(content)
     assert shape_of(content["effects"]) == shape_of(
         [{**PUBLISHED["effects"][0], "evidence_per_recording": {"rec2.csv": 1.0, "rec3.csv": 1.0}}]
     )

@@ -1,0 +1,76 @@
+"""What lets a diagnosis predict recordings to come: its explanations, as values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+PARAMETERS_ONLY = "parameters"
+"""Name of the explanation that has no physics beside the refitted twin."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """One way to explain the recordings, at the values that were fitted to them.
+
+    Attributes
+    ----------
+    name : str
+        Its effects, joined by " + "; `parameters` where it has none.
+    effects : tuple of str
+        Names in the catalogue.
+    parameters : mapping of str to float
+        [FMU's unit] The twin's uncertain parameters.
+    physics : mapping of str to float
+        Of physics.fmu, such as `coulomb_friction.level`; what passed in one recording is left out.
+    misfit : float
+        chi2 per whitened residual on the recordings that it was fitted to, dimensionless.
+    """
+
+    name: str
+    effects: tuple[str, ...]
+    parameters: Mapping[str, float]
+    physics: Mapping[str, float]
+    misfit: float
+
+
+@dataclass(frozen=True)
+class Span:
+    """What the recordings covered of one state.
+
+    Attributes
+    ----------
+    low, high : float
+        [unit]
+    unit : str
+        As the twin's FMU spells it.
+    """
+
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Predictions:
+    """Explanations that remain, and what it takes to simulate and to judge them.
+
+    Attributes
+    ----------
+    explanations : tuple of Explanation
+        The named effects, those they cannot be told from, and the refitted twin alone.
+    threshold : float
+        Difference in chi2 above which two are told apart.
+    noise : mapping of str to float
+        [SI] Standard deviation of each signal's noise.
+    spans : mapping of str to Span
+        What was covered of position, velocity, command, current and torque.
+    new_rows : tuple of str
+        Signals of which the logger stores the value just computed.
+    """
+
+    explanations: tuple[Explanation, ...]
+    threshold: float
+    noise: Mapping[str, float]
+    spans: Mapping[str, Span]
+    new_rows: tuple[str, ...]
