@@ -64,7 +64,7 @@ class Predictions:
     noise : mapping of str to float
         [SI] Standard deviation of each signal's noise.
     spans : mapping of str to Span
-        What was covered of position, velocity, command, current and torque.
+        What was covered of position, velocity, command, current, load and torque.
     new_rows : tuple of str
         Signals of which the logger stores the value just computed.
     """

@@ -113,7 +113,7 @@ def _spans(case: Case, units: Units) -> dict[str, Span]:
         for run, record in zip(case.base.simulated, case.simulations.records, strict=True)
     ]
     names = {"position": units.position, "velocity": units.velocity, "command": units.command}
-    names["current"] = units.current
+    names |= {"current": units.current, "load": units.load}
     spans = {}
     for name, unit in names.items():
         column = np.concatenate([getattr(s, name) for s in states])

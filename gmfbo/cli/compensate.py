@@ -1,0 +1,70 @@
+"""`gmfbo compensate`: the diagnosed correction as something that a drive can use."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gmfbo.errors import InputError
+
+WIDTH = 79
+INDENT = 15
+
+
+def compensate(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder that 'gmfbo diagnose' wrote.")
+    ],
+    out: Annotated[Path, typer.Option(help="File to write: .csv for a table, .c for C functions.")],
+    smoothing: Annotated[
+        float | None,
+        typer.Option(
+            help="Velocity within which the sign of friction is smoothed; 1 % of the fastest "
+            "recorded motion without it."
+        ),
+    ] = None,
+) -> None:
+    """Write what a drive adds to its torque so that the physics found is cancelled."""
+    if out.suffix.lower() not in (".csv", ".c"):
+        raise InputError(f"--out: expected a file ending in .csv or .c, got '{out}'")
+
+    from gmfbo.diagnosis import Diagnosis
+    from gmfbo.diagnosis.compensation import compensation_of
+    from gmfbo.diagnosis.compensation_text import c_text, csv_text, formula, target_words
+    from gmfbo.diagnosis.plain_words import number, unit_words, words
+    from gmfbo.recordings.durable import cause, write_whole
+
+    made = compensation_of(Diagnosis.from_json(folder), str(folder), smoothing)
+    text = csv_text(made) if out.suffix.lower() == ".csv" else c_text(made)
+    try:
+        write_whole(out, text.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"--out: cannot write '{out}': {cause(error)}") from None
+    for target in made.targets:
+        _say("add to", f"{target_words(made, target)}: {formula(made, target)}")
+    for table in made.tables:
+        ends = f"{number(float(table.y.min()))} to {number(float(table.y.max()))}"
+        covered = f"{number(float(table.x[0]))} to {number(float(table.x[-1]))}"
+        again = ", repeating" if table.period else ""
+        _say(
+            "table",
+            f"{words(table.effect)}: {ends} {unit_words(table.unit_y)} over the {table.over} from "
+            f"{covered} {table.unit_x}{again}, {table.x.size} rows",
+        )
+        if table.remark:
+            _say("", table.remark)
+    for remark in made.remarks:
+        _say("note", remark)
+    for entry in made.not_compensated:
+        _say("not in it", f"{words(entry.effect)}: {entry.advice}")
+    _say("written", str(out))
+
+
+def _say(head: str, text: str) -> None:
+    lines = textwrap.wrap(text, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
+    for line in lines:
+        typer.echo(f"{head:<{INDENT}}{line}")
+        head = ""
