@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from tests.blind.generate import generate
+from tests.blind.generate import CASES, generate
 from tests.blind.run import TIME_LIMIT, run_all
 from tests.blind.score import read_scores
 from tests.blind.tables import report
@@ -17,7 +17,7 @@ RESULTS = Path(__file__).resolve().parents[1] / "benchmarks" / "results"
 def main() -> None:
     """Command line: python -m tests.blind."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").strip())
-    parser.add_argument("--cases", type=int, default=120)
+    parser.add_argument("--cases", type=int, default=CASES)
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)

@@ -12,12 +12,17 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from tests.blind.cases import make_case
-from tests.blind.plan import Plan, make_plan
+from tests.blind.plan import SHARES, Plan, make_plan
 
 HASHES = "answers.sha256"
 
+CASES = sum(SHARES.values())
+"""Of the whole benchmark."""
 
-def generate(cases: int, seed: int, out: Path, jobs: int = 1) -> list[Path]:
+
+def generate(
+    cases: int, seed: int, out: Path, jobs: int = 1, start: int = 0, count: int | None = None
+) -> list[Path]:
     """Write what is missing of a benchmark; answers that are there are kept.
 
     Parameters
@@ -28,6 +33,8 @@ def generate(cases: int, seed: int, out: Path, jobs: int = 1) -> list[Path]:
         Its folder.
     jobs : int
         Processes.
+    start, count : int
+        Only so many cases from this one on; all that follow if None.
 
     Returns
     -------
@@ -37,29 +44,33 @@ def generate(cases: int, seed: int, out: Path, jobs: int = 1) -> list[Path]:
     Raises
     ------
     ValueError
-        The folder holds another benchmark.
+        The folder holds another benchmark, or an answer is not the one that was hashed.
     """
+    chosen = range(start, cases if count is None else min(cases, start + count))
     stamp = json.dumps({"cases": cases, "seed": seed})
     stamped = out / "benchmark.json"
     if stamped.exists() and stamped.read_text(encoding="utf-8") != stamp:
         raise ValueError(f"{out} holds the benchmark {stamped.read_text(encoding='utf-8')}")
     (out / "answers").mkdir(parents=True, exist_ok=True)
     stamped.write_text(stamp, encoding="utf-8")
+    if (out / HASHES).exists():
+        check_hashes(out)
+    plans = make_plan(cases, seed)
     tasks = [
-        (plan, seed, index, out)
-        for index, plan in enumerate(make_plan(cases, seed))
-        if not answer_path(out, index).exists()
+        (plans[index], seed, index, out) for index in chosen if not answer_path(out, index).exists()
     ]
     if jobs > 1:
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(jobs, mp_context=context) as pool:
             for line in pool.map(_write_case, *zip(*tasks, strict=True)) if tasks else ():
                 print(line, flush=True)
+                _write_hashes(out)
     else:
         for task in tasks:
             print(_write_case(*task), flush=True)
+            _write_hashes(out)
     _write_hashes(out)
-    return [case_folder(out, index) for index in range(cases)]
+    return [case_folder(out, index) for index in chosen]
 
 
 def case_folder(out: Path, index: int) -> Path:
@@ -89,29 +100,34 @@ def _write_hashes(out: Path) -> None:
     (out / HASHES).write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
-def check_hashes(out: Path) -> None:
-    """Compare every answer with the hash that was written before the run.
+def check_hashes(out: Path) -> list[str]:
+    """Compare every answer with the hash that was written before the run; their cases.
 
     Raises
     ------
     ValueError
         An answer has changed, came or went.
     """
+    cases = []
     for line in (out / HASHES).read_text(encoding="utf-8").split("\n")[:-1]:
         expected, name = line.split()
         if hashlib.sha256((out / "answers" / name).read_bytes()).hexdigest() != expected:
             raise ValueError(f"{name} is not the answer that was hashed before the run")
+        cases.append(Path(name).stem)
+    return cases
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line: python -m tests.blind.generate."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").strip())
-    parser.add_argument("--cases", type=int, default=120)
+    parser.add_argument("--cases", type=int, default=CASES)
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--start", type=int, default=0, help="first case of this chunk")
+    parser.add_argument("--count", type=int, help="cases of this chunk; all that follow without it")
     given = parser.parse_args(arguments)
-    folders = generate(given.cases, given.seed, given.out, given.jobs)
+    folders = generate(given.cases, given.seed, given.out, given.jobs, given.start, given.count)
     print(f"{len(folders)} cases in {given.out / 'cases'}")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -68,8 +68,10 @@ class Hidden:
         Smallest and largest size that is plausible there.
     windows : str
         Where it shows: at `reversals`, while `active`, or "" for always.
-    rotary_only, closed_loop_only : bool
+    rotary_only : bool
         It makes no sense elsewhere.
+    measured_only : bool
+        Where inertia and viscous friction are uncertain, it is one of these.
     """
 
     make: Maker
@@ -80,7 +82,7 @@ class Hidden:
     high: Callable[[Setting], float]
     windows: str = ""
     rotary_only: bool = False
-    closed_loop_only: bool = field(default=False)
+    measured_only: bool = False
 
 
 def _coulomb(s: Setting, rng: Rng) -> Callable[[float], Changes]:
@@ -286,6 +288,28 @@ def _pulse(s: Setting, rng: Rng) -> Callable[[float], Changes]:
     }
 
 
+def _viscous(s: Setting, rng: Rng) -> Callable[[float], Changes]:
+    return lambda size: {"viscous": s.values["viscous"] + size}
+
+
+def _gain_loss(s: Setting, rng: Rng) -> Callable[[float], Changes]:
+    return lambda size: {"drive_gain_error": -size}
+
+
+def _sensor_offset(s: Setting, rng: Rng) -> Callable[[float], Changes]:
+    way = rng.choice([-1.0, 1.0])
+    return lambda size: {"sensor_zero": float(way * size)}
+
+
+def _sensor_scale(s: Setting, rng: Rng) -> Callable[[float], Changes]:
+    way = rng.choice([-1.0, 1.0])
+    return lambda size: {"sensor_scale": float(way * size)}
+
+
+def _load(s: Setting, rng: Rng) -> Callable[[float], Changes]:
+    return lambda size: {"load_inertia_extra": size}
+
+
 def _share_of_torque(share: float) -> Callable[[Setting], float]:
     return lambda s: share * s.torque
 
@@ -391,12 +415,44 @@ EFFECTS: dict[str, Hidden] = {
         ("sensor",),
         _PLACE,
         _fixed(1e-6),
-        _fixed(0.02),
+        _fixed(0.05),
         rotary_only=True,
     ),
     "sensor_lag": Hidden(_sensor_lag, "sensor", ("sensor",), (), _fixed(2e-5), _fixed(4e-3)),
     "periodic_disturbance": Hidden(_hum, "torque", _PLANT, _TIME, *_TORQUES),
     "pulse_disturbance": Hidden(_pulse, "torque", _PLANT, _TIME, *_TORQUES, "active"),
+    "viscous_friction": Hidden(
+        _viscous,
+        "torque",
+        _PLANT,
+        _SPEED,
+        lambda s: 1e-5 * s.torque / s.peak_speed,
+        lambda s: 0.5 * s.torque / s.peak_speed,
+        measured_only=True,
+    ),
+    "load_inertia": Hidden(
+        _load,
+        "torque",
+        _PLANT,
+        (),
+        lambda s: 1e-5 * s.values["inertia"],
+        lambda s: s.values["inertia"],
+        measured_only=True,
+    ),
+    "actuator_gain_loss": Hidden(
+        _gain_loss, "command", _DRIVE, (), _fixed(1e-4), _fixed(0.5), measured_only=True
+    ),
+    "sensor_offset": Hidden(
+        _sensor_offset,
+        "sensor",
+        ("sensor",),
+        (),
+        lambda s: s.machine.quantum,
+        lambda s: 0.2 * s.travel,
+    ),
+    "sensor_scale": Hidden(
+        _sensor_scale, "sensor", ("sensor",), (), _fixed(1e-5), _fixed(0.2), measured_only=True
+    ),
 }
 """By the name that a right diagnosis gives."""
 
@@ -411,45 +467,3 @@ FRICTION = frozenset(
     }
 )
 """Laws that count as one family."""
-
-
-def _root(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    return lambda size: {"root_friction": size / float(np.sqrt(s.peak_speed))}
-
-
-def _product(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    return lambda size: {"position_times_velocity": size / (s.travel * s.peak_speed)}
-
-
-def _loose_spring(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    band = rng.uniform(0.2, 0.5) * s.travel
-    return lambda size: {"spring": size / s.travel, "spring_dead_band": float(band)}
-
-
-def _one_way(s: Setting, rng: Rng) -> Callable[[float], Changes]:
-    number, phase = rng.uniform(0.7, 1.5) * np.pi / s.travel, rng.uniform(0.0, 2.0 * np.pi)
-    return lambda size: {
-        "friction_positive": size,
-        "friction_negative": 0.6 * size,
-        "friction_wave": 0.9 * size,
-        "friction_wave_number": float(number),
-        "friction_wave_phase": phase,
-        "friction_wave_one_way": 1.0,
-    }
-
-
-OUTSIDE: dict[str, Hidden] = {
-    "root_friction": Hidden(_root, "torque", _PLANT, _SPEED, *_TORQUES),
-    "position_times_velocity": Hidden(_product, "torque", _PLANT, _PLACE, *_TORQUES),
-    "spring_with_dead_band": Hidden(_loose_spring, "torque", _PLANT, _PLACE, *_TORQUES),
-    "one_way_friction": Hidden(_one_way, "torque", _PLANT, _PLACE, *_TORQUES),
-}
-"""Mismatches that no effect of the catalogue describes."""
-
-NEAREST: dict[str, frozenset[str]] = {
-    "root_friction": FRICTION,
-    "position_times_velocity": frozenset(),
-    "spring_with_dead_band": frozenset({"elastic_return"}),
-    "one_way_friction": FRICTION,
-}
-"""Names that come nearest to a mismatch outside the catalogue."""

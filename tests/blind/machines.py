@@ -49,6 +49,8 @@ class Machine:
         [1/position] Lowest and highest wave number of position-periodic effects.
     deflection : float
         [position] Visible elastic displacement of friction.
+    is_measured : bool
+        Inertia and viscous friction have been measured: the twin holds them fixed.
     """
 
     name: str
@@ -70,6 +72,12 @@ class Machine:
     lines: tuple[float, float]
     deflection: float
     wires: Mapping[str, str] = field(default_factory=dict)
+    is_measured: bool = False
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Parameters of the truth that the twin knows only roughly."""
+        return () if self.is_measured else tuple(self.uncertain)
 
     @property
     def is_open_loop(self) -> bool:
@@ -253,6 +261,10 @@ MACHINES = {
     "wires_pid": WIRES_PID,
     "wires_cascade_p_pi": WIRES_CASCADE,
     "wires_pd_filtered": WIRES_PD,
+    "servo_measured": replace(SERVO, name="servo_measured", is_measured=True),
+    "axis_measured": replace(AXIS, name="axis_measured", is_measured=True),
+    "wires_measured": replace(WIRES_PID, name="wires_measured", is_measured=True),
+    "bench_measured": replace(BENCH, name="bench_measured", is_measured=True),
 }
 
 
@@ -281,7 +293,9 @@ def variation(machine: Machine, rng: np.random.Generator) -> dict[str, float]:
     values = dict(machine.truth)
     values["inertia"] *= inertia
     values["viscous"] *= rng.uniform(0.5, 1.5)
-    if machine.name == "axis":  # kv has the place of a damping: mass times bandwidth
+    if (
+        "kv" in values and "cascade" not in machine.name
+    ):  # kv has the place of a damping: mass times bandwidth
         values["kv"] *= inertia * speed
         values["kp"] *= speed
     elif "cascade" in machine.name:
@@ -332,10 +346,10 @@ def twin_file(machine: Machine, knowledge: Knowledge, folder: Path) -> str:
             for own, fmu in machine.gains.items()
             if known[own] > 0.0
         ]
-    lines += ["", "[uncertain]"]
+    lines += ["", "[uncertain]"] if machine.free else []
     lines += [
-        f'"{fmu}" = [{0.5 * known[own]:.6g}, {2.0 * known[own]:.6g}]'
-        for own, fmu in machine.uncertain.items()
+        f'"{machine.uncertain[own]}" = [{0.5 * known[own]:.6g}, {2.0 * known[own]:.6g}]'
+        for own in machine.free
     ]
     if machine.ports:
         lines += ["", f"[ports]  # torque in {torque}", *_pairs(machine.ports)]

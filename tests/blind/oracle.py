@@ -1,6 +1,6 @@
 """How much a hidden effect could gain over parameters alone, for one who knows the truth.
 
-gain = min over inertia and viscous friction of
+gain = min over what the twin knows only roughly (inertia and viscous friction) of
        sum over recordings and frequencies to 200 Hz of e^H S^-1 e
 
 where e is the difference between the noise-free truth and the noise-free truth without its effect,
@@ -11,7 +11,8 @@ in reading and command, and S(f) the spectrum of both, 2 x 2, of what is no phys
 - (0.5 %)^2 of each signal's own spectrum, smoothed over an octave;
 - what loggers and current loops are known to do, as `NUISANCES`: a lag and a shift of 0.1 ms, a
   clock 100 ppm off, 2 % (or what the twin file declares) in the scale of the command's column.
-  The stressed nulls hold such errors, and there they must not be called physics.
+  The stressed nulls hold such errors, and there they must not be called physics. Where inertia
+  and viscous friction are no free parameters, 2 % in the gain of the drive too.
 
 For noise of this spectrum the gain is the expected drop of chi2 by the true effect. The logger's
 convention counts as known. A twin in open loop is judged in the loop that made its recordings,
@@ -40,10 +41,10 @@ HIGHEST = 200.0
 TOLERANCE = 0.005
 """Share of a signal below which a difference is no physics."""
 
-NUISANCES = {"lag": 1e-4, "shift": 1e-4, "skew": 1e-4, "scale": 0.02}
-"""[s, s, 1, 1] Standard deviations of errors that are no physics."""
+NUISANCES = {"lag": 1e-4, "shift": 1e-4, "skew": 1e-4, "scale": 0.02, "drive": 0.02}
+"""[s, s, 1, 1, 1] Standard deviations of errors that are no physics."""
 
-REALISATIONS = 6
+REALISATIONS = 4
 NEIGHBOURS = 4
 _BOUNDS = np.log(3.0)
 
@@ -89,12 +90,17 @@ class Oracle:
         ]
 
     @cached_property
+    def clean(self) -> list[TrueRun]:
+        """Noise-free runs without any effect."""
+        return self.runs({})
+
+    @cached_property
     def _whitening(self) -> list[Complex]:
         """Inverse Cholesky factors of S, shape (frequencies, 2, 2) for each experiment."""
         rng = np.random.default_rng(self.seed)
         jitter = np.hypot(self.machine.jitter, self.machine.quantum / np.sqrt(12.0))
         factors = []
-        for one, clean in zip(self.experiments, self.runs({}), strict=True):
+        for one, clean in zip(self.experiments, self.clean, strict=True):
             values, rows = {**self.values, **one.gains}, len(one.reference)
             spectra = []
             for _ in range(REALISATIONS):
@@ -125,7 +131,7 @@ class Oracle:
         scale = self.uncertain_scale or NUISANCES["scale"]
         lag = self.values.get("torque_lag", 0.0) + NUISANCES["lag"]
         lagging = self.runs({"torque_lag": lag})
-        clean = [_signals(run) for run in self.runs({})]
+        clean = self._nominal
         slopes = [np.gradient(one, SAMPLE, axis=0) for one in clean]
         ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
         columns = [
@@ -134,6 +140,11 @@ class Oracle:
             NUISANCES["skew"] * self._white([t * v for t, v in zip(ages, slopes, strict=True)]),
             scale * self._white([one * np.array([0.0, 1.0]) for one in clean]),
         ]
+        if self.machine.is_measured:
+            step = 0.1 * NUISANCES["drive"]
+            stronger = self.runs({"drive_gain_error": step})
+            change = [_signals(a) - b for a, b in zip(stronger, clean, strict=True)]
+            columns.append(NUISANCES["drive"] / step * self._white(change))
         u, size, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
         return u, 1.0 / np.sqrt(1.0 + size**2)
 
@@ -150,16 +161,17 @@ class Oracle:
 
     @cached_property
     def _nominal(self) -> list[Vector]:
-        return [_signals(run) for run in self.runs({})]
+        return [_signals(run) for run in self.clean]
 
     @cached_property
     def _sensitivities(self) -> Vector:
         """Orthonormal basis of what the parameters can do, about the true ones."""
         columns = [
             self._difference(self._nominal, {name: 1.002 * self.values[name]})
-            for name in ("inertia", "viscous")
+            for name in self.machine.free
         ]
-        return np.linalg.qr(np.array(columns).T)[0]
+        rows = sum(2 * f.shape[0] * 2 for f in self._whitening)
+        return np.linalg.qr(np.array(columns).reshape(-1, rows).T)[0]
 
     def quick_gain(self, true: Sequence[TrueRun]) -> float:
         """Gain of true runs with the parameters' influence taken as linear: to choose a size."""
@@ -167,30 +179,44 @@ class Oracle:
         basis = self._sensitivities
         return float(e @ e - np.sum((basis.T @ e) ** 2))
 
-    def gain(self, changes: Mapping[str, float]) -> float:
+    def gain(
+        self,
+        changes: Mapping[str, float],
+        known: Mapping[str, float] | None = None,
+        runs: Sequence[TrueRun] | None = None,
+    ) -> float:
         """Gain of the true plant's changes over parameters alone.
 
         Parameters
         ----------
         changes : mapping of str to float
             Truth parameters of all hidden effects.
+        known : mapping of str to float, optional
+            Those of the effects that the model has already.
+        runs : sequence of TrueRun, optional
+            The plant's, where they have been made.
         """
-        true = [_signals(run) for run in self.runs(changes)]
+        true = [_signals(run) for run in (self.runs(changes) if runs is None else runs)]
+        free, known = self.machine.free, dict(known or {})
 
         def residual(p: Vector) -> Vector:
-            changed = {
-                "inertia": self.values["inertia"] * float(np.exp(p[0])),
-                "viscous": self.values["viscous"] * float(np.exp(p[1])),
+            refitted = {
+                name: known.get(name, self.values[name]) * float(np.exp(step))
+                for name, step in zip(free, p, strict=True)
             }
-            return self._difference(true, changed)
+            return self._difference(true, {**known, **refitted})
 
+        if not free:
+            return float(np.sum(residual(np.zeros(0)) ** 2))
         fit = least_squares(
             residual,
-            np.zeros(2),
+            np.zeros(len(free)),
             bounds=(-_BOUNDS, _BOUNDS),
-            diff_step=np.array([2e-3, 2e-3]),
-            x_scale=np.array([0.1, 0.1]),
-            max_nfev=8,
+            diff_step=2e-3,
+            x_scale=0.1,
+            ftol=1e-2,
+            xtol=1e-3,
+            max_nfev=6,
         )
         return float(2.0 * fit.cost)
 

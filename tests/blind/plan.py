@@ -8,13 +8,18 @@ from typing import TypeVar
 
 import numpy as np
 
-from tests.blind.hidden import EFFECTS, OUTSIDE
+from tests.blind.hidden import EFFECTS
 from tests.blind.machines import MACHINES
+from tests.blind.outside import OUTSIDE
+from tests.blind.sizing import BANDS
 
 Item = TypeVar("Item")
 
-SHARES = {"null": 20, "stressed_null": 20, "single": 60, "pair": 8, "outside": 8, "decoy": 4}
-"""Cases of each kind among 120."""
+SHARES = {"null": 50, "stressed_null": 60, "decoy": 40, "single": 260, "pair": 60, "outside": 40}
+"""Cases of each kind among 510; 150 of them have nothing to name."""
+
+OUT_OF_REACH_SHARE = 65
+"""Of so many single effects one is put where the twin lacks the port for it."""
 
 STRESSES = (
     ("torque_lag",),
@@ -36,6 +41,18 @@ PAIRS = (
     ("coulomb_friction", "elastic_return"),
     ("backlash", "cogging_torque"),
     ("gravity_torque", "actuator_lag"),
+    ("stribeck_friction", "sensor_lag"),
+    ("asymmetric_friction", "torque_ripple"),
+    ("torsional_compliance", "coulomb_friction"),
+    ("presliding_friction", "periodic_disturbance"),
+    ("constant_torque_offset", "transport_delay"),
+    ("actuator_dead_zone", "cogging_torque"),
+    ("pulse_disturbance", "stribeck_friction"),
+    ("sensor_eccentricity", "coulomb_friction"),
+    ("supply_voltage_limit", "gravity_torque"),
+    ("hysteresis", "cogging_torque"),
+    ("quadratic_drag", "torsional_compliance"),
+    ("actuator_rate_limit", "elastic_return"),
 )
 DECOYS = (
     "drive_gain",
@@ -46,6 +63,12 @@ DECOYS = (
     "shared_lag",
     "sensor_scale",
     "rate_out_of_reach",
+    "friction_without_reversal",
+    "more_viscous",
+    "stiff_shaft",
+    "cold_motor",
+    "gap_below_resolution",
+    "supply_out_of_reach",
 )
 _BY_PORT = {
     "torque": (
@@ -70,6 +93,11 @@ _BY_PORT = {
     ),
     "sensor": ("servo", "wires_pid", "axis", "servo", "wires_cascade_p_pi"),
 }
+_MEASURED = {
+    "torque": ("servo_measured", "axis_measured", "wires_measured", "bench_measured"),
+    "command": ("servo_measured", "axis_measured", "wires_measured", "bench_measured"),
+    "sensor": ("servo_measured", "axis_measured", "wires_measured"),
+}
 _OUT_OF_REACH = (
     ("servo_none", "coulomb_friction"),
     ("servo_torque", "actuator_saturation"),
@@ -93,13 +121,17 @@ class Plan:
     effects : tuple of str
         Hidden ones; of `OUTSIDE` for that kind.
     details : tuple of str
-        Stresses of a stressed null, or the name of a decoy.
+        Stresses of a stressed null, the name of a decoy, `exact` for a null with the right
+        parameters.
+    band : str
+        Of `BANDS`, for single effects.
     """
 
     kind: str
     machine: str
     effects: tuple[str, ...] = ()
     details: tuple[str, ...] = ()
+    band: str = "above"
 
     @property
     def is_within_reach(self) -> bool:
@@ -142,16 +174,19 @@ def _counts(cases: int) -> dict[str, int]:
 
 
 def _nulls(clean: int, stressed: int, rng: np.random.Generator) -> list[Plan]:
+    """Every third clean null has the right parameters; those of the others are wrong."""
     machines = _shuffled(list(MACHINES), rng)
     stresses = _shuffled(STRESSES, rng)
-    plans = [Plan("null", machines[i % len(machines)]) for i in range(clean)]
+    plans = [
+        Plan("null", machines[i % len(machines)], details=("exact",) if i % 3 == 0 else ())
+        for i in range(clean)
+    ]
     for i in range(stressed):
-        machine = machines[(clean + i) % len(machines)]
+        machine = machines[(clean + i + i // len(machines)) % len(machines)]
         stress = stresses[i % len(stresses)]
-        if machine == "bench":  # an open-loop twin compares no column of a command
-            kept = tuple(name for name in stress if name not in _COLUMN_STRESSES)
-            stress = kept or ("coloured_noise",)
-        plans.append(Plan("stressed_null", machine, details=stress))
+        if MACHINES[machine].is_open_loop:  # such a twin compares no column of a command
+            stress = tuple(name for name in stress if name not in _COLUMN_STRESSES)
+        plans.append(Plan("stressed_null", machine, details=stress or ("coloured_noise",)))
     return plans
 
 
@@ -159,43 +194,63 @@ _COLUMN_STRESSES = frozenset({"column_scale", "logger_new"})
 
 
 def _singles(count: int, rng: np.random.Generator) -> list[Plan]:
-    out_of_reach = count // 20
+    """Each effect as often as every other, a third of its cases in each band of gains."""
+    out_of_reach = count // OUT_OF_REACH_SHARE
     plans = [
         Plan("single", machine, (effect,))
         for machine, effect in [_OUT_OF_REACH[i % len(_OUT_OF_REACH)] for i in range(out_of_reach)]
     ]
+    own, bands = list(EFFECTS), list(BANDS)
+    first = {name: int(turn) for name, turn in zip(own, rng.permutation(len(own)), strict=True)}
+    rows = {**_BY_PORT, **{f"{port} measured": row for port, row in _MEASURED.items()}}
+    turn = {port: int(rng.integers(len(row))) for port, row in rows.items()}
     names: list[str] = []
     while len(names) < count - out_of_reach:
-        names += _shuffled(list(EFFECTS), rng)
-    turn = {port: int(rng.integers(len(row))) for port, row in _BY_PORT.items()}
-    for name in names[: count - out_of_reach]:
+        names += _shuffled(own, rng)
+    for index, name in enumerate(names[: count - out_of_reach]):
         effect = EFFECTS[name]
+        port = f"{effect.port} measured" if effect.measured_only else effect.port
         machine = ""
         while not machine or (effect.rotary_only and not MACHINES[machine].is_rotary):
-            row = _BY_PORT[effect.port]
-            machine = row[turn[effect.port] % len(row)]
-            turn[effect.port] += 1
-        plans.append(Plan("single", machine, (name,)))
+            machine = rows[port][turn[port] % len(rows[port])]
+            turn[port] += 1
+        band = bands[(first[name] + index // len(own)) % len(bands)]
+        plans.append(Plan("single", machine, (name,), band=band))
     return plans
 
 
 def _pairs(count: int, rng: np.random.Generator) -> list[Plan]:
-    pairs, machines = _shuffled(PAIRS, rng), ("servo", "wires_pid", "servo", "wires_pd_filtered")
-    return [Plan("pair", machines[i % len(machines)], pairs[i % len(pairs)]) for i in range(count)]
-
-
-def _outside(count: int, rng: np.random.Generator) -> list[Plan]:
-    names, machines = _shuffled(list(OUTSIDE), rng), ("servo", "axis", "servo_torque", "wires_pid")
+    pairs = _shuffled(PAIRS, rng)
+    machines = ("servo", "wires_pid", "servo", "wires_pd_filtered", "wires_cascade_p_pi")
     return [
-        Plan("outside", machines[(i + i // 4) % len(machines)], (names[i % len(names)],))
+        Plan("pair", machines[(i + i // len(PAIRS)) % len(machines)], pairs[i % len(pairs)])
         for i in range(count)
     ]
 
 
+def _outside(count: int, rng: np.random.Generator) -> list[Plan]:
+    names = _shuffled(list(OUTSIDE), rng)
+    plans = []
+    for i in range(count):
+        law = OUTSIDE[name := names[i % len(names)]]
+        machines = [
+            machine
+            for machine in ("servo", "axis", "wires_pid", "servo_torque", "wires_pd_filtered")
+            if law.port in MACHINES[machine].ports
+            and not (law.rotary_only and not MACHINES[machine].is_rotary)
+        ]
+        plans.append(Plan("outside", machines[(i + i // len(names)) % len(machines)], (name,)))
+    return plans
+
+
 def _decoys(count: int, rng: np.random.Generator) -> list[Plan]:
-    machines = ("servo", "axis")
+    machines, names = ("servo", "axis"), _shuffled(DECOYS, rng)
     return [
-        Plan("decoy", machines[i % len(machines)], details=(DECOYS[i % len(DECOYS)],))
+        Plan(
+            "decoy",
+            machines[(i + i // len(names)) % len(machines)],
+            details=(names[i % len(names)],),
+        )
         for i in range(count)
     ]
 

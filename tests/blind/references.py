@@ -37,6 +37,18 @@ def moves(rng: Rng, rows: int) -> Vector:
     return _unit(wave)
 
 
+def one_way_moves(rng: Rng, rows: int) -> Vector:
+    """Point to point with least jerk, never back."""
+    stops = np.concatenate([[0.0], np.cumsum(rng.uniform(0.3, 1.0, 3))])
+    wave, at, length = np.zeros(rows), QUIET, (rows - QUIET) // 3
+    for begin, end in pairwise(stops):
+        ramp = int(length * rng.uniform(0.6, 0.9))
+        s = np.clip(np.arange(rows - at) / ramp, 0.0, 1.0)
+        wave[at:] = begin + (end - begin) * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        at += length
+    return _unit(wave) * rng.choice([-1.0, 1.0])
+
+
 def triangle(rng: Rng, rows: int) -> Vector:
     """Slow ramps with rounded reversals, of different strokes."""
     corners = np.array([0.0, 1.0, -0.6, 0.5, -1.0, 0.0]) * rng.choice([-1.0, 1.0])

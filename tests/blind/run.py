@@ -19,7 +19,13 @@ TIME_LIMIT = 300.0
 """[s] A case that takes longer has failed."""
 
 
-def run_all(out: Path, jobs: int, only: Sequence[str] = (), limit: float = TIME_LIMIT) -> None:
+def run_all(
+    out: Path,
+    jobs: int,
+    only: Sequence[str] = (),
+    limit: float = TIME_LIMIT,
+    keep: bool = False,
+) -> None:
     """Run the cases that have no outcome yet.
 
     Parameters
@@ -32,33 +38,40 @@ def run_all(out: Path, jobs: int, only: Sequence[str] = (), limit: float = TIME_
         Numbers of cases; they are run again. All that are missing if empty.
     limit : float
         [s] Wall clock of a case.
+    keep : bool
+        Keep report and augmented FMU of each case, a megabyte.
 
     Raises
     ------
     ValueError
         An answer is not the one that was hashed.
     """
-    check_hashes(out)
-    folders = sorted(path for path in (out / "cases").iterdir() if path.is_dir())
+    hashed = check_hashes(out)
     chosen = [
-        folder
-        for folder in folders
-        if (folder.name in only if only else not _outcome_path(out, folder.name).exists())
+        out / "cases" / case
+        for case in hashed
+        if (case in only if only else not _outcome_path(out, case).exists())
     ]
     with ThreadPoolExecutor(jobs) as pool:
-        futures = [pool.submit(run_case, folder, out, limit) for folder in chosen]
-        for future in as_completed(futures):
-            print(future.result(), flush=True)
+        futures = [pool.submit(run_case, folder, out, limit, keep) for folder in chosen]
+        for done, future in enumerate(as_completed(futures), 1):
+            print(f"{done} of {len(chosen)}: {future.result()}", flush=True)
 
 
-def run_case(folder: Path, out: Path, limit: float) -> str:
-    """Diagnose one case and keep what it left; answers a line for the log."""
+def run_case(folder: Path, out: Path, limit: float, keep: bool = False) -> str:
+    """Diagnose one case and keep what it left; answers a line for the log.
+
+    It simulates in one process, as two cases run at a time; what `out/arguments/CASE.json` lists
+    is added to the command.
+    """
     results = out / "results" / folder.name
     results.mkdir(parents=True, exist_ok=True)
     (results / "diagnosis.json").unlink(missing_ok=True)
     recordings = sorted(str(path.resolve()) for path in folder.glob("rec*.csv"))
     command = [sys.executable, "-m", "gmfbo", "diagnose", str((folder / "twin.toml").resolve())]
-    command += [*recordings, "--out", str(results.resolve()), "--seed", "0"]
+    command += [*recordings, "--out", str(results.resolve()), "--seed", "0", "--jobs", "1"]
+    extra = out / "arguments" / f"{folder.name}.json"
+    command += json.loads(extra.read_text(encoding="utf-8")) if extra.exists() else []
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     began, note = time.monotonic(), ""
     with (
@@ -82,6 +95,9 @@ def run_case(folder: Path, out: Path, limit: float) -> str:
     if status > 0 or (status < 0 and not note):
         lines = (results / "stderr.txt").read_text(errors="replace").strip().splitlines()
         note = f"status {status}: {lines[-1] if lines else ''}"
+    if not keep:
+        for left in ("augmented.fmu", "augmented.toml", "report.html"):
+            (results / left).unlink(missing_ok=True)
     outcome = {"status": status, "seconds": round(seconds, 2), "note": note}
     _outcome_path(out, folder.name).write_text(json.dumps(outcome), encoding="utf-8")
     return f"{folder.name} {seconds:6.1f} s {note or 'done'}"
@@ -107,8 +123,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", nargs="+", default=[], metavar="CASE")
     parser.add_argument("--limit", type=float, default=TIME_LIMIT, help="[s] for each case")
+    parser.add_argument("--keep", action="store_true", help="keep reports and augmented FMUs")
     given = parser.parse_args(arguments)
-    run_all(given.out, given.jobs, given.only, given.limit)
+    run_all(given.out, given.jobs, given.only, given.limit, given.keep)
 
 
 if __name__ == "__main__":

@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording
+from gmfbo.physics import CATALOGUE
 from tests.blind.cases import make_case
-from tests.blind.generate import answer_path, check_hashes, generate
+from tests.blind.generate import CASES, answer_path, check_hashes, generate
 from tests.blind.hidden import EFFECTS
 from tests.blind.machines import MACHINES, variation
 from tests.blind.oracle import Experiment, Oracle
+from tests.blind.outside import OUTSIDE
 from tests.blind.plan import SHARES, Plan, make_plan
 from tests.blind.references import SHAPES
 from tests.blind.run import run_case
@@ -23,14 +25,36 @@ from tests.blind.truth import TrueRun, simulate
 from tests.blind.windows import windows_of
 
 
-def test_the_mix_of_120_cases_is_the_one_that_is_stated() -> None:
-    plans = make_plan(120, 5)
+def test_the_mix_of_the_whole_benchmark_is_the_one_that_is_stated() -> None:
+    plans = make_plan(CASES, 5)
+    assert CASES == 510
     assert Counter(plan.kind for plan in plans) == SHARES
-    assert {name for plan in plans for name in plan.effects if plan.kind == "single"} == set(
-        EFFECTS
-    )
+    assert SHARES["null"] + SHARES["stressed_null"] + SHARES["decoy"] == 150
     assert {plan.machine for plan in plans} == set(MACHINES)
-    assert 3 * sum(plan.kind in ("null", "stressed_null") for plan in plans) >= len(plans)
+    assert len({plan.effects for plan in plans if plan.kind == "outside"}) == len(OUTSIDE)
+
+
+def test_every_effect_of_the_catalogue_is_hidden_alone_at_least_eight_times() -> None:
+    """A third of the cases of each lies below the limit, around it and above."""
+    singles = [p for p in make_plan(CASES, 5) if p.kind == "single" and p.is_within_reach]
+    counts = Counter(plan.effects[0] for plan in singles)
+    assert set(counts) == set(CATALOGUE) == set(EFFECTS)
+    assert min(counts.values()) >= 8
+    bands = Counter((plan.effects[0], plan.band) for plan in singles)
+    assert set(bands.values()) <= {2, 3, 4}
+    assert len(bands) == 3 * len(counts)
+
+
+def test_what_is_an_uncertain_parameter_is_hidden_only_where_it_is_measured() -> None:
+    for plan in make_plan(CASES, 6):
+        if plan.kind == "single" and EFFECTS[plan.effects[0]].measured_only:
+            assert not MACHINES[plan.machine].free
+
+
+def test_the_laws_outside_the_catalogue_are_at_every_place() -> None:
+    places = Counter(law.port for law in OUTSIDE.values())
+    assert set(places) == {"torque", "command", "sensor"}
+    assert not set(OUTSIDE) & set(CATALOGUE)
 
 
 @pytest.mark.parametrize("cases", [1, 7, 20, 50])

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording
-from tests.blind.hidden import EFFECTS, OUTSIDE
+from tests.blind.hidden import EFFECTS
 from tests.blind.machines import MACHINES, Knowledge, twin_file, variation
+from tests.blind.outside import OUTSIDE
 from tests.blind.references import QUIET, SHAPES
 from tests.blind.truth import KINDS, SAMPLE, Diverged, parameter_names, simulate
 
@@ -167,13 +168,13 @@ def test_an_unknown_parameter_of_the_truth_is_refused() -> None:
 
 def test_every_effect_of_size_zero_is_the_plant_without_it() -> None:
     """All names that an effect sets exist, and none acts by being mentioned."""
-    from tests.blind.cases import _setting
+    from tests.blind.experiments import setting_of
 
     rng = np.random.default_rng(1)
     machine = MACHINES["servo"]
     reference = SHAPES["moves"](rng, 2000)
     plain = simulate(machine.truth, reference, preroll=0)
-    setting = _setting(machine, machine.truth, [plain])
+    setting = setting_of(machine, machine.truth, [plain])
     for name, hidden in {**EFFECTS, **OUTSIDE}.items():
         shaped = hidden.make(setting, rng)
         assert set(shaped(hidden.high(setting))) <= set(parameter_names()), name

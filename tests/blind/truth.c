@@ -32,6 +32,7 @@
     X(drive_gain_error) X(iron_level) X(heat_loss) X(heat_time) X(heat_scale) X(dead_width)               \
     X(drive_limit) X(supply_limit) X(supply_slope) X(drive_rate) X(drive_lag) X(delay)                    \
     X(sensor_time) X(sensor_eccentricity) X(sensor_phase) X(sensor_scale) X(sensor_zero) X(quantum)       \
+    X(cubic_spring) X(friction_growth) X(uneven) X(coarse) X(bend) X(line_error) X(line_number) X(play)   \
     X(start)
 
 typedef struct {
@@ -63,6 +64,7 @@ typedef struct {
     int stuck, direction; /* of the surface; direction of slip, 0 where there is no friction */
     double due[QUEUE], waiting[QUEUE];
     long head, tail;
+    double followed_by_sensor; /* position behind the play of its coupling */
     double active; /* time of this sample in which something limited or stuck */
     /* controller */
     double y_1, y_2, target_1, rate, integral, u;
@@ -112,6 +114,8 @@ static double drive(const World *w, const double *x, int *limited) {
     const Parameters *p = &w->p;
     double u = w->arrived * (1.0 + p->drive_gain_error);
     *limited = 0;
+    if (p->uneven != 0.0) u += p->uneven * fabs(u);
+    if (p->coarse > 0.0) u = p->coarse * floor(u / p->coarse + 0.5);
     if (p->iron_level > 0.0) u = p->iron_level * tanh(u / p->iron_level);
     if (p->heat_loss > 0.0) u *= 1.0 - p->heat_loss * x[HEAT];
     if (p->dead_width > 0.0) {
@@ -181,13 +185,14 @@ static double other_torques(const World *w, double t, const double *x) {
         double stretch = q - p->spring_rest;
         total -= p->spring * (stretch - clip(stretch, p->spring_dead_band));
     }
+    if (p->cubic_spring != 0.0) total -= p->cubic_spring * q * q * q;
     if (p->hum != 0.0) total += p->hum * sin(2.0 * PI * p->hum_frequency * t + p->hum_phase);
     if (t >= p->pulse_start && t < p->pulse_start + p->pulse_duration) total += p->pulse;
     return total;
 }
 
 /* Level of the hard friction for slip in a direction; at v = 0 it is the breakaway level. */
-static double friction_level(const World *w, const double *x, double direction) {
+static double friction_level(const World *w, double t, const double *x, double direction) {
     const Parameters *p = &w->p;
     double level = direction > 0.0 ? p->friction_positive : p->friction_negative;
     if (p->friction_speed > 0.0) {
@@ -198,6 +203,7 @@ static double friction_level(const World *w, const double *x, double direction) 
     if (p->friction_torque_share > 0.0) level += p->friction_torque_share * fabs(motor_torque(w, x));
     if (p->friction_wave != 0.0 && !(p->friction_wave_one_way > 0.5 && direction < 0.0))
         level += p->friction_wave * sin(p->friction_wave_number * x[Q] + p->friction_wave_phase);
+    if (p->friction_growth != 0.0) level *= 1.0 + p->friction_growth * fmax(t, 0.0); /* [1/s] from the start */
     return fmax(0.0, level);
 }
 
@@ -226,7 +232,7 @@ static void slope(const World *w, double t, const double *x, double *dx) {
     if (p->sensor_time > 0.0) dx[SENSED] = (x[Q] - x[SENSED]) / p->sensor_time;
     if (w->stuck) return;
     double torque = other_torques(w, t, x);
-    if (w->direction) torque -= w->direction * friction_level(w, x, w->direction);
+    if (w->direction) torque -= w->direction * friction_level(w, t, x, w->direction);
     dx[Q] = x[V];
     dx[V] = torque / (p->inertia + p->load_inertia_extra);
     if (p->bristle_level > 0.0)
@@ -248,7 +254,7 @@ static void runge_kutta(const World *w, double t, double h, double *end) {
 static void settle_surface(World *w, double t) {
     double torque = other_torques(w, t, w->x);
     double towards = torque >= 0.0 ? 1.0 : -1.0;
-    w->stuck = fabs(torque) <= friction_level(w, w->x, towards);
+    w->stuck = fabs(torque) <= friction_level(w, t, w->x, towards);
     w->direction = (int)towards;
 }
 
@@ -323,12 +329,17 @@ static void advance(World *w, double t, double end) {
     }
 }
 
-static double reading(const World *w, double noise) {
+static double reading(World *w, double noise) {
     const Parameters *p = &w->p;
     double q = p->sensor_time > 0.0 ? w->x[SENSED] : w->x[Q];
     double e = p->sensor_eccentricity, angle = q - p->sensor_phase;
     /* angle seen by a head at distance 1 from a disc whose centre is off by e */
     if (e != 0.0) q += atan2(e * sin(angle), 1.0 - e * cos(angle));
+    if (p->play > 0.0) {
+        w->followed_by_sensor += q - w->followed_by_sensor - clip(q - w->followed_by_sensor, 0.5 * p->play);
+        q = w->followed_by_sensor;
+    }
+    q += p->bend * q * q + p->line_error * sin(p->line_number * q);
     q = q * (1.0 + p->sensor_scale) + p->sensor_zero + noise;
     return p->quantum > 0.0 ? p->quantum * floor(q / p->quantum + 0.5) : q;
 }
@@ -347,9 +358,12 @@ VISIBLE int truth_run(const double *parameters, long preroll, long rows, const d
     World w;
     memset(&w, 0, sizeof w);
     memcpy(&w.p, parameters, sizeof w.p);
-    w.x[Q] = w.x[LOAD_Q] = w.x[SENSED] = w.q_of_elements = w.p.start;
+    w.x[Q] = w.x[LOAD_Q] = w.x[SENSED] = w.q_of_elements = w.followed_by_sensor = w.p.start;
     w.direction = has_friction(&w.p);
+    int still = 0; /* samples in which nothing at all has changed */
     for (long k = -preroll; k < rows; ++k) {
+        double was[N_STATES], u_was = w.u;
+        memcpy(was, w.x, sizeof was);
         double t = (double)k * SAMPLE, wanted = reference[k < 0 ? 0 : k];
         double y = reading(&w, noise[preroll + k]), before = w.u;
         w.u = w.p.kind < 0.5 ? wanted : controller(&w, wanted, y);
@@ -366,6 +380,8 @@ VISIBLE int truth_run(const double *parameters, long preroll, long rows, const d
         w.active = 0.0;
         advance(&w, t, (double)(k + 1) * SAMPLE);
         if (row) row[ACTIVE] = w.active / SAMPLE;
+        still = !memcmp(was, w.x, sizeof was) && w.u == u_was && noise[preroll + k] == 0.0 ? still + 1 : 0;
+        if (still > 20 && k < -1) k = -2; /* longer than any delay: the rest of the wait is the same */
         if (!isfinite(w.x[Q]) || !isfinite(w.x[V])) return 1;
     }
     return 0;
