@@ -22,7 +22,7 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 if TYPE_CHECKING:
-    from gmfbo.diagnosis import Diagnosis, diagnose
+    from gmfbo.diagnosis import Check, Diagnosis, check, diagnose
     from gmfbo.recordings import Recording, Trajectory, step_reference
     from gmfbo.sources.twin import FmuTwin
     from gmfbo.tuning.study import Study
@@ -31,23 +31,27 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Check": "gmfbo.diagnosis",
     "Diagnosis": "gmfbo.diagnosis",
     "FmuTwin": "gmfbo.sources.twin",
     "Recording": "gmfbo.recordings",
     "Study": "gmfbo.tuning.study",
     "Trajectory": "gmfbo.recordings",
     "Tuner": "gmfbo.tuning.tuner",
+    "check": "gmfbo.diagnosis",
     "diagnose": "gmfbo.diagnosis",
     "step_reference": "gmfbo.recordings",
 }
 
 __all__ = [
+    "Check",
     "Diagnosis",
     "FmuTwin",
     "Recording",
     "Study",
     "Trajectory",
     "Tuner",
+    "check",
     "diagnose",
     "step_reference",
 ]

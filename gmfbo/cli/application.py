@@ -13,7 +13,18 @@ import typer
 from typer.exceptions import TyperException
 
 from gmfbo import __version__
-from gmfbo.cli import build, demo, diagnose, export, inspect, methods, simulate, tune
+from gmfbo.cli import (
+    build,
+    check,
+    compensate,
+    demo,
+    diagnose,
+    export,
+    inspect,
+    methods,
+    simulate,
+    tune,
+)
 from gmfbo.cli.many_values import ManyValuesCommand
 from gmfbo.errors import GmfboError
 
@@ -31,7 +42,9 @@ app.command("demo")(demo.demo)
 app.command("inspect")(inspect.inspect)
 app.command("simulate")(simulate.simulate)
 app.command("tune")(tune.tune)
+app.command("check")(check.check)
 app.command("diagnose", cls=ManyValuesCommand)(diagnose.diagnose)
+app.command("compensate")(compensate.compensate)
 app.command("methods")(methods.methods)
 app.command("export")(export.export)
 app.command("build")(build.build)

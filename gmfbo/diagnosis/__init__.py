@@ -1,23 +1,30 @@
 """Why simulation and recordings differ: where, which physics is missing, and the fit with it.
 
 `diagnose` refits what is only roughly known, locates what is left, and names left-out physics
-where recordings that had no part in the fit confirm it; `Diagnosis` is what it found.
+where recordings that had no part in the fit confirm it; `Diagnosis` is what it found. `check`
+looks at recordings first, fits nothing, and gives a `Check`.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from gmfbo.diagnosis.check_result import Check
 from gmfbo.diagnosis.diagnosis import Diagnosis
 
 if TYPE_CHECKING:
+    from gmfbo.diagnosis.checking import check
     from gmfbo.diagnosis.engine import diagnose
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = ["Check", "Diagnosis", "check", "diagnose"]
 
 
 def __getattr__(name: str) -> Any:
-    # The engine needs the FMU's runner; to read a saved diagnosis does not.
+    # They need the FMU's runner; to read a saved diagnosis does not.
+    if name == "check":
+        from gmfbo.diagnosis.checking import check
+
+        return check
     if name == "diagnose":
         from gmfbo.diagnosis.engine import diagnose
 
