@@ -46,7 +46,7 @@ def one_way_moves(rng: Rng, rows: int) -> Vector:
         s = np.clip(np.arange(rows - at) / ramp, 0.0, 1.0)
         wave[at:] = begin + (end - begin) * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
         at += length
-    return _unit(wave) * rng.choice([-1.0, 1.0])
+    return np.asarray(_unit(wave) * rng.choice([-1.0, 1.0]))
 
 
 def triangle(rng: Rng, rows: int) -> Vector:

@@ -3,7 +3,9 @@
 A name is right where it is that of a hidden effect; friction laws count as one family. Where the
 name is another one but the hidden effect is in its `indistinguishable_from`, the outcome is `set`:
 neither right nor wrong. Whatever is named in a null, in a decoy, or where the twin lacks the port
-is wrong. Outside the catalogue the right answer is the verdict `outside_library`.
+is wrong; but the name of what a motion in one direction hides is none. Outside the catalogue the
+right answer is the verdict `outside_library`; a name that is not part of the mismatch is wrong, and
+any name without the verdict is a false one.
 """
 
 from __future__ import annotations
@@ -11,12 +13,13 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from tests.blind.generate import check_hashes
 from tests.blind.hidden import FRICTION
+from tests.blind.numbers_said import Numbers, judge_numbers
 
 Outcome = Literal["right", "partial", "set", "wrong", "missed", "nearest", "failed"]
 
@@ -30,6 +33,12 @@ STATE_WORDS = {
 
 NOTHING_TO_NAME = ("null", "stressed_null", "decoy")
 
+OWED = 60.0
+"""Oracle gain above which the name is owed."""
+
+ABSTAIN = 15.0
+"""Oracle gain below which only abstention is right."""
+
 
 @dataclass(frozen=True)
 class Scored:
@@ -42,7 +51,7 @@ class Scored:
     hidden, named : tuple of str
         Names, hidden and given.
     gain : float
-        The oracle's, over parameters alone.
+        The oracle's, over parameters alone; of a pair, what the smaller one adds to the other.
     within_reach : bool
         Whether the twin has the ports.
     outcome : str
@@ -57,8 +66,12 @@ class Scored:
         As given; empty where there is none.
     removed : float or None
         Explainable error removed.
-    inertia_error : float or None
-        Relative.
+    is_exact : bool
+        The very law was named, not only its family.
+    numbers : Numbers
+        Parameters and held-out errors against the truth.
+    details : tuple of str
+        Stresses or decoy.
     simulations, seconds : float
         Cost as told, and wall clock of the command.
     note : str
@@ -80,10 +93,29 @@ class Scored:
     claims: tuple[tuple[float, bool], ...] = ()
     verdict: str = ""
     removed: float | None = None
-    inertia_error: float | None = None
+    is_exact: bool = False
+    numbers: Numbers = field(default_factory=Numbers)
+    details: tuple[str, ...] = ()
     simulations: float = 0.0
     seconds: float = 0.0
     note: str = ""
+
+    @property
+    def can_be_named(self) -> bool:
+        """An effect of the catalogue is hidden, and the twin has its port."""
+        return self.kind in ("single", "pair") and self.within_reach
+
+    @property
+    def is_owed(self) -> bool:
+        """A right diagnosis names it."""
+        return self.can_be_named and self.gain > OWED
+
+    @property
+    def has_false_name(self) -> bool:
+        """A name that nothing bears out, at any probability."""
+        if self.kind == "outside":
+            return bool(self.named) and self.outcome != "right"
+        return self.outcome == "wrong"
 
 
 def family(name: str) -> str:
@@ -113,7 +145,8 @@ def score_case(
         "kind": answer["kind"],
         "machine": answer["machine"],
         "hidden": hidden,
-        "gain": float(answer["oracle_gain"]),
+        "gain": _gain(answer),
+        "details": tuple(answer.get("details", {}).get("stress", ())),
         "within_reach": bool(answer["within_reach"]),
         "seconds": seconds,
     }
@@ -138,7 +171,8 @@ def score_case(
         ),
         verdict=str(diagnosis.get("verdict", "")),
         removed=(diagnosis.get("fit") or {}).get("explainable_error_removed"),
-        inertia_error=_inertia_error(answer, diagnosis),
+        is_exact=bool(hidden) and {effect["name"] for effect in effects} == set(hidden),
+        numbers=judge_numbers(answer, diagnosis),
         simulations=float((diagnosis.get("cost") or {}).get("simulations") or 0.0),
     )
 
@@ -146,7 +180,7 @@ def score_case(
 def _judge_claim(
     effect: Mapping[str, Any], answer: Mapping[str, Any]
 ) -> Literal["right", "set", "wrong"]:
-    if not answer["within_reach"] or answer["kind"] in (*NOTHING_TO_NAME, "outside"):
+    if not answer["within_reach"] or answer["kind"] == "outside":
         return "wrong"
     true = {family(hidden["name"]) for hidden in answer["effects"]}
     if family(effect["name"]) in true:
@@ -212,13 +246,10 @@ def overlaps(said: Sequence[Sequence[Any]], true: Sequence[Sequence[Any]]) -> bo
     return len(said) > 0 and 2 * met >= len(said)
 
 
-def _inertia_error(answer: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> float | None:
-    for name, values in answer["parameters"].items():
-        if "inertia" in name or name == "mass":
-            found = (diagnosis.get("parameters") or {}).get(name) or {}
-            value = found.get("value")
-            return None if value is None else float(value) / values["true"] - 1.0
-    return None
+def _gain(answer: Mapping[str, Any]) -> float:
+    if answer["kind"] == "pair":
+        return min(float(e.get("added_gain", answer["oracle_gain"])) for e in answer["effects"])
+    return float(answer["oracle_gain"])
 
 
 def read_scores(out: Path) -> list[Scored]:

@@ -3,39 +3,24 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
 
+from tests.blind.bars import bars
+from tests.blind.by_effect import by_effect, failures
+from tests.blind.limits import limits
+from tests.blind.numbers_said import MODELS
 from tests.blind.plan import SHARES
-from tests.blind.score import NOTHING_TO_NAME, Scored, family
+from tests.blind.probabilities import reliability
+from tests.blind.score import Scored
 
-GAIN_EDGES = (0.0, 15.0, 60.0, 250.0, 1e3, 1e4, 1e5, np.inf)
-PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0001)
-
-
-def clopper_pearson(count: int, total: int, level: float = 0.95) -> tuple[float, float]:
-    """Exact interval of a share (Clopper, Pearson 1934), both tails alike.
-
-    Parameters
-    ----------
-    count, total : int
-        Successes, and trials.
-    level : float
-        Coverage.
-    """
-    if total == 0:
-        return 0.0, 1.0
-    tail = 0.5 * (1.0 - level)
-    low = float(beta.ppf(tail, count, total - count + 1)) if count else 0.0
-    high = float(beta.ppf(1.0 - tail, count + 1, total - count)) if count < total else 1.0
-    return low, high
+GAIN_EDGES = (0.0, 15.0, 60.0, 250.0, 1e3, 1e4, np.inf)
 
 
-def report(scores: Sequence[Scored], benchmark: Mapping[str, Any]) -> str:
+def report(scores: Sequence[Scored], benchmark: Mapping[str, Any], more: Sequence[str] = ()) -> str:
     """Text of the whole report.
 
     Parameters
@@ -44,65 +29,26 @@ def report(scores: Sequence[Scored], benchmark: Mapping[str, Any]) -> str:
         All cases that were run.
     benchmark : mapping
         `cases` and `seed`.
+    more : sequence of str
+        Further tables, such as those of baselines and placebos.
     """
+    kinds = Counter(one.kind for one in scores)
     parts = [
         f"Blind benchmark: {len(scores)} of {benchmark['cases']} cases run, "
         f"seed {benchmark['seed']}",
-        "Mix: " + ", ".join(f"{_count(scores, kind)} {kind}" for kind in SHARES),
-        _bars(scores),
+        "Mix: " + ", ".join(f"{kinds[kind]} {kind}" for kind in SHARES),
+        bars(scores),
+        *more,
         _by_gain(scores),
-        _names(scores),
+        limits(scores),
+        _unseen_runs(scores),
+        reliability(scores),
+        by_effect(scores),
         _places(scores),
-        _reliability(scores),
-        _costs(scores),
-        _failures(scores),
+        _names(scores),
+        failures(scores),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
-
-
-def _count(scores: Sequence[Scored], kind: str) -> int:
-    return sum(one.kind == kind for one in scores)
-
-
-def _bars(scores: Sequence[Scored]) -> str:
-    """What has to hold, and what was measured."""
-    hidden = [s for s in scores if s.kind in ("single", "pair") and s.within_reach]
-    clear = [s for s in hidden if s.gain > 60.0]
-    faint = [s for s in hidden if s.gain < 15.0]
-    nulls = [s for s in scores if s.kind in ("null", "stressed_null")]
-    quiet = [s for s in scores if s.kind in NOTHING_TO_NAME]
-    named = [s for s in scores if s.path_right is not None]
-    placed = [s for s in scores if s.place_right is not None]
-    rows: list[tuple[str, Sequence[Scored], Callable[[Scored], bool], str]] = [
-        ("gain > 60: named right", clear, lambda s: s.outcome == "right", ">= 85 %"),
-        ("gain > 60: right or in the set", clear, lambda s: s.outcome in ("right", "set"), ""),
-        ("gain < 15: something named", faint, lambda s: bool(s.named), "0"),
-        ("nulls with a claim", nulls, lambda s: bool(s.named), "0"),
-        ("nulls and decoys with a claim", quiet, lambda s: bool(s.named), ""),
-        ("wrong names, all cases", scores, lambda s: s.outcome == "wrong", "<= 4 %"),
-        ("signal path right, of the named", named, lambda s: bool(s.path_right), ">= 85 %"),
-        ("state and times right", placed, lambda s: bool(s.place_right), ">= 80 %"),
-        ("outside the catalogue flagged", _of(scores, "outside"), _is_right, ""),
-        ("failed runs", scores, lambda s: s.outcome == "failed", "0"),
-    ]
-    lines = [f"{'bar':<34}{'count':>12}{'share':>9}   95 %             asked"]
-    for title, chosen, test, asked in rows:
-        count = sum(test(one) for one in chosen)
-        low, high = clopper_pearson(count, len(chosen))
-        share = f"{100.0 * count / len(chosen):.1f} %" if chosen else "-"
-        lines.append(
-            f"{title:<34}{f'{count} of {len(chosen)}':>12}{share:>9}"
-            f"   [{100 * low:5.1f}, {100 * high:5.1f}] %  {asked}".rstrip()
-        )
-    return "\n".join(lines)
-
-
-def _of(scores: Sequence[Scored], kind: str) -> list[Scored]:
-    return [one for one in scores if one.kind == kind]
-
-
-def _is_right(one: Scored) -> bool:
-    return one.outcome == "right"
 
 
 def _by_gain(scores: Sequence[Scored]) -> str:
@@ -116,6 +62,27 @@ def _by_gain(scores: Sequence[Scored]) -> str:
         cells = "".join(f"{counts[name]:>9}" for name in outcomes)
         lines.append(f"{f'{low:g} to {high:g}':<20}{len(chosen):>6}{cells}")
     return "Single effects by the oracle's gain over parameters alone\n" + "\n".join(lines)
+
+
+def _unseen_runs(scores: Sequence[Scored]) -> str:
+    """Median held-out error over the noise floor, by kind of case."""
+    lines = [f"{'kind':<30}{'cases':>6}" + "".join(f"{model:>17}" for model in MODELS)]
+    groups = {
+        "named right": [s for s in scores if s.outcome == "right" and s.named],
+        "owed, not named right": [s for s in scores if s.is_owed and s.outcome != "right"],
+        "outside": [s for s in scores if s.kind == "outside"],
+        "nothing to name": [s for s in scores if "null" in s.kind or s.kind == "decoy"],
+    }
+    for title, group in groups.items():
+        known = [dict(s.numbers.held_out) for s in group if s.numbers.held_out]
+        full = [one for one in known if set(one) == set(MODELS)]
+        cells = (
+            "".join(f"{np.median([one[model] for one in full]):>17.3g}" for model in MODELS)
+            if full
+            else ""
+        )
+        lines.append(f"{title:<30}{len(full):>6}{cells}")
+    return "Error on held-out recordings over the noise floor, median\n" + "\n".join(lines)
 
 
 def _names(scores: Sequence[Scored]) -> str:
@@ -144,65 +111,3 @@ def _places(scores: Sequence[Scored]) -> str:
     for true in paths[1:-1]:
         lines.append(f"{true:<18}" + "".join(f"{counts[true, said]:>14}" for said in paths))
     return "Places, of single effects with a name\n" + "\n".join(lines)
-
-
-def _reliability(scores: Sequence[Scored]) -> str:
-    claims = [claim for s in scores if s.kind != "outside" for claim in s.claims]
-    lines = [f"{'probability':<16}{'claims':>7}{'mean':>8}{'right':>8}"]
-    for low, high in pairwise(PROBABILITY_EDGES):
-        chosen = [(p, right) for p, right in claims if low <= p < high]
-        if chosen:
-            mean, right = np.mean([p for p, _ in chosen]), np.mean([r for _, r in chosen])
-            label = f"{low:g} to {min(high, 1.0):g}"
-            lines.append(f"{label:<16}{len(chosen):>7}{mean:>8.2f}{right:>8.2f}")
-    return "Reliability of the stated probability\n" + "\n".join(lines)
-
-
-def _costs(scores: Sequence[Scored]) -> str:
-    done = [s for s in scores if s.outcome != "failed"]
-    if not done:
-        return ""
-    rows = [
-        ("simulations", [s.simulations for s in done]),
-        ("seconds, wall clock", [s.seconds for s in done]),
-        (
-            "explainable error removed",
-            [s.removed for s in done if s.removed is not None and s.outcome == "right"],
-        ),
-        (
-            "|inertia error|",
-            [
-                abs(s.inertia_error)
-                for s in done
-                if s.inertia_error is not None and s.outcome == "right"
-            ],
-        ),
-    ]
-    lines = [f"{'of runs that ended':<28}{'cases':>6}{'median':>10}{'90 %':>10}{'largest':>10}"]
-    for title, values in rows:
-        if values:
-            cells = [np.median(values), np.quantile(values, 0.9), np.max(values)]
-            lines.append(f"{title:<28}{len(values):>6}" + "".join(f"{c:>10.4g}" for c in cells))
-    return "\n".join(lines)
-
-
-def _failures(scores: Sequence[Scored]) -> str:
-    """Every case that is not as it should be, one line each."""
-    lines = []
-    for s in scores:
-        below = s.kind in ("single", "pair") and s.gain <= 60.0
-        fine = s.outcome == "right" or (s.outcome == "missed" and below)
-        if fine and s.path_right is not False and s.place_right is not False:
-            continue
-        faults: list[str] = [s.outcome] if not fine else []
-        faults += ["path"] if s.path_right is False else []
-        faults += ["place"] if s.place_right is False else []
-        same = (
-            " (same family)" if {family(n) for n in s.named} & {family(n) for n in s.hidden} else ""
-        )
-        lines.append(
-            f"{s.case} {s.kind:<14}{s.machine:<20}gain {s.gain:<10.4g}"
-            f"hidden {' + '.join(s.hidden) or '-'}; named {' + '.join(s.named) or '-'}{same}; "
-            f"verdict {s.verdict or '-'}: {', '.join(faults)}" + (f" ({s.note})" if s.note else "")
-        )
-    return "Not as it should be\n" + "\n".join(lines or ["nothing"])

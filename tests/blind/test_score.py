@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
+from tests.blind.bars import clopper_pearson
+from tests.blind.limits import gain_at, logistic
+from tests.blind.probabilities import brier_scores, events_of
 from tests.blind.score import Scored, overlaps, score_case
-from tests.blind.tables import clopper_pearson, report
+from tests.blind.tables import report
 
 
 def answer(*names: str, kind: str = "single", **changes: Any) -> dict[str, Any]:
@@ -58,7 +62,8 @@ def test_the_hidden_effect_by_its_name_is_right() -> None:
     assert scored.path_right is True
     assert scored.place_right is True
     assert scored.claims == ((0.9, True),)
-    assert scored.inertia_error == pytest.approx(0.01)
+    assert dict(scored.numbers.twin_errors) == pytest.approx({"inertia": 0.01})
+    assert dict(scored.numbers.twin_covered) == {"inertia": False}
     assert scored.simulations == 600
 
 
@@ -187,7 +192,7 @@ def test_the_report_counts_bars_and_lists_every_failure() -> None:
     assert bars["wrong names, all cases"][:3] == ["2", "of", "6"]
     assert bars["failed runs"][:3] == ["1", "of", "6"]
     failures = text[text.index("Not as it should be") :].splitlines()[1:]
-    assert [line[:3] for line in failures] == ["001", "003", "005"]
+    assert [line[:3] for line in failures] == ["001", "005", "003"]
     assert "more than 300 s" in failures[-1]
 
 
@@ -196,3 +201,84 @@ def test_a_run_that_failed_is_no_claim() -> None:
     assert isinstance(scored, Scored)
     assert scored.outcome == "failed"
     assert scored.named == ()
+
+
+def test_numbers_are_judged_where_the_law_is_the_hidden_one() -> None:
+    """A wave's sine and cosine count as one size; each interval counts by itself."""
+    hidden = answer("cogging_torque")
+    hidden["effects"][0]["values"] = {"sine_1": 3.0, "cosine_1": -4.0, "wavenumber_1": 7.0}
+    said = diagnosis("cogging_torque")
+    said["effects"][0]["parameters"] = {
+        "sine_1": {"value": 3.3, "low": 2.9, "high": 3.4},
+        "cosine_1": {"value": -4.4, "low": -4.6, "high": -4.2},
+        "wavenumber_1": {"value": 7.07, "low": 6.9, "high": 7.1},
+    }
+    numbers = score_case(hidden, said, 1.0).numbers
+    assert dict(numbers.errors) == pytest.approx(
+        {"cogging_torque.amplitude_1": 0.1, "cogging_torque.wavenumber_1": 0.01}
+    )
+    assert [held for _, held in numbers.covered] == [True, False, True]
+    assert score_case(answer("coulomb_friction"), said, 1.0).numbers.errors == ()
+
+
+def test_held_out_errors_are_told_in_noise_floors() -> None:
+    models = {"nominal": 8.0, "parameters_only": 4.0, "unnamed_spline": 3.0, "augmented": 1.0}
+    signals = {"a": {**models, "noise_floor": 1.0}, "b": {**models, "noise_floor": 0.5}}
+    fit = {"explainable_error_removed": 0.9, "signals": signals}
+    held = dict(score_case(answer(), diagnosis(fit=fit), 1.0).numbers.held_out)
+    assert held["nominal"] == pytest.approx(8.0 * np.sqrt(2.5))
+    assert held["augmented"] == pytest.approx(np.sqrt(2.5))
+
+
+def test_what_a_motion_in_one_direction_hides_may_be_named_but_nothing_else() -> None:
+    hidden = answer("coulomb_friction", kind="decoy")
+    assert score_case(hidden, diagnosis(), 1.0).outcome == "right"
+    assert score_case(hidden, diagnosis("coulomb_friction"), 1.0).outcome == "right"
+    assert score_case(hidden, diagnosis("constant_torque_offset"), 1.0).outcome == "wrong"
+
+
+def test_a_pair_is_as_strong_as_what_its_weaker_effect_adds() -> None:
+    hidden = answer("cogging_torque", "coulomb_friction", kind="pair", oracle_gain=900.0)
+    for effect, gain in zip(hidden["effects"], (800.0, 40.0), strict=True):
+        effect["added_gain"] = gain
+    scored = score_case(hidden, diagnosis("cogging_torque"), 1.0)
+    assert scored.gain == 40.0
+    assert not scored.is_owed
+
+
+def test_any_name_without_the_verdict_is_false_outside_the_catalogue() -> None:
+    hidden = answer("root_friction", kind="outside", nearest=["coulomb_friction"])
+    assert score_case(hidden, diagnosis("coulomb_friction"), 1.0).has_false_name
+    flagged = diagnosis("coulomb_friction", verdict="outside_library")
+    assert not score_case(hidden, flagged, 1.0).has_false_name
+    assert not score_case(hidden, diagnosis(verdict="parameters"), 1.0).has_false_name
+    other = diagnosis("backlash", verdict="outside_library")
+    assert score_case(hidden, other, 1.0).has_false_name
+
+
+def test_the_brier_score_counts_claims_and_abstentions() -> None:
+    """Two claims of 0.9, one right; an owed name missed; a null left alone: four events."""
+    scores = [
+        score_case(answer("cogging_torque"), diagnosis("cogging_torque"), 1.0),
+        score_case(answer("backlash"), diagnosis("hysteresis"), 1.0),
+        score_case(answer("sensor_lag"), diagnosis(), 1.0),
+        score_case(answer(kind="null"), diagnosis(), 1.0),
+    ]
+    stated, always, true = events_of(scores)
+    assert stated == [0.9, 0.9, 0.0, 0.0]
+    assert always == [0.95, 0.95, 0.0, 0.0]
+    assert true == [True, False, True, False]
+    lines = brier_scores(scores).splitlines()
+    assert float(lines[1].split()[-1]) == pytest.approx((0.01 + 0.81 + 1.0) / 4.0, abs=1e-4)
+    assert float(lines[3].split()[-1]) == pytest.approx(0.25, abs=1e-4)
+
+
+def test_the_logistic_curve_finds_where_names_begin() -> None:
+    """Names drawn by known odds: half at a gain of 30, the fit within its sampling error."""
+    rng = np.random.default_rng(3)
+    gains = 10.0 ** rng.uniform(0.0, 4.0, 4000)
+    named = rng.random(4000) < 1.0 / (1.0 + (30.0 / gains) ** 2)
+    curve = logistic(gains.tolist(), named.tolist())
+    assert gain_at(0.5, curve) == pytest.approx(30.0, rel=0.15)
+    assert gain_at(0.9, curve) == pytest.approx(30.0 * 3.0, rel=0.15)
+    assert gain_at(0.9, (1.0, -1.0)) == float("inf")
