@@ -38,8 +38,8 @@ def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
     -------
     {"right", "one of the set", "missed", "wrong"}
         `right`: that effect alone was named, or nothing where nothing was hidden. `one of the
-        set`: it stands among those that the named one cannot be told from. `missed`: it was not
-        named, and no other was. `wrong`: something was claimed that is not there.
+        set`: it was named with others that it cannot be told from. `missed`: it was not named,
+        and no other was. `wrong`: something was claimed that is not there.
     """
     if drawn.hidden in (NOTHING, PARAMETERS):
         asked = "none" if drawn.hidden == NOTHING else "parameters"
@@ -51,13 +51,14 @@ def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
     marks = [_mark(effect, drawn.hidden) for effect in diagnosis.effects]
     if "wrong" in marks:
         return "wrong"
-    return "right" if "right" in marks else "one of the set"
+    return "one of the set" if "one of the set" in marks else "right"
 
 
 def _mark(effect: NamedEffect, hidden: str) -> Mark:
-    if effect.name == hidden:
-        return "right"
-    return "one of the set" if hidden in effect.indistinguishable_from else "wrong"
+    rivals = effect.indistinguishable_from
+    if hidden not in (effect.name, *rivals):
+        return "wrong"
+    return "one of the set" if rivals else "right"
 
 
 def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
@@ -130,7 +131,7 @@ def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
             PARAMETERS: "RIGHT: only parameters are off, and no effect is claimed.",
         }.get(drawn.hidden, f"RIGHT: it was {hidden}.")
     if mark == "one of the set":
-        return f"ONE OF THE SET: it was {hidden}, which these recordings do not tell apart."
+        return f"ONE OF THE SET: it was {hidden}; these recordings do not tell the set apart."
     if mark == "missed":
         if diagnosis.verdict == "outside_library":
             return f"MISSED: it saw that something is there, but did not name {hidden}."

@@ -1,0 +1,69 @@
+"""`gmfbo demo` as a person meets it: a process of its own, from tuning to the broken seal."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from gmfbo.cli.hidden.draw import NOTHING, draw
+
+QUIET_SEED = 25  # nothing is hidden: the shortest diagnosis
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """What it prints, and its folder."""
+    folder = tmp_path_factory.mktemp("demo") / "shown"
+    command = [sys.executable, "-m", "gmfbo", "demo", "--seed", str(QUIET_SEED), "--runs", "3"]
+    done = subprocess.run(
+        [*command, "--out", str(folder)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env={**os.environ, "OMP_NUM_THREADS": "1"},
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout, folder
+
+
+def test_the_folder_holds_what_the_readme_says(demo: tuple[str, Path]) -> None:
+    _, folder = demo
+    assert {path.name for path in folder.iterdir()} == {
+        *("demo.toml", "demo.study", "demo.h5"),
+        *("sealed.json", "recordings", "found"),
+    }
+    found = {path.name for path in (folder / "found").iterdir()}
+    assert {"diagnosis.json", "report.html", "augmented.fmu", "augmented.toml"} <= found
+    assert len(list((folder / "recordings").glob("run*.csv"))) == 4
+
+
+def test_the_hash_is_told_before_the_search_and_fits_the_answer(demo: tuple[str, Path]) -> None:
+    shown, folder = demo
+    told = re.search(r"^sha256\s+([0-9a-f]{64})$", shown, re.MULTILINE)
+    assert told is not None
+    assert told.start() < shown.index("simulations in") < shown.index("The seal is broken")
+    answer = (folder / "sealed.json").read_bytes()
+    assert told.group(1) == hashlib.sha256(answer).hexdigest()
+    assert draw(QUIET_SEED).hidden == NOTHING == json.loads(answer)["hidden"]
+
+
+def test_nothing_of_the_answer_is_shown_before_the_seal_is_broken(demo: tuple[str, Path]) -> None:
+    shown, _ = demo
+    before, after = shown.split("The seal is broken")
+    assert "hidden" not in before.split("sha256")[1]
+    assert re.search(r"^effect\s+nothing\s+\S", after, re.MULTILINE)
+
+
+def test_it_says_whether_the_diagnosis_is_right(demo: tuple[str, Path]) -> None:
+    shown, folder = demo
+    verdict = json.loads((folder / "found" / "diagnosis.json").read_text())["verdict"]
+    mark = "RIGHT: " if verdict == "none" else "WRONG: "
+    assert shown.splitlines()[-2].startswith(mark)
