@@ -13,6 +13,7 @@ from gmfbo.diagnosis.estimates import Alignment, Combination, EstimatedParameter
 from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.named_effect import DetectableSize, NamedEffect, NotTestable
 from gmfbo.diagnosis.predictions import Predictions
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError
@@ -81,6 +82,10 @@ class Diagnosis:
         Plain remarks, such as numerical limits.
     predictions : Predictions or None
         Explanations that remain, with the values that predict a recording under each.
+    latent : Shape or None
+        What is missing at the torque port, inferred without a name, where physics was named.
+    residual_tests : tuple of ResidualTest
+        Whether what is left still follows the reference, on held-out recordings.
     curves : tuple of Curve
         Signals before and after, for plots; not part of the JSON.
     augmentation : Augmentation or None
@@ -108,6 +113,8 @@ class Diagnosis:
     versions: Mapping[str, str]
     notes: tuple[str, ...] = ()
     predictions: Predictions | None = None
+    latent: Shape | None = None
+    residual_tests: tuple[ResidualTest, ...] = ()
     curves: tuple[Curve, ...] = field(default=(), compare=False)
     augmentation: Augmentation | None = field(default=None, compare=False)
     exported: Path | None = field(default=None, compare=False)

@@ -36,6 +36,7 @@ from gmfbo.diagnosis.reporting import (
     not_testable,
     units_of,
 )
+from gmfbo.diagnosis.residual_tests import residual_tests
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.validation import validate as validated_on
 from gmfbo.diagnosis.validation import validate_unseen
@@ -249,6 +250,8 @@ class _Search:
             versions=_versions(),
             notes=tuple(case.notes),
             predictions=predictions_of(case, decision, augmented, self.units),
+            latent=self._latent(outside, decision),
+            residual_tests=residual_tests(unseen or case, result.curves, result.fit.held_out),
             curves=result.curves,
             augmentation=augmentation_of(case, augmented, self.units),
         )
@@ -339,6 +342,11 @@ class _Search:
         return outside.model.shape(
             {"torque": units.torque, "position": units.position, "velocity": units.velocity}
         )
+
+    def _latent(self, outside: Outside | None, decision: Decision) -> Shape | None:
+        """The unnamed signal beside the names that it was found under, where they act there too."""
+        at_torque = [r for r in decision.rounds if r.winner.effect.law.port == "torque"]
+        return self._shape(outside) if at_torque else None
 
     def _verdict(self, decision: Decision, outside: Outside | None) -> Verdict:
         case = self.case

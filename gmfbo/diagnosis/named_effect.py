@@ -27,6 +27,22 @@ class IdentifiedValue:
 
 
 @dataclass(frozen=True)
+class RivalShare:
+    """One of the explanations that an effect's probability is shared by.
+
+    Attributes
+    ----------
+    name : str
+        The effect itself, or a rival.
+    probability : float
+        Its part of the probability.
+    """
+
+    name: str
+    probability: float
+
+
+@dataclass(frozen=True)
 class NamedEffect:
     """Physics that the twin leaves out and the recordings show.
 
@@ -52,6 +68,8 @@ class NamedEffect:
         The gain by recording.
     indistinguishable_from : tuple of str
         Effects that explain these recordings as well.
+    rivals : tuple of RivalShare
+        The effect and these, each with its part of the probability; none without rivals.
     """
 
     name: str
@@ -64,6 +82,7 @@ class NamedEffect:
     threshold: float
     evidence_per_recording: Mapping[str, float]
     indistinguishable_from: tuple[str, ...] = ()
+    rivals: tuple[RivalShare, ...] = ()
 
 
 @dataclass(frozen=True)

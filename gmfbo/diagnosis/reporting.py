@@ -20,6 +20,7 @@ from gmfbo.diagnosis.named_effect import (
     IdentifiedValue,
     NamedEffect,
     NotTestable,
+    RivalShare,
 )
 from gmfbo.physics import CATALOGUE, Units
 from gmfbo.sources.augmented_binding import PORT_OUTPUTS
@@ -102,9 +103,29 @@ def named_effects(
                 threshold=found.needed,
                 evidence_per_recording=_per_recording(case, found),
                 indistinguishable_from=tuple(r.name for r in found.rivals),
+                rivals=_rival_shares(found, probabilities[law.name]),
             )
         )
     return tuple(sorted(named, key=lambda effect: -effect.evidence))
+
+
+def _rival_shares(found: Round, probability: float) -> tuple[RivalShare, ...]:
+    """Divide a probability among those that share it, by Akaike weights (Burnham, Anderson 2002).
+
+    Parameters
+    ----------
+    found : Round
+        The winner and its rivals.
+    probability : float
+        Of all of them together.
+    """
+    if not found.rivals:
+        return ()
+    alike = (found.winner, *found.rivals)
+    criterion = np.array([e.chi2 + 2.0 * e.fitted.x.size for e in alike])
+    weights = np.exp(-0.5 * (criterion - criterion.min()))
+    shares = probability * weights / weights.sum()
+    return tuple(RivalShare(e.name, float(p)) for e, p in zip(alike, shares, strict=True))
 
 
 def _per_recording(case: Case, found: Round) -> dict[str, float]:

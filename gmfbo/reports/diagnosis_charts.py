@@ -1,19 +1,52 @@
-"""Charts of a diagnosis: a recording before and after, and the shape of what has no name."""
+"""Charts of a diagnosis: each recording before and after, and the shape of what is missing."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gmfbo.diagnosis.plain_words import unit_words, words
-from gmfbo.reports.svg_chart import Band, Line, legend, line_chart
+from gmfbo.diagnosis.plain_words import words
+from gmfbo.reports.html_page import embedded_json
+from gmfbo.reports.marked_number import unit_text
+from gmfbo.reports.svg_chart import (
+    MOST_BUCKETS,
+    Band,
+    Line,
+    legend,
+    line_chart,
+    thinned_rows,
+)
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.curve import Curve
     from gmfbo.diagnosis.whereabouts import Shape
+
+STYLES: Mapping[str, str] = {
+    "recorded": "recorded",
+    "nominal": "nominal",
+    "parameters_only": "before",
+    "augmented": "after",
+}
+"""Class in the page's style of each model's curve."""
+
+WORDS: Mapping[str, str] = {
+    "recorded": "recorded",
+    "nominal": "twin as it came",
+    "parameters_only": "parameters only",
+    "augmented": "augmented twin",
+    "unnamed_spline": "unnamed spline",
+    "noise_floor": "noise floor",
+}
+"""What each model is called on the page."""
+
+_MOST_POINTS = 48_000  # of all drawn lines: about half a megabyte
+_MOST_NUMBERS = 110_000  # of all curves for the script: about another
 
 
 def recordings_to_show(diagnosis: Diagnosis) -> list[str]:
@@ -35,8 +68,28 @@ def recordings_to_show(diagnosis: Diagnosis) -> list[str]:
     return sorted(names, key=lambda name: (name not in held_out, -gains.get(name, 0.0)))
 
 
-def before_and_after_charts(diagnosis: Diagnosis) -> str:
-    """Draw each signal and its error, with and without the physics.
+def ordered_curves(diagnosis: Diagnosis) -> list[Curve]:
+    """Return the curves as they are shown: the signal that improves most comes first.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    """
+    fit = diagnosis.fit.signals
+    best = diagnosis.fit.most_improved
+    if best is None and fit:
+        best = max(fit, key=lambda name: float(np.nan_to_num(fit[name].parameters_only)))
+    return [
+        curve
+        for name in recordings_to_show(diagnosis)
+        for curve in sorted(diagnosis.curves, key=lambda c: c.signal != best)
+        if curve.recording == name
+    ]
+
+
+def before_and_after_panels(diagnosis: Diagnosis) -> list[str]:
+    """Draw each signal of each recording, and below it what the models leave of it.
 
     Parameters
     ----------
@@ -45,24 +98,31 @@ def before_and_after_charts(diagnosis: Diagnosis) -> str:
 
     Returns
     -------
-    str
-        HTML: the first held-out recording open, the others folded.
+    list of str
+        A `<figure>` for each, the most telling first.
     """
-    parts = []
-    for position, name in enumerate(recordings_to_show(diagnosis)):
-        unseen = name in diagnosis.fit.held_out
-        title = f"{name}, {'unseen by the fit' if unseen else 'fitted on'}"
-        charts = "".join(
-            _figures(diagnosis, curve) for curve in diagnosis.curves if curve.recording == name
-        )
-        shaded = any(window.recording == name for window in diagnosis.location.times)
-        told = '<p class="soft">Shaded: where the mismatch shows most.</p>' if shaded else ""
-        grid = f'{told}<div class="charts">{charts}</div>'
-        if position == 0:
-            parts.append(f"<h3>{escape(title)}</h3>{grid}")
-        else:
-            parts.append(f"<details><summary>{escape(title)}</summary>{grid}</details>")
-    return "".join(parts)
+    curves = ordered_curves(diagnosis)
+    buckets = max(30, min(MOST_BUCKETS, _MOST_POINTS // (10 * max(1, len(curves)))))
+    return [_panel(diagnosis, place, curve, buckets) for place, curve in enumerate(curves)]
+
+
+def curves_json(diagnosis: Diagnosis) -> str:
+    """Embed the curves for the script that reads values off them and zooms.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+
+    Returns
+    -------
+    str
+        A `<script>` element with as many rows as a page of moderate size holds.
+    """
+    curves = ordered_curves(diagnosis)
+    rows = _MOST_NUMBERS // (5 * max(1, len(curves)))
+    told = [_content(curve, rows) for curve in curves]
+    return embedded_json("curves", json.dumps(told, separators=(",", ":"), allow_nan=False))
 
 
 def shape_chart(shape: Shape) -> str:
@@ -81,50 +141,107 @@ def shape_chart(shape: Shape) -> str:
     x, y = np.array(shape.x), np.array(shape.y)
     low, high = np.array(shape.y_low), np.array(shape.y_high)
     known = np.isfinite(low) & np.isfinite(high)
-    lines = [Line("inferred, with its 95 % band", "after", x, y)]
+    lines = [Line("inferred without a name, with its 95 % band", "after", x, y)]
     chart = line_chart(
         lines,
         title=f"missing {words(shape.port)} against {words(shape.against)}",
-        x_label=_axis(words(shape.against), shape.unit_x),
-        y_label=_axis(f"missing at the {words(shape.port)} port", shape.unit_y),
+        x_label=axis_words(words(shape.against), shape.unit_x),
+        y_label=axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
+        style="shape",
         band=Band(x[known], low[known], high[known]) if known.any() else None,
     )
     return f"<figure>{legend(lines)}{chart}</figure>"
 
 
-def _figures(diagnosis: Diagnosis, curve: Curve) -> str:
-    """One signal, and its error on an axis of its own: a loop hides errors in the signal."""
+def axis_words(what: str, unit: str) -> str:
+    """Quantity with its unit, for an axis."""
+    return f"{what} [{unit_text(unit)}]" if unit_text(unit) else what
+
+
+def part_words(diagnosis: Diagnosis, recording: str) -> str:
+    """Whether a recording had a part in the fit.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    recording : str
+        Its name.
+    """
+    return "unseen by the fit" if recording in diagnosis.fit.held_out else "fitted on"
+
+
+def _models(curve: Curve) -> tuple[list[str], list[str]]:
+    """What is drawn of the signal, and of its error: later ones on top."""
+    known = [name for name in STYLES if np.isfinite(getattr(curve, name)).any()]
+    signal = ["recorded", "parameters_only", "augmented"]
+    errors = ["parameters_only", "augmented"]
+    if "augmented" not in known:
+        signal, errors = ["recorded", "nominal", "parameters_only"], ["nominal", "parameters_only"]
+    return [n for n in signal if n in known], [n for n in errors if n in known]
+
+
+def _panel(diagnosis: Diagnosis, place: int, curve: Curve, buckets: int) -> str:
     windows = [
         (window.start, window.end)
         for window in diagnosis.location.times
         if window.recording == curve.recording
     ]
-    signal = [
-        Line("recorded", "recorded", curve.time, curve.recorded),
-        Line("nominal", "nominal", curve.time, curve.nominal),
-        Line("parameters only", "before", curve.time, curve.parameters_only),
-        Line("augmented", "after", curve.time, curve.augmented),
-    ]
-    error = [
-        Line("parameters only", "before", curve.time, curve.recorded - curve.parameters_only),
-        Line("augmented", "after", curve.time, curve.recorded - curve.augmented),
-    ]
-    name = words(curve.signal)
-    both = []
-    for lines, what in ((signal, name), (error, f"{name} error (recorded less simulated)")):
-        drawn = [line for line in lines if np.isfinite(line.y).any()]
-        if not drawn:
-            continue
-        chart = line_chart(
-            drawn,
-            title=f"{what} in {curve.recording}",
+    name, part = words(curve.signal), part_words(diagnosis, curve.recording)
+    signal, errors = _models(curve)
+    lines = [_line(curve, model) for model in signal]
+    left = [_line(curve, model, error=True) for model in errors]
+    drawn = line_chart(
+        lines,
+        title=f"{name} in {curve.recording}",
+        x_label="" if left else "time [s]",
+        y_label=axis_words(name, curve.unit),
+        windows=windows,
+        buckets=buckets,
+    )
+    if left:
+        drawn += line_chart(
+            left,
+            title=f"{name} error in {curve.recording}",
             x_label="time [s]",
-            y_label=_axis(what, curve.unit),
+            y_label=axis_words("what is left: recorded less simulated", curve.unit),
+            style="low",
             windows=windows,
+            buckets=buckets,
         )
-        both.append(f"<figure>{legend(drawn)}{chart}</figure>")
-    return "".join(both)
+    shaded = '<span class="soft">; shaded: where the mismatch shows most</span>' if windows else ""
+    caption = f"<b>{escape(name)}</b> in {escape(curve.recording)}, {part}{shaded}"
+    return (
+        f'<figure class="panel" data-curve="{place}" data-signal="{escape(name)}" '
+        f'data-recording="{escape(curve.recording)}" data-part="{part}">'
+        f"<figcaption>{caption}</figcaption>{legend(lines)}{drawn}</figure>"
+    )
 
 
-def _axis(what: str, unit: str) -> str:
-    return f"{what} [{unit_words(unit)}]" if unit_words(unit) else what
+def _line(curve: Curve, model: str, *, error: bool = False) -> Line:
+    values: NDArray[np.float64] = getattr(curve, model)
+    y = curve.recorded - values if error else values
+    return Line(WORDS[model], STYLES[model], curve.time, y)
+
+
+def _content(curve: Curve, most: int) -> dict[str, object]:
+    signal, errors = _models(curve)
+    shown = list(dict.fromkeys([*signal, *errors]))
+    judged = [curve.recorded, *(curve.recorded - getattr(curve, name) for name in errors)]
+    if curve.time.size > most:
+        rows = thinned_rows(judged, max(10, most // (2 * len(judged))))
+    else:
+        rows = np.arange(curve.time.size)
+    return {
+        "unit": unit_text(curve.unit),
+        "signals": signal,
+        "errors": errors,
+        "styles": {name: STYLES[name] for name in shown},
+        "words": {name: WORDS[name] for name in shown},
+        "time": _numbers(curve.time[rows], 8),
+        "values": {name: _numbers(getattr(curve, name)[rows], 5) for name in shown},
+    }
+
+
+def _numbers(values: NDArray[np.float64], digits: int) -> Sequence[float | None]:
+    return [float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in values.tolist()]

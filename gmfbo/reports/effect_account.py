@@ -5,24 +5,29 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.plain_words import number, probability, unit_words, words
+from gmfbo.diagnosis.plain_words import words
 from gmfbo.physics import CATALOGUE
-from gmfbo.reports.html_page import paragraph, table
+from gmfbo.reports.diagnosis_charts import part_words
+from gmfbo.reports.html_page import columns, paragraph, table
+from gmfbo.reports.law_text import law_html
+from gmfbo.reports.marked_number import (
+    marked_interval,
+    marked_number,
+    marked_probability,
+)
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.named_effect import NamedEffect
 
-DIGITS = 4
 
-
-def effect_account(effect: NamedEffect, diagnosis: Diagnosis) -> str:
+def effect_account(place: int, diagnosis: Diagnosis) -> str:
     """Write an effect with its numbers.
 
     Parameters
     ----------
-    effect : NamedEffect
-        One of those that the diagnosis names.
+    place : int
+        Which of those that the diagnosis names.
     diagnosis : Diagnosis
         The whole, for what was fitted on what.
 
@@ -31,59 +36,79 @@ def effect_account(effect: NamedEffect, diagnosis: Diagnosis) -> str:
     str
         HTML.
     """
+    effect = diagnosis.effects[place]
+    own = ("effects", place)
+    evidence = marked_number((*own, "evidence"), effect.evidence)
+    threshold = marked_number((*own, "threshold"), effect.threshold)
     sure = (
-        f"Probability {probability(effect.probability)}. Evidence {number(effect.evidence, DIGITS)}"
-        f" (named from {number(effect.threshold, DIGITS)}), at the {words(effect.port)} port."
+        f"<p>Probability <b>{marked_probability((*own, 'probability'), effect.probability)}</b>. "
+        f"Evidence {evidence}, named from {threshold}. It acts at the "
+        f"{escape(words(effect.port))} port.</p>"
     )
     return "".join(
         (
             f"<article><h3>{escape(words(effect.name).capitalize())}</h3>",
             paragraph(effect.statement),
-            f"<p><code>{escape(effect.equation)}</code></p>",
-            paragraph(sure),
-            _parameters(effect),
-            _rivals(effect),
-            _recordings(effect, diagnosis),
+            f'<p class="law">{law_html(effect.equation)}</p>',
+            sure,
+            _parameters(place, effect),
+            columns(_rivals(place, effect), _recordings(place, effect, diagnosis)),
             "</article>",
         )
     )
 
 
-def _parameters(effect: NamedEffect) -> str:
+def _parameters(place: int, effect: NamedEffect) -> str:
     known = CATALOGUE.get(effect.name)
     meaning = {one.name: one.words for one in known.parameters} if known else {}
-    rows = [
-        [
-            name,
-            meaning.get(name, ""),
-            number(one.value, DIGITS),
-            f"{number(one.low, DIGITS)} to {number(one.high, DIGITS)}",
-            unit_words(one.unit),
-        ]
-        for name, one in effect.parameters.items()
-    ]
-    return table(
-        ["parameter", "what it is", "value", "95 % interval", "unit"], rows, numbers=(2, 3)
-    )
+    rows = []
+    for name, one in effect.parameters.items():
+        path = ("effects", place, "parameters", name)
+        shown = marked_interval(path, one.value, one.low, one.high, one.unit)
+        rows.append(
+            [
+                escape(words(name)),
+                escape(meaning.get(name, "")),
+                shown.value,
+                f"{shown.low} to {shown.high}",
+                f'<span class="nowrap">{escape(shown.unit)}</span>',
+            ]
+        )
+    heads = ["parameter", "what it is", "value", "95 % interval", "unit"]
+    return table(heads, rows, numbers=(2, 3))
 
 
-def _rivals(effect: NamedEffect) -> str:
+def _rivals(place: int, effect: NamedEffect) -> str:
     if not effect.indistinguishable_from:
-        return paragraph("No other effect in the library explains these recordings as well.")
+        told = "No other effect in the library explains these recordings as well."
+        return f"<h4>Rivals</h4>{paragraph(told)}"
     known = CATALOGUE.get(effect.name)
     apart = known.confused_with if known else {}
-    rows = [[words(name), apart.get(name, "")] for name in effect.indistinguishable_from]
+    shares = {one.name: (k, one) for k, one in enumerate(effect.rivals)}
+    rows = []
+    for name in (effect.name, *effect.indistinguishable_from):
+        share = ""
+        if name in shares:
+            k, one = shares[name]
+            path = ("effects", place, "rivals", k, "probability")
+            share = marked_probability(path, one.probability)
+        rows.append([escape(words(name)), share, escape(apart.get(name, ""))])
     told = (
-        "These explain the recordings as well; the probability is that of all of them together "
-        "with the named one."
+        "These explain the recordings as well. The probability above is that of all of them "
+        "together; here it is divided by how well each fits."
     )
-    return paragraph(told) + table(["rival", "what would tell it apart"], rows)
+    listed = table(["rival", "probability", "what would tell it apart"], rows, numbers=(1,), best=0)
+    return f"<h4>Rivals</h4>{paragraph(told)}{listed}"
 
 
-def _recordings(effect: NamedEffect, diagnosis: Diagnosis) -> str:
-    unseen = set(diagnosis.fit.held_out)
+def _recordings(place: int, effect: NamedEffect, diagnosis: Diagnosis) -> str:
     rows = [
-        [name, "unseen" if name in unseen else "fitted on", number(gain, DIGITS)]
+        [
+            escape(name),
+            part_words(diagnosis, name),
+            marked_number(("effects", place, "evidence_per_recording", name), gain),
+        ]
         for name, gain in effect.evidence_per_recording.items()
     ]
-    return table(["recording", "part", "evidence"], rows, numbers=(2,))
+    listed = table(["recording", "part", "evidence"], rows, numbers=(2,))
+    return f"<h4>Evidence by recording</h4>{listed}" if rows else ""

@@ -16,7 +16,9 @@ from gmfbo.diagnosis.named_effect import (
     IdentifiedValue,
     NamedEffect,
     NotTestable,
+    RivalShare,
 )
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.whereabouts import Location, Shape, TimeWindow
 
@@ -42,6 +44,11 @@ OFFSET = NamedEffect(
     threshold=18.31,
     evidence_per_recording={"rec2.csv": 40.2, "rec3.csv": 37.2},
     indistinguishable_from=("gravity_torque", "elastic_return"),
+    rivals=(
+        RivalShare("constant_torque_offset", 0.52),
+        RivalShare("gravity_torque", 0.2),
+        RivalShare("elastic_return", 0.09),
+    ),
 )
 FIT = Fit(
     fitted_on=("rec0.csv", "rec1.csv"),
@@ -103,6 +110,10 @@ def friction() -> Diagnosis:
         seed=7,
         versions={"gmfbo": "0.1.0", "numpy": "2.4.6"},
         notes=("excited in one recording only; validated by blocks",),
+        residual_tests=(
+            ResidualTest("rec3.csv", "position", 0.0188, 0.00031, 0.00042, 0.0003),
+            ResidualTest("rec3.csv", "torque_command", 0.2911, 0.0212, 0.0104, 0.0041),
+        ),
         curves=curves(),
     )
 

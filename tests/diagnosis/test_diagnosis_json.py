@@ -21,8 +21,10 @@ from gmfbo.diagnosis.named_effect import (
     IdentifiedValue,
     NamedEffect,
     NotTestable,
+    RivalShare,
 )
 from gmfbo.diagnosis.predictions import Explanation, Predictions, Span
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.whereabouts import Location, Shape, TimeWindow
 from gmfbo.errors import InputError
@@ -66,6 +68,7 @@ def tuples(values: st.SearchStrategy[Any]) -> st.SearchStrategy[tuple[Any, ...]]
     return st.lists(values, max_size=3).map(tuple)
 
 
+rows = tuples(numbers)
 effects = st.builds(
     NamedEffect,
     name=names,
@@ -78,9 +81,10 @@ effects = st.builds(
     threshold=numbers,
     evidence_per_recording=mappings(numbers),
     indistinguishable_from=tuples(names),
+    rivals=tuples(st.builds(RivalShare, names, shares)),
 )
+shapes = st.builds(Shape, names, names, rows, rows, rows, rows, names, names)
 signal_fits = st.builds(SignalFit, numbers, numbers, numbers, numbers, numbers)
-rows = tuples(numbers)
 diagnoses = st.builds(
     Diagnosis,
     verdict=st.sampled_from(["none", "parameters", "missing_physics", "outside_library"]),
@@ -101,7 +105,11 @@ diagnoses = st.builds(
         tuples(st.builds(TimeWindow, names, numbers, numbers)),
     ),
     fit=st.builds(Fit, tuples(names), tuples(names), mappings(signal_fits), st.none() | shares),
-    shape=st.none() | st.builds(Shape, names, names, rows, rows, rows, rows, names, names),
+    shape=st.none() | shapes,
+    latent=st.none() | shapes,
+    residual_tests=tuples(
+        st.builds(ResidualTest, names, names, numbers, numbers, numbers, numbers)
+    ),
     next_experiment=st.none()
     | st.builds(NextExperiment, names, tuples(names), numbers, numbers, mappings(names), names),
     not_testable=tuples(st.builds(NotTestable, names, names)),
@@ -123,6 +131,9 @@ diagnoses = st.builds(
         tuples(names),
     ),
 )
+
+
+EXTENSIONS = ("notes", "predictions", "latent", "residual_tests")
 
 
 def written(folder: Path, content: Any) -> Path:
@@ -160,6 +171,9 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     again = json.loads(read.to_json())
     assert again.pop("notes") == []
     assert again.pop("predictions") is None
+    assert again.pop("latent") is None
+    assert again.pop("residual_tests") == []
+    assert [effect.pop("rivals") for effect in again["effects"]] == [[]]
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 
@@ -167,7 +181,8 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
 def test_a_made_diagnosis_has_the_published_names() -> None:
     content = json.loads(friction().to_json())
     published = shape_of(PUBLISHED)
-    assert [*published, "notes", "predictions"] == list(content)
+    assert [*published, *EXTENSIONS] == list(content)
+    assert [effect.pop("rivals") for effect in content["effects"]] == [[]]
     assert shape_of(content["effects"]) == shape_of(
         [{**PUBLISHED["effects"][0], "evidence_per_recording": {"rec2.csv": 1.0, "rec3.csv": 1.0}}]
     )
