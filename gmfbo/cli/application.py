@@ -19,6 +19,7 @@ from gmfbo.cli import (
     compensate,
     demo,
     diagnose,
+    experiment,
     export,
     inspect,
     methods,
@@ -44,6 +45,7 @@ app.command("simulate")(simulate.simulate)
 app.command("tune")(tune.tune)
 app.command("check")(check.check)
 app.command("diagnose", cls=ManyValuesCommand)(diagnose.diagnose)
+app.command("experiment")(experiment.experiment)
 app.command("compensate")(compensate.compensate)
 app.command("methods")(methods.methods)
 app.command("export")(export.export)
