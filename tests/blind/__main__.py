@@ -6,6 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
+from tests.blind.baseline_table import baseline_table
 from tests.blind.generate import CASES, generate
 from tests.blind.run import TIME_LIMIT, run_all
 from tests.blind.score import read_scores
@@ -28,7 +29,8 @@ def main() -> None:
     generate(given.cases, given.seed, given.out, given.jobs)
     run_all(given.out, given.jobs, given.only, given.limit)
     benchmark = json.loads((given.out / "benchmark.json").read_text(encoding="utf-8"))
-    text = report(read_scores(given.out), benchmark)
+    scores = read_scores(given.out)
+    text = report(scores, benchmark, [baseline_table(given.out, scores)])
     file = given.text or RESULTS / f"blind_{given.cases}_seed_{given.seed}.txt"
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")

@@ -64,12 +64,12 @@ def generate(
         with ProcessPoolExecutor(jobs, mp_context=context) as pool:
             for line in pool.map(_write_case, *zip(*tasks, strict=True)) if tasks else ():
                 print(line, flush=True)
-                _write_hashes(out)
+                write_hashes(out)
     else:
         for task in tasks:
             print(_write_case(*task), flush=True)
-            _write_hashes(out)
-    _write_hashes(out)
+            write_hashes(out)
+    write_hashes(out)
     return [case_folder(out, index) for index in chosen]
 
 
@@ -92,7 +92,8 @@ def _write_case(plan: Plan, seed: int, index: int, out: Path) -> str:
     return f"{index:03d} written"
 
 
-def _write_hashes(out: Path) -> None:
+def write_hashes(out: Path) -> None:
+    """Write the hash of every answer that is there."""
     lines = [
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}"
         for path in sorted((out / "answers").glob("*.json"))

@@ -278,13 +278,20 @@ def read_scores(out: Path) -> list[Scored]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line: python -m tests.blind.score."""
+    from tests.blind.baseline_table import baseline_table
+    from tests.blind.placebo import placebo_table
     from tests.blind.tables import report
 
     parser = argparse.ArgumentParser(description=(__doc__ or "").strip())
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--text", type=Path, help="file for the report")
+    parser.add_argument("--placebos", type=Path, nargs="+", default=[], help="their folders")
     given = parser.parse_args(arguments)
-    text = report(read_scores(given.out), json.loads((given.out / "benchmark.json").read_text()))
+    scores = read_scores(given.out)
+    more = [baseline_table(given.out, scores)]
+    more += [placebo_table(given.placebos)] if given.placebos else []
+    benchmark = json.loads((given.out / "benchmark.json").read_text(encoding="utf-8"))
+    text = report(scores, benchmark, more)
     if given.text:
         given.text.parent.mkdir(parents=True, exist_ok=True)
         given.text.write_text(text, encoding="utf-8")

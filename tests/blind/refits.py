@@ -1,0 +1,166 @@
+"""Baselines that refit the twin: a Gaussian process on what is left, and brute force.
+
+Both get the package's own alignment, noise model and simulators: what they lack is the decision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from gmfbo import FmuTwin, Recording
+from gmfbo.diagnosis.case import Case, dof
+from gmfbo.diagnosis.fitting import Fitted, fit
+from gmfbo.diagnosis.hypothesis import Hypothesis
+from gmfbo.diagnosis.library import candidates, untestable
+from gmfbo.diagnosis.misfit import chi2
+from gmfbo.diagnosis.opening import open_case, open_unseen
+from tests.blind.truth import SAMPLE
+
+Vector = NDArray[np.float64]
+
+_POINTS = 300
+_SCALES = (0.3, 1.0, 3.0)
+_NOISES = (0.03, 0.1, 0.3, 1.0)
+
+
+class Refits:
+    """A case opened on its training recordings and on one that is held out.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the case.
+    held_out : str
+        Name of the recording that is kept for the end.
+    """
+
+    def __init__(self, folder: Path, held_out: str) -> None:
+        self._twin = FmuTwin(folder / "twin.toml")
+        files = sorted(folder.glob("rec*.csv"))
+        read = {path.name: Recording.read(path, self._twin) for path in files}
+        unseen = read.pop(held_out)
+        self._runs = 0
+        self.case: Case = open_case(
+            self._twin, list(read.values()), seed=0, jobs=1, on_run=self._count
+        )
+        self.unseen = open_unseen(self.case, [unseen], seed=0, jobs=1)
+
+    def __enter__(self) -> Refits:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.case.simulations.close()
+        self.unseen.simulations.close()
+        self._twin.close()
+
+    def _count(self) -> None:
+        self._runs += 1
+
+    @property
+    def simulations(self) -> int:
+        """Runs of the twin on training recordings."""
+        return self._runs
+
+    def gp_ratio(self) -> float:
+        """Held-out error with a process on the residuals, over that without one.
+
+        Geometric mean over the signals. The process sees position, velocity and acceleration.
+        """
+        seen = [_states(record) for record in self.case.simulations.records]
+        new = _states(self.unseen.simulations.records[0])
+        mean, size = np.mean(np.vstack(seen), axis=0), np.std(np.vstack(seen), axis=0) + 1e-12
+        ratios = []
+        for i in range(len(self.unseen.simulations.records[0].signals)):
+            left = [residual[i] for residual in _residuals(self.case)]
+            rows = [_thinned(len(x)) for x in seen]
+            x = np.vstack([(s[k] - mean) / size for s, k in zip(seen, rows, strict=True)])
+            y = np.concatenate([r[k] for r, k in zip(left, rows, strict=True)])
+            pick = np.linspace(0, len(y) - 1, min(_POINTS, len(y))).astype(int)
+            target = _residuals(self.unseen)[0][i]
+            predicted = _predicted(x[pick], y[pick], (new - mean) / size)
+            ratios.append(_rms(target - predicted) / max(_rms(target), 1e-300))
+        return float(np.exp(np.mean(np.log(ratios))))
+
+    def brute_force(self) -> tuple[str, ...]:
+        """The effect whose fit has the best held-out BIC, if it beats the parameters alone."""
+        reasons = untestable(
+            self._twin.file,
+            self.case.setting.excitation,
+            has_inertia=self.case.setting.inertia is not None,
+            is_open=self.case.simulations.tracking is not None,
+        )
+        from gmfbo.physics import CATALOGUE
+
+        testable = [name for name in CATALOGUE if name not in reasons]
+        best, name = self._bic(self.case.base), ""
+        for candidate in candidates(testable, self.case.setting.excitation):
+            hypothesis = Hypothesis(self.case.setting, (candidate,))
+            fitted = fit(self.case.misfit, hypothesis, self.case.base.parameters)
+            score = np.inf if fitted is None else self._bic(fitted)
+            if score < best:
+                best, name = score, candidate.effect
+        return (name,) if name else ()
+
+    def _bic(self, fitted: Fitted) -> float:
+        """Held-out chi2 with ln(n) for each free parameter (Schwarz 1978)."""
+        runs = self.unseen.simulations.run_here(fitted.hypothesis.point(fitted.x))
+        if not all(run.finite for run in runs):
+            return float("inf")
+        price = len(fitted.x) * np.log(dof(self.unseen.misfit))
+        return float(chi2(self.unseen.misfit.residual(runs)) + price)
+
+
+def _residuals(case: Case) -> list[list[Vector]]:
+    """Recorded minus simulated [SI], by recording and signal."""
+    return [
+        [
+            np.nan_to_num(signal.values - values)
+            for signal, values in zip(record.signals, run.signals, strict=True)
+        ]
+        for record, run in zip(case.simulations.records, case.base.simulated, strict=True)
+    ]
+
+
+def _states(record: object) -> Vector:
+    """Position, velocity and acceleration of a recording, shape (rows, 3)."""
+    signals = {signal.name: signal.values for signal in record.signals}  # type: ignore[attr-defined]
+    q = signals["position"]
+    kernel = np.hanning(21) / np.hanning(21).sum()
+    smooth = np.convolve(np.pad(q, 10, mode="edge"), kernel, mode="valid")
+    v = np.gradient(smooth, SAMPLE)
+    return np.column_stack([smooth, v, np.gradient(v, SAMPLE)])
+
+
+def _thinned(rows: int) -> NDArray[np.int64]:
+    return np.arange(0, rows, max(1, rows // _POINTS))
+
+
+def _predicted(x: Vector, y: Vector, new: Vector) -> Vector:
+    """Mean of a Gaussian process; length and noise by the likelihood over a small grid."""
+    spread = float(np.std(y)) or 1.0
+    z = (y - np.mean(y)) / spread
+    best, kept = np.inf, (1.0, 1.0)
+    square = _squares(x, x)
+    for scale in _SCALES:
+        for noise in _NOISES:
+            factor = cho_factor(np.exp(-0.5 * square / scale**2) + noise**2 * np.eye(len(z)))
+            loss = float(z @ cho_solve(factor, z) + 2.0 * np.sum(np.log(np.diag(factor[0]))))
+            if loss < best:
+                best, kept = loss, (scale, noise)
+    scale, noise = kept
+    factor = cho_factor(np.exp(-0.5 * square / scale**2) + noise**2 * np.eye(len(z)))
+    across = np.exp(-0.5 * _squares(new, x) / scale**2)
+    return np.asarray(np.mean(y) + spread * across @ cho_solve(factor, z))
+
+
+def _squares(a: Vector, b: Vector) -> Vector:
+    return np.asarray(np.sum((a[:, None, :] - b[None, :, :]) ** 2, axis=2))
+
+
+def _rms(values: Vector | Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
