@@ -48,7 +48,7 @@ def diagnosis_page(diagnosis: Diagnosis) -> str:
         section("Does what is left still follow the reference?", residual_tests(diagnosis)),
         section("What to record next", *_next(diagnosis), name="next"),
         section("What could not be tested", untested_effects(diagnosis)),
-        section("What would have shown", detectable_sizes(diagnosis)),
+        section("What would have shown", detectable_sizes(diagnosis), name="shown"),
         section("Remarks", *(paragraph(note) for note in diagnosis.notes)),
         _data(diagnosis),
         _footer(diagnosis),

@@ -13,8 +13,10 @@ from gmfbo.reports.diagnosis_charts import STYLES, WORDS, before_and_after_panel
 from gmfbo.reports.html_page import paragraph, table
 from gmfbo.reports.marked_number import (
     marked_interval,
+    marked_number,
     marked_percent,
     marked_probability,
+    scale_for,
 )
 from gmfbo.reports.svg_chart import swatch
 
@@ -30,7 +32,13 @@ VERDICTS: Mapping[str, str] = {
 }
 """What each verdict is called on the page."""
 
-_HEADLINE = 230  # characters that a headline may have
+_HEADLINE = 290  # characters that a headline may have: three lines
+_QUANTITY = re.compile(
+    r"\d (?:%|(?:kg|[mµkM]?(?:N|rad|s|m|V|A|W|Hz))(?:[/\d][\w/()]*)?"
+    r"(?: (?:m|s)(?:[/\d][\w/()]*)?)*)"
+    r"(?=[\s,.;:)]|$)"
+)
+_ASSURING = ("coulomb_friction", "backlash", "transport_delay", "cogging_torque")
 _MODELS = ("nominal", "parameters_only", "augmented", "unnamed_spline", "noise_floor")
 _SWATCHES = {**STYLES, "unnamed_spline": "spline", "noise_floor": "floor"}
 
@@ -74,7 +82,8 @@ def _head(diagnosis: Diagnosis) -> str:
         f'<header><div class="top">{named}'
         f'<span class="badge {diagnosis.verdict}">{verdict}</span>'
         f"<span>evidence {diagnosis.evidence}: {enough}</span></div>"
-        f'<h1 id="verdict">{escape(unbroken(headline))}</h1>{paragraph(unbroken(rest), "lead")}</header>'
+        f'<h1 id="verdict">{escape(unbroken(headline))}</h1>'
+        f"{paragraph(unbroken(rest), 'lead')}</header>"
     )
 
 
@@ -86,7 +95,7 @@ def unbroken(text: str) -> str:
     text : str
         A sentence.
     """
-    return re.sub(r"(?<=\d) (?=%|[A-Za-zµ/]{1,4}[\d.,;: )])", "\u00a0", text)
+    return _QUANTITY.sub(lambda found: found[0].replace(" ", "\u00a0"), text)
 
 
 def split_sentence(sentence: str) -> tuple[str, str]:
@@ -104,7 +113,7 @@ def split_sentence(sentence: str) -> tuple[str, str]:
     """
     if len(sentence) <= _HEADLINE:
         return sentence, ""
-    ends = [found.end() - 1 for found in re.finditer(r"[.;] (?=[A-Za-z])", sentence)]
+    ends = [found.end() - 1 for found in re.finditer(r"[.] (?=[A-Z])", sentence)]
     fitting = [end for end in ends if end <= _HEADLINE] or ends[:1]
     if not fitting:
         return sentence, ""
@@ -142,12 +151,44 @@ def _key_facts(diagnosis: Diagnosis) -> str:
     if share is not None:
         removed = marked_percent(("fit", "explainable_error_removed"), share)
         facts.append(f"<b>{removed}</b> of the error that physics can explain is removed")
+    if not diagnosis.effects and diagnosis.shape is None:
+        facts += [*_moved_parameters(diagnosis), *_would_have_shown(diagnosis)]
     where = place_words(diagnosis)
     if where:
         facts.append(f'<b>Where</b> <a href="#where">{escape(where)}</a>')
     if diagnosis.next_experiment is not None:
         facts.append('<b>Next</b> <a href="#next">the recording that would tell more</a>')
     return f'<ul class="key">{"".join(f"<li>{fact}</li>" for fact in facts)}</ul>' if facts else ""
+
+
+def _moved_parameters(diagnosis: Diagnosis) -> list[str]:
+    """Parameters whose refitted interval leaves out the value in the twin."""
+    facts = []
+    for name, one in diagnosis.parameters.items():
+        if not one.identifiable or one.low <= one.nominal <= one.high:
+            continue
+        path = ("parameters", name)
+        shown = marked_interval(path, one.value, one.low, one.high, one.unit)
+        ends = (one.value, one.low, one.high)
+        factor = scale_for(max(abs(end) for end in ends), one.unit).factor
+        nominal = marked_number((*path, "nominal"), one.nominal, factor=factor, digits=4)
+        facts.append(f"<b>{escape(name)}</b> = {shown.text}, in the twin {nominal}")
+    return facts[:4]
+
+
+def _would_have_shown(diagnosis: Diagnosis) -> list[str]:
+    """Smallest sizes of a few common effects: what makes it believable that nothing is missing."""
+    sizes = []
+    for name in _ASSURING:
+        if name in diagnosis.detectable:
+            one = diagnosis.detectable[name]
+            scale = scale_for(one.size, one.unit, share=True)
+            path = ("detectable", name, one.parameter)
+            size = marked_number(path, one.size, factor=scale.factor, digits=2)
+            sizes.append(f"{escape(words(name))} from {size}\u00a0{escape(scale.unit)}")
+    if not sizes:
+        return []
+    return [f'<b>Would have shown</b>: {", ".join(sizes)}, <a href="#shown">and others</a>']
 
 
 def _effect_fact(place: int, effect: NamedEffect) -> str:

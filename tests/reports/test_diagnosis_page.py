@@ -16,6 +16,7 @@ from gmfbo.diagnosis.curve import Curve
 from gmfbo.diagnosis.named_effect import NotTestable, RivalShare
 from gmfbo.physics import CATALOGUE
 from gmfbo.reports.diagnosis_page import diagnosis_page
+from gmfbo.reports.first_screen import unbroken
 from gmfbo.reports.marked_number import json_path
 from tests.diagnosis.example_diagnoses import (
     FRICTION,
@@ -104,9 +105,29 @@ def test_the_headline_and_what_follows_it_are_the_verdict(made: Diagnosis) -> No
     headline = re.search(r'<h1 id="verdict">([^<]+)</h1>', page)
     rest = re.search(r'</h1><p class="lead">([^<]+)</p>', page)
     assert headline is not None
-    assert len(headline[1]) < 260
+    assert len(headline[1]) < 300
     told = [headline[1], rest and rest[1]]
     assert " ".join(filter(None, told)).replace("\xa0", " ") == made.sentence
+
+
+@pytest.mark.parametrize(
+    ("text", "whole"),
+    [
+        ("about 0.19 N m when", "0.19\u00a0N\u00a0m"),
+        ("is 0.0105 kg m2 instead", "0.0105\u00a0kg\u00a0m2"),
+        ("up to 0.4 N m/rad, at", "0.4\u00a0N\u00a0m/rad"),
+        ("from 6.8 % to", "6.8\u00a0%"),
+        ("it moves 3 times", "3 times"),
+    ],
+)
+def test_a_number_stays_on_the_line_of_its_unit(text: str, whole: str) -> None:
+    assert whole in unbroken(text)
+    assert unbroken(text).replace("\u00a0", " ") == text
+
+
+def test_a_verdict_that_nothing_is_missing_says_what_would_have_shown() -> None:
+    page = diagnosis_page(nothing())
+    assert re.search(r"<b>Would have shown</b>: backlash from <data [^>]+>810</data>\xa0µrad", page)
 
 
 def evil() -> Diagnosis:

@@ -1,0 +1,143 @@
+"""A Chromium without a window that opens a page and tells what came of it."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+NO_BROWSER = (
+    "no Chromium found: put one on PATH ('apt-get install chromium') or its path into GMFBO_BROWSER"
+)
+# Nothing but the file may be reached: names resolve to nothing, and addresses to a closed port.
+_OFFLINE = ("--host-resolver-rules=MAP * ~NOTFOUND", "--proxy-server=127.0.0.1:9")
+_QUIET = (
+    "--headless",
+    "--disable-gpu",
+    "--disable-quic",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--no-first-run",
+    "--hide-scrollbars",
+)
+_LISTEN = """<script>
+window.complaints = [];
+addEventListener("error", (event) => complaints.push(String(event.message)));
+const console_error = console.error;
+console.error = (...words) => { complaints.push(words.join(" ")); console_error(...words); };
+</script>"""
+_TELL = """<script>
+addEventListener("load", () => {
+  const box = (name) => {
+    const found = document.querySelector(name);
+    if (!found) return null;
+    const r = found.getBoundingClientRect();
+    return [r.left, r.top, r.right, r.bottom];
+  };
+  let told;
+  try { told = (() => { %s })(); } catch (error) { complaints.push(String(error)); }
+  const loaded = performance.getEntriesByType("resource").map((one) => one.name);
+  const answer = document.createElement("pre");
+  answer.id = "answer";
+  answer.textContent = JSON.stringify({told, loaded, complaints});
+  document.body.replaceChildren(answer);
+});
+</script>"""
+
+
+@dataclass(frozen=True)
+class Browser:
+    """A Chromium of this machine.
+
+    Attributes
+    ----------
+    path : Path
+        Its program.
+    folder : Path
+        For its profile and the pages that it opens.
+    """
+
+    path: Path
+    folder: Path
+
+    def ask(self, page: str, question: str, wide: int, high: int) -> dict[str, Any]:
+        """Open a page and run a function body on it.
+
+        Parameters
+        ----------
+        page : str
+            HTML.
+        question : str
+            JavaScript that returns something; `box(selector)` gives left, top, right and bottom.
+        wide, high : int
+            [px] Size of the screen.
+
+        Returns
+        -------
+        dict
+            `told` is what the question returned, `loaded` what was fetched, and `complaints` are
+            errors of the page.
+        """
+        asked = page.replace("<head>", f"<head>{_LISTEN}", 1)
+        asked = asked.replace("</body>", _TELL.replace("%s", question) + "</body>")
+        done = self._run(asked, wide, high, "--dump-dom", "--enable-logging=stderr")
+        found = re.search(r'<pre id="answer">(.*?)</pre>', done.stdout, re.DOTALL)
+        assert found is not None, done.stderr[-2000:]
+        answer: dict[str, Any] = json.loads(html.unescape(found[1]))
+        answer["complaints"] += re.findall(r"CONSOLE\S* (.*)", done.stderr)
+        return answer
+
+    def picture(self, page: str, wide: int, high: int, *options: str) -> bytes:
+        """Take a screenshot.
+
+        Parameters
+        ----------
+        page : str
+            HTML.
+        wide, high : int
+            [px] Size of the screen.
+        *options : str
+            Of the browser.
+
+        Returns
+        -------
+        bytes
+            PNG.
+        """
+        target = self.folder / "screen.png"
+        target.unlink(missing_ok=True)
+        self._run(page, wide, high, f"--screenshot={target}", *options)
+        return target.read_bytes()
+
+    def _run(
+        self, page: str, wide: int, high: int, *options: str
+    ) -> subprocess.CompletedProcess[str]:
+        opened = self.folder / "page.html"
+        opened.write_text(page, encoding="utf-8")
+        # A sandbox of its own is refused to root and in most containers; the page is ours.
+        command = [str(self.path), *_QUIET, *_OFFLINE, "--no-sandbox"]
+        command += [f"--user-data-dir={self.folder / 'profile'}", f"--window-size={wide},{high}"]
+        return subprocess.run(
+            [*command, *options, opened.as_uri()],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=90,
+            check=True,
+        )
+
+
+def browser_path() -> Path | None:
+    """The Chromium that GMFBO_BROWSER names, else one on PATH; None without one."""
+    named = os.environ.get("GMFBO_BROWSER")
+    found = shutil.which(named) if named else next(filter(None, map(shutil.which, NAMES)), None)
+    return Path(found) if found else None
