@@ -104,7 +104,7 @@ class Confirmation:
     def removed(self) -> float:
         """Share of what the parameters alone leave that the best explains; NaN where none is."""
         plain = next((p for p in self.predictions if p.name == PARAMETERS_ONLY), None)
-        if plain is None or plain.per_residual <= 1.0:
+        if plain is None or plain is self.best or plain.per_residual <= 1.0:
             return math.nan
         return (plain.per_residual - self.best.per_residual) / (plain.per_residual - 1.0)
 
@@ -132,8 +132,8 @@ class Confirmation:
         if self.outcome == "none":
             return (
                 f"{self.recording} supports none of them: the nearest, {name}, leaves {left}, "
-                f"where {number(self.expected)} was left of the recordings of the diagnosis. Diagnose again with "
-                "this recording among the others."
+                f"where {number(self.expected)} was left of the recordings of the diagnosis. "
+                "Diagnose again with this recording among the others."
             )
         if self.outcome == "cannot_tell":
             together = " and ".join(said(p.name) for p in self.alike)
