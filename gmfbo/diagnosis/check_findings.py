@@ -18,7 +18,7 @@ from gmfbo.diagnosis.column_quality import clipped_rows, is_latched
 from gmfbo.diagnosis.command_signal import command_of
 from gmfbo.diagnosis.nuisances import SHIFT_SHARE, Alignment
 from gmfbo.diagnosis.parity import FAILS_ABOVE
-from gmfbo.diagnosis.plain_words import number, percent, quantity, words
+from gmfbo.diagnosis.plain_words import number, percent, quantity
 from gmfbo.diagnosis.seen_alignment import ControllerView, Culprit
 
 _LEAST_REPEATS = 3
@@ -26,11 +26,12 @@ _REPEATED_SHARE = 1e-3
 _BLANK_SHARE = 1e-3
 _CLIPPED_SHARE = 3e-3
 _JITTER = 0.05  # of a step; recordings that jitter by more than twice that are not read
-_COARSE = math.sqrt(12.0)  # quanta: rounding is as large as what the diagnosis tolerates
+_COARSE = 3.0 * math.sqrt(12.0)  # quanta: rounding is three times what the diagnosis tolerates
 _FARTHEST = 1.5  # standard deviations of a nuisance's prior, above which an error is told
 _SHIFT = 0.5  # of a sample, and
-_BY_CONTROLLER = 0.8  # of the residual, which a single error of a column has to explain
+_BY_CONTROLLER = (0.9, 0.95)  # of the residual, explained by a single error: down to noise, or not
 _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
+_GAIN = 0.02  # share of a gain, above which it is told
 _SHIFT_BY_TWIN = 2.0  # samples
 _SCALE_BY_TWIN = 0.02
 _OFFSET_BY_TWIN = 0.01  # of the range
@@ -45,6 +46,7 @@ _ORDER = (
     "shifted_column",
     "scaled_column",
     "offset_column",
+    "controller_gain",
     "controller_parity",
     "clipped_column",
     "no_reversal",
@@ -228,14 +230,15 @@ def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]
     if view.excess <= FAILS_ABOVE:
         return []
     best = view.culprits[0]
-    if best.explained >= _BY_CONTROLLER:
+    to_noise = (1.0 - best.explained) * view.excess <= FAILS_ABOVE
+    is_alone = best.explained >= _BY_CONTROLLER[0 if to_noise else 1]
+    if is_alone and best.kind == "gain":
+        return [_of_gain(name, best)] if abs(best.size) > _GAIN else []
+    if is_alone:
         prior = case.rig.alignments[best.signal]
         if not _is_far(best, prior, _sample(case, best.signal)):
             return []
         return [_of_culprit(name, best, _unit(case, best.signal), "the controller's command")]
-    seen = view.command
-    if seen.explained >= _BY_CONTROLLER and abs(seen.scale - 1.0) < _FARTHEST * 0.02:
-        return []
     return [
         Finding(
             "controller_parity",
@@ -246,6 +249,17 @@ def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]
             "check gains, filters and limits of the controller against the drive's",
         )
     ]
+
+
+def _of_gain(name: str, culprit: Culprit) -> Finding:
+    return Finding(
+        "controller_gain",
+        name,
+        culprit.signal,
+        f"was {number(1.0 + culprit.size)} times the value in force, as the controller's command "
+        "shows",
+        f"state the gain that the drive had: a line # {culprit.signal} = VALUE in the recording",
+    )
 
 
 def _by_twin(case: Case, name: str, signal: str, seen: SeenAlignment) -> list[Finding]:
@@ -325,9 +339,3 @@ def _sample(case: Case, signal: str) -> float:
 def _unit(case: Case, signal: str) -> str:
     variable = case.twin.file.outputs[signal].variable
     return case.twin.binding.variables[variable].variable.si_unit
-
-
-def title(finding: Finding) -> str:
-    """Where it is wrong: "run0.csv, torque command"."""
-    parts = [finding.recording, words(finding.signal)]
-    return ", ".join(part for part in parts if part) or "all recordings"

@@ -7,11 +7,11 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.check_findings import title
+from gmfbo.diagnosis.parity import FAILS_ABOVE
 from gmfbo.diagnosis.plain_words import number, percent, quantity, unit_words, words
 
 if TYPE_CHECKING:
-    from gmfbo.diagnosis.check_result import Check, RecordingFacts, ResponseSeen, Showable
+    from gmfbo.diagnosis.check_result import Check, Finding, RecordingFacts, ResponseSeen, Showable
 
 WIDTH = 79
 
@@ -61,18 +61,37 @@ def check_lines(check: Check, *, every: bool = False) -> list[str]:
 
 
 def _findings(check: Check, every: bool) -> list[str]:
-    count, files = len(check.findings), len(check.recordings)
+    files = len(check.recordings)
     runs = f"{files} recording{'s' if files != 1 else ''}"
-    if not count:
-        return [f"{check.twin}: {runs}, nothing wrong with them was seen"]
-    lines = [f"{check.twin}: {runs}, {count} thing{'s' if count != 1 else ''} to look at"]
-    shown = check.findings if every else check.findings[:_MOST_FINDINGS]
-    for finding in shown:
-        lines += _wrapped("! ", f"{title(finding)}: {finding.what}")
-        lines += _wrapped("  -> ", finding.cure)
-    if count > len(shown):
-        lines.append(f"  and {count - len(shown)} more: --all")
+    alike = _alike(check.findings)
+    if not alike:
+        which = "it" if files == 1 else "them"
+        return [f"{check.twin}: {runs}, nothing wrong with {which} was seen"]
+    lines = [f"{check.twin}: {runs}, {len(alike)} thing{'s' if len(alike) != 1 else ''} to look at"]
+    shown = alike if every else alike[:_MOST_FINDINGS]
+    for group in shown:
+        lines += _wrapped("! ", f"{_title(group)}: {group[0].what}")
+        lines += _wrapped("  -> ", group[0].cure)
+    if len(alike) > len(shown):
+        lines.append(f"  and {len(alike) - len(shown)} more: --all")
     return lines
+
+
+def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Findings of one kind and column, over the recordings."""
+    groups: dict[tuple[str, str], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault((finding.kind, finding.signal), []).append(finding)
+    return list(groups.values())
+
+
+def _title(group: Sequence[Finding]) -> str:
+    """Where it is wrong: "run0.csv and 2 more, torque command"."""
+    first = group[0]
+    others = len({finding.recording for finding in group}) - 1
+    place = f"{first.recording} and {others} more" if others else first.recording
+    parts = [part for part in (place, words(first.signal)) if part]
+    return ", ".join(parts) or "all recordings"
 
 
 def _wrapped(head: str, text: str) -> list[str]:
@@ -115,7 +134,7 @@ def _recordings(check: Check) -> list[str]:
             (
                 _cut(name, 16),
                 f"{number(facts.duration)} s",
-                f"{number(facts.bandwidth, 2)} Hz",
+                f"{_hertz(facts.bandwidth)} Hz",
                 str(facts.reversals),
                 _range(facts.position),
                 _range(facts.speed),
@@ -123,6 +142,10 @@ def _recordings(check: Check) -> list[str]:
             )
         )
     return _table(rows)
+
+
+def _hertz(frequency: float) -> str:
+    return f"{frequency:.0f}" if frequency >= 10.0 else number(frequency, 2)
 
 
 def _range(ends: tuple[float, float]) -> str:
@@ -136,7 +159,7 @@ def _rows(facts: RecordingFacts) -> str:
 
 def _columns(check: Check) -> list[str]:
     """Columns that the twin is compared with: the coarsest, and the farthest off, of all files."""
-    rows = [("column", "resolution", "noise", "peak", "late", "scale", "logged")]
+    rows = [("column", "resolution", "noise", "peak", "late ms", "scale", "logged")]
     names = dict.fromkeys(n for f in check.recordings.values() for n in f.alignment)
     for name in names:
         facts = [f for f in check.recordings.values() if name in f.alignment and name in f.columns]
@@ -153,7 +176,7 @@ def _columns(check: Check) -> list[str]:
                 quantity(quantum, own[0].unit, 2) if quantum else "continuous",
                 quantity(max(c.noise for c in own), own[0].unit, 2),
                 _peak(max((max(abs(c.low), abs(c.high)), c.limit, c.unit) for c in own)),
-                f"{1e3 * late:.2f} ms" if math.isfinite(late) else "-",
+                f"{round(1e3 * late, 2) + 0.0:.2f}" if math.isfinite(late) else "-",
                 f"{scale:.3f}" if math.isfinite(scale) else "-",
                 check.logged.get(name, ""),
             )
@@ -172,8 +195,10 @@ def _controller(check: Check) -> list[str]:
     if check.parity_why_not:
         return _wrapped("controller: ", f"not checked: {check.parity_why_not}")
     worst = max(facts.parity for facts in check.recordings.values())
-    word = "computes what was recorded" if worst <= 3.0 else "does not compute what was recorded"
-    return [f"controller: {word}, mean square {worst:.2f} (1 is noise, fails above 3)"]
+    word = "computes" if worst <= FAILS_ABOVE else "does not compute"
+    shown = f"{worst:.0f}" if worst >= 10.0 else f"{worst:.2f}"
+    excess = f"mean square {shown}, fails above {FAILS_ABOVE:g}"
+    return [f"controller: {word} what was recorded ({excess})"]
 
 
 def _responses(check: Check) -> list[str]:
@@ -190,10 +215,10 @@ def _response(one: ResponseSeen) -> str:
     low, high = one.trusted
     if not math.isfinite(high):
         return "the response cannot be trusted at any frequency"
-    band = f"trusted from {number(low, 2)} to {number(high, 2)} Hz, twin "
+    band = f"trusted from {_hertz(low)} to {_hertz(high)} Hz, twin "
     if not one.apart:
         return f"{band}agrees within noise"
-    return f"{band}{percent(one.apart)} apart at {number(one.apart_at, 2)} Hz"
+    return f"{band}{percent(one.apart)} apart at {_hertz(one.apart_at)} Hz"
 
 
 def _sizes(check: Check, every: bool) -> list[str]:

@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from gmfbo.diagnosis.records import resolution
+
 Array = NDArray[np.float64]
 
 _AROUND = 11  # rows by which the usual step beside a row is told
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
+_CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
 _LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
 _REST_ROWS = 50  # a value that stays longer is rest, not a latch
 _CLIPPED_ROWS = 3  # of a stretch at the extreme value
@@ -60,12 +63,27 @@ def repeated_rows(values: Array, quantum: float) -> NDArray[np.int64]:
         Resolution; 0 for continuous values.
     """
     steps = np.abs(np.diff(values))
+    quantum = quantum or _finest_quantum(steps)
     usual = median_filter(steps, _AROUND, mode="nearest")
     inside = (values[1:] < values.max()) & (values[1:] > values.min())
-    # Two repeats of a moving signal's turning point are its resolution, not a fault.
-    least = max(_QUANTA * quantum, 1e-9 * float(np.ptp(values)))
-    rows: NDArray[np.int64] = np.flatnonzero((steps == 0.0) & (usual > least) & inside) + 1
+    moving = (usual > _QUANTA * quantum) & inside
+    rows: NDArray[np.int64] = np.flatnonzero((steps == 0.0) & moving) + 1
+    if quantum:
+        # Rounding gives a step of zero about half as often as one of a quantum up or down.
+        ones = np.count_nonzero(moving & (np.abs(steps / quantum - 1.0) < 0.5))
+        if rows.size <= 0.5 * ones + _CHANCE * np.sqrt(ones + 1.0):
+            return np.zeros(0, dtype=np.int64)
     return rows
+
+
+def _finest_quantum(steps: Array) -> float:
+    """Smallest step, if most others are multiples of it; 0 otherwise."""
+    moving = steps[steps > 0.0]
+    if moving.size < 10:
+        return 0.0
+    shares = moving / moving.min()
+    whole = np.abs(shares - np.round(shares)) < 0.05
+    return float(moving.min()) if whole.mean() > 0.9 else 0.0
 
 
 def is_latched(refresh: float) -> bool:
@@ -90,7 +108,8 @@ def clipped_rows(values: Array, quantum: float) -> int:
         edges = np.flatnonzero(np.diff(at.astype(int)))
         for start, end in zip(edges[::2], edges[1::2], strict=True):
             long_enough = end - start >= _CLIPPED_ROWS
-            if long_enough and start > 0 and side[start] - side[start - 1] > entry:
+            # The last step is cut short by the limit; the one before it is whole.
+            if long_enough and start > 1 and np.diff(side[start - 2 : start + 1]).max() > entry:
                 total += int(end - start)
     return total
 
@@ -132,7 +151,8 @@ def _steps(values: Array) -> _Steps:
     padded = np.pad(steps, 2, mode="edge")
     usual = np.median(np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]]), axis=0)
     excess = np.abs(steps - usual)
-    least = _JUMP_SHARE * float(np.quantile(np.abs(steps), 0.95))
+    quanta = _QUANTA * resolution(values)
+    least = max(_JUMP_SHARE * float(np.quantile(np.abs(steps), 0.95)), quanta)
     spread = 1.4826 * float(np.median(excess))
     ratio = np.divide(steps, usual, out=np.zeros(steps.size), where=usual != 0.0)
     # A step after a repeat catches up: no row was lost.

@@ -8,7 +8,7 @@ measurement is the column that is off, for the controller answers to that in ano
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from gmfbo.diagnosis.command_signal import command_of
 from gmfbo.diagnosis.held_twin import HeldTwin, hold
 from gmfbo.diagnosis.holding_out import rows_of
 from gmfbo.diagnosis.parities import Parities
-from gmfbo.diagnosis.parity import block_means
+from gmfbo.diagnosis.parity import FAILS_ABOVE, block_means
 from gmfbo.diagnosis.records import ScoredSignal
 
 Array = NDArray[np.float64]
@@ -32,14 +32,14 @@ _SMALL = 0.01  # change of scale, and of the range, by which the controller's an
 
 @dataclass(frozen=True)
 class Culprit:
-    """One error of one column, taken as the only one, that explains the controller's residual.
+    """One error of a column or of a gain that alone explains the controller's residual.
 
     Attributes
     ----------
     signal, kind : str
-        Which column, and one of `shift`, `scale`, `offset`.
+        Which column, and one of `shift`, `scale`, `offset`; or which gain, and `gain`.
     size : float
-        [s], share of the values, or [SI].
+        [s], share of the values, or [SI]; of a gain the share of it.
     explained : float
         Share of the squared residual that it takes away.
     """
@@ -139,8 +139,40 @@ def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
     for k, response in enumerate(computed):
         expected = (response.new if which == "new" else response.held)[command]
         answers = _answers(case, twin, k, expected, which, command)
-        views.append(_view(case, k, command, expected, answers, noise))
+        view = _view(case, k, command, expected, answers, noise)
+        if view.excess > FAILS_ABOVE:
+            view = _with_gains(case, twin, k, (command, which, expected), view)
+        views.append(view)
     return views
+
+
+def _with_gains(
+    case: Case, twin: HeldTwin, k: int, told: tuple[str, str, Array], view: ControllerView
+) -> ControllerView:
+    """Add each gain of the controller to what may be wrong: its file may state another one."""
+    command, which, expected = told
+    residual, means = _residual(case, k, command, expected)
+    before = float(np.mean(residual**2))
+    point = case.base.hypothesis.point(case.base.x)
+    in_force = case.simulations.records[k].plan.experiment.parameters.in_force
+    measured = twin.recorded(k)
+    culprits = list(view.culprits)
+    for name in case.twin.file.gains:
+        value = float(in_force.get(name, case.twin.binding.nominal(name)))
+        if not value:
+            continue
+        changed = replace(point, parameters={**point.parameters, name: (1.0 + _SMALL) * value})
+        run = case.simulations.run_parity(changed, k, twin.settings, measured)
+        if run.outcome.status != "ok":
+            continue
+        answer = means((run.new if which == "new" else run.held)[command] - expected)
+        size, left = _alone(residual, answer)
+        culprits.append(Culprit(name, "gain", _SMALL * size, _explained(before, left)))
+    return replace(view, culprits=_ordered(culprits))
+
+
+def _ordered(culprits: Sequence[Culprit]) -> tuple[Culprit, ...]:
+    return tuple(sorted(culprits, key=lambda culprit: -culprit.explained))
 
 
 def _answers(
@@ -174,17 +206,9 @@ def _view(
     answers: dict[str, tuple[float, Array]],
     noise: float,
 ) -> ControllerView:
-    record = case.simulations.records[k]
-    grid = record.plan.grid
-    signal = next(s for s in record.signals if s.name == command)
-    recorded = np.interp(grid, signal.time, signal.values)
-    inside = (grid >= signal.time[0] - 1e-9) & (grid <= signal.time[-1] + 1e-9)
-
-    def means(column: Array) -> Array:
-        return block_means(grid, np.where(inside, column, np.nan))[1]
-
-    residual = means(recorded - expected)
-    own = _aligned(grid, recorded, expected, means)
+    residual, means = _residual(case, k, command, expected)
+    grid = case.simulations.records[k].plan.grid
+    own = _aligned(grid, _recorded(case, k, command), expected, means)
     before = float(np.mean(residual**2))
     culprits = [
         Culprit(command, kind, size, _explained(before, left))
@@ -199,8 +223,28 @@ def _view(
     seen = SeenAlignment(
         "controller", own.shift, own.scale, own.offset, _explained(before, own.left)
     )
-    order = tuple(sorted(culprits, key=lambda culprit: -culprit.explained))
-    return ControllerView(before / noise**2, seen, _measured(residual, answers, means), order)
+    position = _measured(residual, answers, means)
+    return ControllerView(before / noise**2, seen, position, _ordered(culprits))
+
+
+def _recorded(case: Case, k: int, command: str) -> Array:
+    record = case.simulations.records[k]
+    signal = next(s for s in record.signals if s.name == command)
+    return np.asarray(np.interp(record.plan.grid, signal.time, signal.values), dtype=np.float64)
+
+
+def _residual(
+    case: Case, k: int, command: str, expected: Array
+) -> tuple[Array, Callable[[Array], Array]]:
+    """Means of blocks of what was recorded less what was computed, and who takes such means."""
+    record = case.simulations.records[k]
+    grid = record.plan.grid
+    inside = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
+
+    def means(column: Array) -> Array:
+        return block_means(grid, np.where(inside, column, np.nan))[1]
+
+    return means(_recorded(case, k, command) - expected), means
 
 
 def _measured(

@@ -1,0 +1,67 @@
+"""Sizes that would show are those of a diagnosis, and add up over recordings."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from gmfbo import check, diagnose
+from gmfbo.diagnosis import Check
+from gmfbo.recordings.recording import Recording
+from tests.diagnosis.short_recordings import Axis, multisine
+
+NULL = Axis(truth={"inertia": 0.01, "viscous": 0.05})
+
+
+@pytest.fixture(scope="module")
+def recordings() -> list[Recording]:
+    return NULL.recordings({})
+
+
+@pytest.fixture(scope="module")
+def seen(recordings: list[Recording]) -> Check:
+    return check(NULL.twin(), recordings)
+
+
+def test_they_agree_with_what_a_diagnosis_reports_as_detectable(
+    seen: Check, recordings: list[Recording]
+) -> None:
+    diagnosis = diagnose(NULL.twin(), recordings)
+    assert diagnosis.verdict == "none"
+    assert set(seen.showable) == set(diagnosis.detectable)
+    for name, size in diagnosis.detectable.items():
+        assert seen.showable[name].parameter == size.parameter
+        assert seen.showable[name].unit == size.unit
+        assert 1 / 1.5 < seen.showable[name].together / size.size < 1.5, name
+    silent = {entry.name for entry in seen.not_testable}
+    assert silent == {entry.name for entry in diagnosis.not_testable}
+
+
+def test_all_recordings_together_show_at_least_what_each_shows_alone(seen: Check) -> None:
+    for size in seen.showable.values():
+        assert size.together >= size.floor
+        assert all(size.together <= alone * (1.0 + 1e-9) for alone in size.alone.values())
+
+
+def test_twice_the_recordings_show_what_is_smaller_by_the_root_of_two() -> None:
+    # As long as this, recordings are cut into windows of one length, however many they are.
+    drawn = [NULL.recordings({}, (multisine,), seconds=2.6, seed=k)[0] for k in range(4)]
+    two, four = check(NULL.twin(), drawn[:2]), check(NULL.twin(), drawn)
+    ratios = [
+        two.showable[name].together / four.showable[name].together
+        for name in ("coulomb_friction", "gravity_torque", "constant_torque_offset")
+    ]
+    assert ratios == pytest.approx([math.sqrt(2.0)] * 3, rel=0.15)
+
+
+def test_the_json_holds_every_number_and_null_for_none(seen: Check) -> None:
+    content = json.loads(seen.to_json())
+    assert content["schema"] == 1
+    size = content["showable"]["coulomb_friction"]
+    assert size["together"] == seen.showable["coulomb_friction"].together
+    assert size["alone"]["rec0.csv"] == seen.showable["coulomb_friction"].alone["rec0.csv"]
+    assert content["recordings"]["rec0.csv"]["columns"]["position"]["steps"] is None
+    response = next(r for r in content["responses"] if r["signal"] == "position")
+    assert len(response["frequency"]) == len(response["gain"]) == len(response["coherence"])

@@ -1,0 +1,97 @@
+"""The response from the reference is that of the system, with a bound where noise ends it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import dfreqresp, dlsim, freqz, lfilter
+
+from gmfbo.diagnosis.empirical_response import Response, empirical_response
+
+STEP = 1e-3
+B, A = [0.02, 0.01], [1.0, -1.6, 0.65]
+System = tuple[list[float], list[float], float]
+
+
+def reference(seed: int, rows: int = 6000) -> NDArray[np.float64]:
+    return np.asarray(np.random.default_rng(seed).standard_normal(rows))
+
+
+def mean_error(response: Response, system: System) -> float:
+    """Of the estimate from 20 to 200 Hz, where scatter averages out."""
+    chosen = (response.frequency > 20.0) & (response.frequency < 200.0)
+    _, exact = dfreqresp(system, 2.0 * np.pi * response.frequency[chosen] * STEP)
+    return float(abs(np.mean(response.value[chosen] / exact) - 1.0))
+
+
+def test_a_known_filter_is_found_at_every_frequency() -> None:
+    sources = [reference(seed) for seed in range(8)]
+    response = empirical_response(sources, [lfilter(B, A, x) for x in sources], STEP)
+    assert response is not None
+    _, exact = freqz(B, A, worN=response.frequency, fs=1.0 / STEP)
+    inner = slice(2, -2)
+    error = np.abs(response.value[inner] / exact[inner] - 1.0)
+    assert error.max() < 0.05
+    assert response.trusted[1] > 0.45 / STEP
+
+
+def test_noise_in_the_loop_does_not_bias_the_response_from_the_reference() -> None:
+    """Plant z^-1 b / (1 - a z^-1) under u = k (r - y - n): from u to y the estimate is biased."""
+    a, b, k = 0.9, 0.1, 4.0
+    rng = np.random.default_rng(3)
+    sources, commands, outputs = [], [], []
+    for _ in range(12):
+        r, n = rng.standard_normal((2, 6000))
+        loop = ([k * b], [1.0, k * b - a], 1.0)
+        y = dlsim(loop, r - 2.0 * n)[1][:, 0]
+        sources.append(r)
+        outputs.append(y + 2.0 * n)
+        commands.append(k * (r - y - 2.0 * n))
+    through = empirical_response(sources, outputs, STEP)
+    direct = empirical_response(commands, outputs, STEP)
+    assert through is not None
+    assert direct is not None
+    closed: System = ([k * b], [1.0, k * b - a], 1.0)
+    plant: System = ([b], [1.0, -a], 1.0)
+    unbiased, biased = mean_error(through, closed), mean_error(direct, plant)
+    assert unbiased < 0.1
+    assert biased > 0.5
+
+
+def test_the_stated_error_is_that_of_repeated_estimates() -> None:
+    rng = np.random.default_rng(0)
+    found, stated = [], []
+    for _ in range(60):
+        x = rng.standard_normal(3000)
+        y = lfilter(B, A, x) + 0.05 * rng.standard_normal(3000)
+        response = empirical_response([x], [y], STEP)
+        assert response is not None
+        found.append(np.abs(response.value[5:60]))
+        stated.append(response.error[5:60])
+    spread = np.std(found, axis=0) / np.mean(found, axis=0)
+    assert 0.5 < float(np.median(spread / np.median(stated, axis=0))) < 2.0
+
+
+def test_it_is_trusted_up_to_where_noise_drowns_the_signal() -> None:
+    rng = np.random.default_rng(1)
+    slow = [lfilter([0.06], [1.0, -0.94], reference(seed)) for seed in range(8)]
+    noisy = [x + 0.02 * rng.standard_normal(x.size) for x in slow]
+    louder = [x + 0.2 * rng.standard_normal(x.size) for x in slow]
+    quiet, loud = (empirical_response(slow, ys, STEP) for ys in (noisy, louder))
+    assert quiet is not None
+    assert loud is not None
+    # First-order low pass: 10 times the noise is reached at a tenth of the frequency.
+    assert quiet.trusted[1] / loud.trusted[1] == pytest.approx(10.0, rel=0.5)
+
+
+def test_nothing_is_said_where_nothing_moves_or_too_little_was_recorded() -> None:
+    assert empirical_response([np.zeros(3000)], [reference(0, 3000)], STEP) is None
+    assert empirical_response([reference(0, 60)], [reference(1, 60)], STEP) is None
+
+
+def test_unrelated_signals_are_not_trusted_over_any_band() -> None:
+    sources = [reference(seed) for seed in range(8)]
+    response = empirical_response(sources, [reference(seed + 100) for seed in range(8)], STEP)
+    assert response is not None
+    assert all(np.isnan(end) for end in response.trusted)
