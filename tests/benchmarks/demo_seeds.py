@@ -49,7 +49,8 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="the first one")
     given = parser.parse_args()
     command = f"python tests/benchmarks/demo_seeds.py --seeds {given.seeds} --first {given.first}"
-    print(f"$ {command}\n({len(os.sched_getaffinity(0))} cores, shared with other work)\n")
+    cores = len(os.sched_getaffinity(0))
+    print(f"$ {command}\n(seconds are of the diagnosis alone, on {cores} cores)\n")
     print("seed  hidden                  found (/ cannot be told from)               ", end="")
     print("mark              runs  s       sizes: hidden, found")
     marks: Counter[str] = Counter()
