@@ -37,13 +37,15 @@ class Prediction:
     name : str
         Of the explanation.
     chi2 : float
-        Whitened sum of squares of the part that no nuisance was fitted to, dimensionless.
+        Whitened sum of squares of the part that no nuisance was fitted to, and of the nuisances
+        in standard deviations of their priors, dimensionless.
     per_residual : float
         The same for each whitened residual: about one where the prediction is right.
     fitted : float
         The same on the recordings that it was fitted to.
     nrmse : mapping of str to float
-        By signal: RMS error over the range of what was observed, on the same part.
+        By signal: RMS error over the range of what was observed, on the same part; nothing is
+        aligned in it.
     """
 
     name: str

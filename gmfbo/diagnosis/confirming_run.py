@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.budget import loop_covariance, tolerance_covariance, white_covariance
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.confirmation import Confirmation, Prediction
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.explained_twin import check_known, points_of
+from gmfbo.diagnosis.menu_runs import Menu, playing
 from gmfbo.diagnosis.nuisances import Direction, actuator_directions, record_directions
 from gmfbo.diagnosis.opening import open_case
 from gmfbo.diagnosis.predictions import Explanation, Predictions
 from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.simulations import Point, Simulated
-from gmfbo.diagnosis.whitening import Whitener, Window
+from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
 from gmfbo.errors import InputError, SimulationError
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
@@ -36,7 +38,8 @@ def confirm_with(
     """Hold what each explanation predicts against a recording; no physics is refitted.
 
     Clock, scales, zeros and the actuator's small lag and gain, which every rig is off by, are
-    fitted for each explanation to stretches within the first third; the rest is scored.
+    fitted for each explanation to stretches within the first third; the rest is scored, with the
+    uncertainty that they leave.
 
     Parameters
     ----------
@@ -70,7 +73,7 @@ def confirm_with(
         check_known(explanation, twin)
     case = _opened(twin, told, recording, seed, jobs)
     try:
-        return _Judge(case, told).confirmation(recording.name or "the recording")
+        return _Judge(case, twin, told).confirmation(recording.name or "the recording")
     finally:
         case.simulations.close()
 
@@ -88,14 +91,20 @@ def _opened(
 class _Judge:
     """Scores explanations on one recording by one budget."""
 
-    def __init__(self, case: Case, told: Predictions) -> None:
-        self.case, self.told = case, told
+    def __init__(self, case: Case, twin: FmuTwin, told: Predictions) -> None:
+        self.case, self.twin, self.told = case, twin, told
         self.record: Record = case.simulations.records[0]
         self.first, self.rest = _parts(case)
 
     def confirmation(self, name: str) -> Confirmation:
         case = self.case
-        points = points_of(self.told.explanations, case.setting, case.twin)
+        points = points_of(self.told.explanations, case.setting, self.twin)
+        # A prediction knows nothing of the noise that came: all of it is in the budget.
+        with playing(case, Menu((), (), (self.record,))):
+            return self._judged(name, points)
+
+    def _judged(self, name: str, points: Mapping[str, Point]) -> Confirmation:
+        case = self.case
         runs = case.simulations.run(list(points.values()))
         found = [
             (explanation, point, run)
@@ -126,16 +135,10 @@ class _Judge:
             for signal, values in zip(self.record.signals, run[0].signals, strict=True)
         ]
         directions = self._directions(point, run)
-        sizes = _fitted(self.first, columns, directions)
-        left = [
-            column - np.tensordot(sizes, np.array([d[i] for d in directions]), axes=1)
-            for i, column in enumerate(columns)
-        ]
-        blocks = [whitener.whiten(left) for whitener in self.rest]
-        chi2 = float(sum(np.sum(block**2) for block in blocks))
-        count = sum(block.size for block in blocks)
+        chi2 = _predictive(self.first, self.rest, columns, directions)
+        count = sum(whitener.n_residuals for whitener in self.rest)
         nrmse = {
-            signal.name: _nrmse(signal.values, left[i], [w.window.rows[i] for w in self.rest])
+            signal.name: _nrmse(signal.values, columns[i], [w.window.rows[i] for w in self.rest])
             for i, signal in enumerate(self.record.signals)
         }
         return Prediction(explanation.name, chi2, chi2 / count, explanation.misfit, nrmse)
@@ -148,19 +151,36 @@ class _Judge:
         return own + actuator_directions(case.simulations, point, run, 0, ratio)
 
 
-def _fitted(
-    whiteners: Sequence[Whitener],
+def _predictive(
+    first: Sequence[Whitener],
+    rest: Sequence[Whitener],
     columns: Sequence[NDArray[np.float64]],
     directions: Sequence[Direction],
+) -> float:
+    """Square of what is left of the rest, given the first part, and of what alignment took.
+
+    The first part gives each nuisance a value and an uncertainty; the rest is measured with that
+    uncertainty, r' (I + N' P N)^-1 r, by the identity of Woodbury (1950). A scale that one slow
+    pass could not tell from a zero would else count as a wrong prediction.
+    """
+    prior = np.eye(len(directions))
+    seen, target = _stacked(first, directions), _stacked(first, [columns])[0]
+    precision = prior + seen @ seen.T
+    sizes = np.linalg.solve(precision, seen @ target)
+    later = _stacked(rest, directions)
+    left = _stacked(rest, [columns])[0] - sizes @ later
+    open_part = later @ left
+    explained = open_part @ np.linalg.solve(precision + later @ later.T, open_part)
+    return float(left @ left - explained + sizes @ sizes)
+
+
+def _stacked(
+    whiteners: Sequence[Whitener], columns: Sequence[Sequence[NDArray[np.float64]]]
 ) -> NDArray[np.float64]:
-    """Size of each nuisance, in standard deviations of its prior, by the first part alone."""
+    """Whitened columns over some windows, shape (n_columns, n_residuals)."""
     if not whiteners:
-        return np.zeros(len(directions))
-    target = np.concatenate([w.whiten(columns) for w in whiteners])
-    matrix = np.array([np.concatenate([w.whiten(d) for w in whiteners]) for d in directions])
-    normal = matrix @ matrix.T + np.eye(len(directions))
-    sizes: NDArray[np.float64] = np.linalg.solve(normal, matrix @ target)
-    return sizes
+        return np.zeros((len(columns), 0))
+    return np.array([np.concatenate([w.whiten(column) for w in whiteners]) for column in columns])
 
 
 def _parts(case: Case) -> tuple[list[Whitener], list[Whitener]]:
@@ -171,11 +191,17 @@ def _parts(case: Case) -> tuple[list[Whitener], list[Whitener]]:
     border = start + _ALIGNED * (end - start)
     first: list[Whitener] = []
     rest: list[Whitener] = []
-    for window, covariance, (_, last) in zip(
-        budget.windows, budget.covariances, times, strict=True
-    ):
-        (first if last <= border else rest).append(Whitener(window, covariance))
+    for window, (_, last) in zip(budget.windows, times, strict=True):
+        (first if last <= border else rest).append(Whitener(window, _covariance(case, window)))
     return first, rest
+
+
+def _covariance(case: Case, window: Window) -> Spectrum:
+    """S(f) of a window: own noise, noise through the loop, and tolerance."""
+    budget, record = case.budget, case.simulations.records[0]
+    own = white_covariance(window, budget.own_variances[0])
+    through = loop_covariance(window, budget.loop_noise[0])
+    return own + through + tolerance_covariance(window, record, case.rig.positions)
 
 
 def _times(record: Record, window: Window) -> tuple[float, float]:

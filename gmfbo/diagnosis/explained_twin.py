@@ -78,10 +78,10 @@ def check_known(explanation: Explanation, twin: FmuTwin) -> None:
         A parameter or an effect is unknown here.
     """
     for name in explanation.parameters:
-        if name not in twin.binding.variables:
+        if name not in twin.file.uncertain:
             raise InputError(
-                f"the diagnosis is of another twin than {twin.name}: expected its parameter "
-                f"'{name}'; give the twin file that was diagnosed"
+                f"the diagnosis is of another twin than {twin.name}: expected '{name}' under "
+                "[uncertain]; give the twin file that was diagnosed"
             )
     for name in explanation.effects:
         if name not in CATALOGUE:

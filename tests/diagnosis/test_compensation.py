@@ -64,7 +64,7 @@ BY_COMMAND = {"actuator_dead_zone", "actuator_gain_loss", "magnetic_saturation"}
 def test_a_table_is_minus_the_law_of_the_catalogue(name: str) -> None:
     at = sweep()
     states = States(
-        time=np.arange(at["position"].size) * 1e-3,
+        time=np.arange(at["position"].size, dtype=np.float64) * 1e-3,
         position=at["position"],
         velocity=at["velocity"],
         command=at["command"],
