@@ -23,6 +23,7 @@ TOLERANCE = 5e-3
 POSITION_TOLERANCE = 5e-4
 """The same for a position, of which the controller sees a hundredth as error."""
 
+_LOWEST_HZ = 1.0  # below which a tracking loop holds a free axis
 _NOISE_BAND = (0.30, 0.48)  # of the sampling frequency: too fast for mechanics
 _LEAST_NOISE = 1e-6  # of a signal's range
 
@@ -145,7 +146,11 @@ def tolerance_covariance(window: Window, record: Record, positions: frozenset[st
         Signals that are positions.
     """
     spectrum = window.spectra([_carrier(s) for s in record.signals])
-    power = _octaves(np.abs(spectrum) ** 2, window.frequencies)
+    # Under a force, a free axis moves by 1/f^2: smoothed as an acceleration, its slow part does
+    # not spread over the fast one.
+    free = np.array([s.driving is not None for s in record.signals])
+    steep = np.where(free, np.maximum(window.frequencies, _LOWEST_HZ)[:, None] ** 4, 1.0)
+    power = _octaves(np.abs(spectrum) ** 2 * steep, window.frequencies) / steep
     shares = np.array([_share(signal, positions) for signal in record.signals], dtype=float)
     return _diagonal(power * shares**2)
 

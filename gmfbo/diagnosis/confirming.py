@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,12 +11,15 @@ from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.misfit import Blocks, Misfit
+from gmfbo.diagnosis.recorded_noise import renewed
 from gmfbo.diagnosis.screening import Probe, Screened
 
 MOST = 6
 """Effects that are fitted in one round."""
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
+_WORTH_RENEWING = 50.0  # gain from which the noise is read off the recordings once more
+_AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
 
@@ -82,7 +85,14 @@ def confirm(
 
     def one(candidate: Candidate) -> Fitted | None:
         hypothesis, parameters = _best_start(misfit, base, candidate)
-        return fit(misfit, hypothesis, parameters)
+        found = fit(misfit, hypothesis, parameters)
+        if found is None or found.chi2 > base.chi2 - _WORTH_RENEWING:
+            return found
+        noise = renewed(misfit.simulations, found)
+        if noise is None:
+            return found
+        again = replace(found.hypothesis, noise=noise)
+        return fit(misfit, again, found.parameters, iterations=_AGAIN) or found
 
     return [f for f in misfit.simulations.map_outer(one, candidates) if f is not None]
 
@@ -98,10 +108,12 @@ def _best_start(
     trials = [trial for start in starts for trial in trials_of(misfit, base, start)]
     best = min(trials, key=lambda t: t.square, default=None)
     if best is None:
-        return Hypothesis(base.hypothesis.setting, (*base.hypothesis.effects, candidate)), (
-            base.parameters
-        )
+        return _joined(base.hypothesis, candidate), base.parameters
     return best.hypothesis, best.parameters
+
+
+def _joined(base: Hypothesis, candidate: Candidate) -> Hypothesis:
+    return replace(base, effects=(*base.effects, candidate))
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +151,7 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
         The effect at its start.
     """
     setting = base.hypothesis.setting
-    hypothesis = Hypothesis(setting, (*base.hypothesis.effects, candidate))
+    hypothesis = _joined(base.hypothesis, candidate)
     nominal = {u.name: u.nominal for u in setting.uncertain}
     trials = []
     for parameters in (base.parameters, nominal):

@@ -16,6 +16,7 @@ from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import spread_of
 from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
+from gmfbo.diagnosis.limit_scan import scan_limits
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.rivals import rivals_of
@@ -235,6 +236,7 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
         rough = rough_worth_fitting(case.misfit, decision.model, tried, gross=gross)
         known = {c.effect for c in chosen}
         chosen += [c for c in rough if c.effect not in known][:3]
+    chosen = _with_limits_scanned(case, decision, tried, chosen, rng)
     fits = confirm(case.misfit, decision.model, chosen)
     if first:
         fits = _widen_budget(case, decision, fits)
@@ -260,6 +262,22 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
     decision.model = winner.fitted
     return True
+
+
+def _with_limits_scanned(
+    case: Case,
+    decision: Decision,
+    tried: Sequence[Probe],
+    chosen: Sequence[Candidate],
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """What is worth a fit, limits beginning at the size that the recorded command tells."""
+    assert decision.model is not None
+    names = sorted({p.candidate.effect for p in tried})
+    scanned = scan_limits(case, decision.model, rng, names, _WORTH_FITTING)
+    found = [candidate for _, candidate in scanned]
+    known = {candidate.effect for candidate in found}
+    return [*(c for c in chosen if c.effect not in known), *found]
 
 
 def _is_uneven(model: Fitted) -> bool:
@@ -292,6 +310,12 @@ def _with_limits(named: set[str]) -> set[str]:
 def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fitted]:
     """Measure by what the whole library together leaves: a gain counts relative to that."""
     best = min([case.base, *fits], key=lambda f: f.chi2)
+    if best is not case.base:
+        # A fit that stopped early would pass for a law that is not exact.
+        again = fit(case.misfit, best.hypothesis, best.parameters, parallel=True)
+        if again is not None and again.chi2 < best.chi2:
+            fits = [again if f is best else f for f in fits]
+            best = again
     left = _beyond_library(case.misfit, best, decision.tried)
     dof = sum(block.size for block in left)
     decision.dispersion = max(1.0, chi2(left) / dof)

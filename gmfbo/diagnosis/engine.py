@@ -22,7 +22,7 @@ from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.opening import open_case, open_unseen
-from gmfbo.diagnosis.outside import Outside, look_outside
+from gmfbo.diagnosis.outside import MISMATCH, Outside, look_outside, unexplained
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
@@ -37,6 +37,7 @@ from gmfbo.diagnosis.reporting import (
     units_of,
 )
 from gmfbo.diagnosis.residual_tests import residual_tests
+from gmfbo.diagnosis.simulations import Point
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.validation import validate as validated_on
 from gmfbo.diagnosis.validation import validate_unseen
@@ -45,6 +46,9 @@ from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
+
+LEAST_PROBABILITY = 0.3
+"""Below it an effect is not named: it is more likely wrong than right."""
 
 Progress = Callable[[str, float], None]
 
@@ -192,6 +196,8 @@ class _Search:
                 f"{name} would explain these recordings as well as anything, but they hold no "
                 "reversal that could tell: nothing is named"
             )
+        probabilities = self._probabilities(decision)
+        _drop_improbable(case, decision, probabilities)
         outside = None
         if self._response is not None:
             self.progress("looking outside the library", 0.8)
@@ -213,9 +219,7 @@ class _Search:
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)
-        named = named_effects(
-            case, decision, augmented, spread, self._probabilities(decision), self.units
-        )
+        named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects
         verdict = self._verdict(decision, outside)
         location = Location(None)
@@ -241,7 +245,7 @@ class _Search:
             detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
             location=location,
             fit=result.fit,
-            shape=self._shape(outside) if verdict == "outside_library" else None,
+            shape=self._shape(outside) if outside is not None and outside.is_better else None,
             next_experiment=experiment,
             next_reference=reference,
             not_testable=not_testable(case, reasons, decision),
@@ -354,6 +358,8 @@ class _Search:
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
+        if decision.in_doubt is None and unexplained(case) > MISMATCH:
+            return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 
     def _sufficiency(self, reasons: dict[str, str]) -> Sufficiency:
@@ -361,9 +367,20 @@ class _Search:
         return "insufficient" if "coulomb_friction" in silent else "sufficient"
 
 
+def _drop_improbable(case: Case, decision: Decision, probabilities: dict[str, float]) -> None:
+    """Leave out a name that is most likely wrong, and what was found beside it."""
+    for place, entry in enumerate(decision.rounds):
+        if probabilities[entry.winner.name] < LEAST_PROBABILITY:
+            decision.refused = [entry.winner]
+            del decision.rounds[place:]
+            last = decision.rounds[-1].winner.fitted if decision.rounds else case.base
+            decision.model = last
+            return
+
+
 def _parameters_matter(case: Case, decision: Decision) -> bool:
     """Whether refitting the uncertain parameters gains the threshold over the nominal ones."""
-    nominal = case.misfit.residual(case.nominal)
+    nominal = case.misfit.residual(case.simulations.run([Point()])[0])
     before = float(sum(np.sum(block**2) for block in nominal))
     return before - case.base.chi2 > decision.threshold
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.simulations import Point
+from gmfbo.diagnosis.simulations import PlayedNoise, Point
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 
 PRIOR_WIDTH = 3.0
@@ -104,10 +104,14 @@ class Hypothesis:
         Of all hypotheses.
     effects : tuple of Candidate
         Effects that are on; their values are the start.
+    noise : tuple of PlayedNoise or None
+        What the controller saw in each recording, by this hypothesis; the case's own where not
+        given.
     """
 
     setting: Setting
     effects: tuple[Candidate, ...] = ()
+    noise: tuple[PlayedNoise | None, ...] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -192,7 +196,7 @@ class Hypothesis:
             # What turns behind the gap or shaft no longer turns with the twin's own.
             least = max(1e-3 * whole, self.setting.least_inertia)
             parameters[self.setting.inertia] = max(whole - moved, least)
-        return Point(parameters, physics, only)
+        return Point(parameters, physics, only, self.noise)
 
     @property
     def _nominal_inertia(self) -> float:

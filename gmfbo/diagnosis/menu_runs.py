@@ -177,7 +177,8 @@ def playing(case: Case, menu: Menu) -> Iterator[None]:
     recorded = case.simulations.records
     case.simulations.replace_records(menu.records)
     try:
-        yield
+        with case.simulations.quiet():
+            yield
     finally:
         case.simulations.replace_records(recorded)
 

@@ -31,9 +31,10 @@ from gmfbo.diagnosis.ranges import (
     tracking_loop,
     untracked,
 )
+from gmfbo.diagnosis.recorded_noise import RecordedNoise, noise_of, played_spectrum
 from gmfbo.diagnosis.records import Record, ScoredSignal, resolution, scored_record
-from gmfbo.diagnosis.simulations import Point, Simulated, Simulations, require_run
-from gmfbo.diagnosis.whitening import Window
+from gmfbo.diagnosis.simulations import Point, Reading, Simulated, Simulations, require_run
+from gmfbo.diagnosis.whitening import Spectrum, Window
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
 from gmfbo.recordings.recording import Recording
@@ -44,6 +45,7 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
+_SENT = 0.1  # of a reading's noise, that is left where it is played
 _READ_BACK = 0.5  # of what is added at the sensor port, which a reading shows a step later
 _STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
 _JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
@@ -207,13 +209,18 @@ class _Opening:
             assert simulations.tracking is not None, "it was set a moment ago"
             simulations.tracking = replace(simulations.tracking, settings=settings)
         simulations.new_rows = like.simulations.new_rows
+        simulations.reading = like.simulations.reading
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         noise = noise_levels(simulations.records, nominal)
         excitation = like.setting.excitation
         windows = windows_of(simulations.records, excitation.loop_time)
         empty: list[list[Direction]] = [[] for _ in simulations.records]
-        spectra = covariances(windows, simulations.records, like.rig, noise, empty)
+        own = [
+            own_variances(r, levels, [])
+            for r, levels in zip(simulations.records, noise, strict=True)
+        ]
+        spectra = covariances(windows, simulations.records, like.rig, own, empty)
         misfit = Misfit(simulations, whiteners(windows, spectra, empty))
         hypothesis = Hypothesis(like.setting)
         base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
@@ -257,6 +264,7 @@ class _Opening:
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         rig = describe_rig(self.twin.binding, simulations.records)
+        simulations.reading = self._reading(rig)
         stiffness = None
         if "torque" in nominal[0].response.ports:
             guess = self._torque_guess(nominal)
@@ -284,7 +292,7 @@ class _Opening:
         misfit = Misfit(simulations, budget.whiteners())
         refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
         assert refitted is not None, "it was simulated at these values a moment ago"
-        levels = noise_levels(simulations.records, refitted.simulated)
+        levels = noise_levels(simulations.records, base.simulated)
         return Case(
             self.twin,
             simulations,
@@ -310,6 +318,15 @@ class _Opening:
         if inertia is not None and "position" in states:
             return max(10.0 * inertia * float(np.ptp(states["position"])), 1e-9)
         return 1.0
+
+    def _reading(self, rig: Rig) -> Reading | None:
+        """The recorded position, where the sensor port is the end of a wire from that output."""
+        file, port = self.twin.file, self.twin.file.ports.get("sensor")
+        if rig.position is None or port is None or port not in file.wires:
+            return None
+        if file.wires[port] != file.outputs[rig.position].variable:
+            return None
+        return Reading(rig.position, rig.position_to_si)
 
     def _inertia(self) -> float | None:
         role = self.twin.file.roles.get("inertia")
@@ -462,7 +479,8 @@ class _Opening:
 
     def _moving_torque(self, simulations: Simulations, nominal: Sequence[Simulated]) -> float:
         inertia = self._inertia()
-        largest = max(float(np.abs(run.response.effort).max()) for run in nominal)
+        recorded = self._recorded_torque(simulations)
+        largest = max([recorded, *(float(np.abs(run.response.effort).max()) for run in nominal)])
         if inertia is None:
             return largest
         accelerations = []
@@ -471,6 +489,27 @@ class _Opening:
                 rate = np.gradient(run.response.states["velocity"], record.plan.grid)
                 accelerations.append(float(np.quantile(np.abs(rate), 0.999)))
         return max([largest, *(inertia * a for a in accelerations)])
+
+    def _recorded_torque(self, simulations: Simulations) -> float:
+        """[FMU's unit] Range of recorded outputs in the torque port's unit; 0 without one."""
+        file, variables = self.twin.file, self.twin.binding.variables
+        port = variables[file.ports["torque"]].variable if "torque" in file.ports else None
+        if port is None or not port.si_unit:
+            return 0.0
+        alike = {
+            name
+            for name, entry in file.outputs.items()
+            if variables[entry.variable].variable.si_unit == port.si_unit
+        }
+        return max(
+            (
+                float(np.abs(s.values - s.values.mean()).max()) / port.to_si
+                for record in simulations.records
+                for s in record.signals
+                if s.name in alike
+            ),
+            default=0.0,
+        )
 
     def _position_unit(self) -> str:
         state = self.twin.file.states.get("position")
@@ -498,7 +537,11 @@ class _Opening:
     ) -> tuple[Misfit, Fitted]:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         empty: list[list[Direction]] = [[] for _ in simulations.records]
-        spectra = covariances(windows, simulations.records, rig, noise, empty)
+        own = [
+            own_variances(r, levels, [])
+            for r, levels in zip(simulations.records, noise, strict=True)
+        ]
+        spectra = covariances(windows, simulations.records, rig, own, empty)
         misfit = Misfit(simulations, whiteners(windows, spectra, empty))
         base = fit(misfit, Hypothesis(setting), {}, parallel=True, iterations=6)
         require_run(nominal, self.twin.name)
@@ -515,23 +558,72 @@ class _Opening:
     ) -> Budget:
         noise = noise_levels(simulations.records, base.simulated)
         point = base.hypothesis.point(base.x)
-        sigma = self._position_noise(simulations, rig, noise)
-        through = noise_runs(
-            simulations,
-            point,
-            base.simulated,
-            sigma,
-            rig.position,
-            self._input_noise(simulations),
-            self.rng,
-        )
-        spectra = covariances(windows, simulations.records, rig, noise, through)
-        directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
+        through = self._noise_runs(simulations, point, base.simulated, rig, noise)
         own = [
             own_variances(record, levels, changes)
             for record, levels, changes in zip(simulations.records, noise, through, strict=True)
         ]
+        about, left = base.simulated, through
+        simulations.noise = noise_of(
+            simulations, point, base.simulated, rig.position, rig.position_to_si, noise
+        )
+        if any(played is not None for played in simulations.noise):
+            about = simulations.run([point])[0]
+            left = self._noise_runs(simulations, point, about, rig, noise)
+        spectra = self._spectra(simulations, windows, rig, noise, own, about, left)
+        directions = nuisance_directions(simulations, point, about, rig, ratio)
         return Budget(windows, tuple(spectra), tuple(directions), tuple(through), tuple(own))
+
+    def _spectra(
+        self,
+        simulations: Simulations,
+        windows: Sequence[Window],
+        rig: Rig,
+        noise: list[dict[str, NoiseLevel]],
+        own: list[list[float]],
+        about: list[Simulated],
+        left: list[list[Direction]],
+    ) -> list[Spectrum]:
+        """S(f) of each window, less what is known of the noise of its recording."""
+        own = [list(variances) for variances in own]
+        after = noise_levels(simulations.records, about)
+        for k, played in enumerate(simulations.noise):
+            if played is not None:
+                for i, signal in enumerate(simulations.records[k].signals):
+                    # The reading's own fast part is played; other signals keep what is left.
+                    share = _SENT if signal.name == played.signal else 1.0
+                    own[k][i] = (share * after[k][signal.name].total) ** 2
+        spectra = covariances(windows, simulations.records, rig, own, left)
+        for w, window in enumerate(windows):
+            played = simulations.noise[window.record]
+            names = [s.name for s in simulations.records[window.record].signals]
+            if isinstance(played, RecordedNoise) and played.signal in names:
+                variance = noise[window.record][played.signal].total ** 2
+                place = names.index(played.signal)
+                spectra[w] = spectra[w] + played_spectrum(played, window, place, variance)
+        return spectra
+
+    def _noise_runs(
+        self,
+        simulations: Simulations,
+        point: Point,
+        about: list[Simulated],
+        rig: Rig,
+        noise: list[dict[str, NoiseLevel]],
+    ) -> list[list[Direction]]:
+        counts = [
+            s.resolution for r in simulations.records for s in r.signals if s.name == rig.position
+        ]
+        return noise_runs(
+            simulations,
+            point,
+            about,
+            self._position_noise(simulations, rig, noise),
+            rig.position,
+            self._input_noise(simulations),
+            self.rng,
+            float(np.median(counts)) / rig.position_to_si if counts else 0.0,
+        )
 
 
 def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:

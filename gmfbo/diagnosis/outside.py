@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.case import Case, chi2_per_dof
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.port_response import PortResponse
@@ -13,6 +13,13 @@ from gmfbo.diagnosis.shape import Unnamed, unnamed
 _BETTER = 0.7  # a name that explains less than this share of what a free function does is none
 _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
 _EXCESS_SHARE = 0.3  # of what is left beyond noise, which it has to take away
+
+
+MISMATCH = 2.5
+"""chi2 per degree of freedom from which a misfit is real although nothing explains it.
+
+Nulls of the blind benchmark leave 0.4 to 1.3, those with coloured noise or bad clocks included.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,3 +68,15 @@ def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outs
     is_large = gain / left > _THRESHOLDS * decision.threshold
     is_most = gain > _EXCESS_SHARE * (base.chi2 - dof)
     return Outside(model, gain, named, is_large and is_most and named < _BETTER * gain)
+
+
+def unexplained(case: Case) -> float:
+    """chi2 per degree of freedom that the refitted twin leaves by the budget alone.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    """
+    plain = Misfit(case.simulations, case.budget.whiteners())
+    return chi2_per_dof(case.base.measured_by(plain), plain)

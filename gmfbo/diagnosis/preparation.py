@@ -38,6 +38,8 @@ _MOST_WINDOWS = 4
 _LEAST_WINDOWS = 4  # in all, where the loop is fast enough for it
 _LOOP_TIMES = 5.0
 _CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
+_SENT = 0.1  # of a resolution, that is left where it was sent through the loop
+_COARSE = 0.3  # of a position's noise, which counts make up before they are no white noise
 _SETTLING = 10.0  # loop times after which e^-10 of a start is left
 _FIRST_ROWS = 5
 _ELSEWHERE = 0.02  # of a signal's range
@@ -222,8 +224,11 @@ def noise_runs(
     position: str | None,
     input_noise: Mapping[str, Sequence[float]],
     rng: np.random.Generator,
+    resolution: float = 0.0,
 ) -> list[list[Direction]]:
     """Send noise of the recorded size through the loop: changes of each recording's signals.
+
+    Where noise of the recording itself is played, only what lies below its band is sent.
 
     Parameters
     ----------
@@ -241,6 +246,9 @@ def noise_runs(
         [FMU's unit] Of recorded inputs, by the port at which they enter, for each recording.
     rng : numpy Generator
         Source of the noise.
+    resolution : float
+        [FMU's unit] Step of the encoder: an axis at rest stays on one count, whose error is no
+        white noise.
 
     Returns
     -------
@@ -254,7 +262,11 @@ def noise_runs(
         for _ in range(NOISE_RUNS):
             rows = record.plan.grid.size
             driven = {p: level[k] * rng.standard_normal(rows) for p, level in input_noise.items()}
-            orders.append((k, sigma * rng.standard_normal(rows), driven))
+            column = sensor_noise(base[k], position, sigma, resolution, rng)
+            played = simulations.noise[k] if k < len(simulations.noise) else None
+            if played is not None:
+                column = played.slow_part(column, float(np.diff(record.plan.grid[:2])[0]))
+            orders.append((k, column, driven))
 
     def one(
         order: tuple[int, NDArray[np.float64], dict[str, NDArray[np.float64]]],
@@ -284,6 +296,39 @@ def noise_runs(
     return changes
 
 
+def sensor_noise(
+    base: Simulated,
+    position: str | None,
+    sigma: float,
+    resolution: float,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """White noise and the error of an encoder's counts along a simulated motion, shape (rows,).
+
+    Parameters
+    ----------
+    base : Simulated
+        The motion.
+    position : str or None
+        Output that is the reading.
+    sigma : float
+        [FMU's unit] Standard deviation of both together.
+    resolution : float
+        [FMU's unit] Step of the encoder; 0 where it counts finely.
+    rng : numpy Generator
+        Source of the noise, and of where the counts lie.
+    """
+    rows = next(iter(base.response.held.values())).size
+    white = rng.standard_normal(rows)
+    counts = resolution / np.sqrt(12.0)
+    if position is None or counts < _COARSE * sigma:
+        return np.asarray(sigma * white)
+    jitter = np.sqrt(max(sigma**2 - counts**2, 0.0))
+    true = base.response.held[position] + resolution * rng.uniform(-0.5, 0.5)
+    read = resolution * np.round((true + jitter * white) / resolution)
+    return np.asarray(read - true)
+
+
 def _as_logged(
     noisy: Response, quiet: Response, position: str, noise: NDArray[np.float64]
 ) -> Response:
@@ -294,6 +339,8 @@ def _as_logged(
     """
     before = np.concatenate([noise[:1], noise[:-1]])
     change = noisy.held[position] - quiet.held[position]
+    if float(change @ noise) > _CONTAINED * float(noise @ noise):
+        return noisy
     contained = float(change @ before) / float(before @ before) > _CONTAINED
     reading = noisy.held[position] + noise - (before if contained else 0.0)
     return replace(noisy, held={**noisy.held, position: reading})
@@ -303,7 +350,7 @@ def covariances(
     windows: Sequence[Window],
     records: Sequence[Record],
     rig: Rig,
-    noise: Sequence[Mapping[str, NoiseLevel]],
+    own: Sequence[Sequence[float]],
     loop_noise: Sequence[Sequence[Direction]],
 ) -> list[Spectrum]:
     """S(f) of each window: loop noise, own noise, repeats, tolerance.
@@ -316,18 +363,16 @@ def covariances(
         What was measured.
     rig : Rig
         Which signals are positions.
-    noise : sequence of mapping of str to NoiseLevel
-        White noise of each signal, for each recording.
+    own : sequence of sequences of float
+        [SI unit squared] Variance of each signal's own noise, for each recording.
     loop_noise : sequence of sequences of Direction
         Changes under noise, of each recording.
     """
     total = []
     for window in windows:
         record = records[window.record]
-        own = white_covariance(
-            window, own_variances(record, noise[window.record], loop_noise[window.record])
-        )
-        s = own + loop_covariance(window, loop_noise[window.record])
+        white = white_covariance(window, own[window.record])
+        s = white + loop_covariance(window, loop_noise[window.record])
         s = s + _repeats(window, windows, records, s)
         total.append(s + tolerance_covariance(window, record, rig.positions))
     return total
@@ -353,7 +398,9 @@ def own_variances(
         through = 0.0
         if loop_noise:
             through = float(np.mean([fast_power(change[i]) for change in loop_noise]))
-        variances.append(max(level.total**2 - through, level.least**2))
+        # What went through the loop holds the reading's own resolution.
+        least = level.least * (_SENT if through > 0.5 * level.total**2 else 1.0)
+        variances.append(max(level.total**2 - through, least**2))
     return variances
 
 

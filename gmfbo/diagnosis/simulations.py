@@ -7,8 +7,8 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from typing import Self, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,36 @@ from gmfbo.sources.augmented import AugmentedTwin, Columns, Response, RunPlan
 
 Task = TypeVar("Task")
 Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A recorded position that is the twin's output and what is added at the wire's end.
+
+    Attributes
+    ----------
+    signal : str
+        Output at which the wire to the sensor port begins: it does not show what is added.
+    to_si : float
+        [SI / FMU's unit]
+    """
+
+    signal: str
+    to_si: float
+
+
+class PlayedNoise(Protocol):
+    """Noise that the controller saw in a recording."""
+
+    @property
+    def at_port(self) -> NDArray[np.float64]:
+        """[FMU's unit] What is added at the sensor port, shape (rows,)."""
+
+    def logged(self, response: Response) -> Response:
+        """Let the simulated reading hold it."""
+
+    def slow_part(self, column: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+        """What of other noise is not played."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +63,14 @@ class Point:
         Of physics.fmu.
     only : mapping of str to int
         Effects that act in one recording only, and which that is.
+    noise : sequence of PlayedNoise or None
+        Played in each recording, read off it by this model; the case's own where not given.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     physics: Mapping[str, float] = field(default_factory=dict)
     only: Mapping[str, int] = field(default_factory=dict)
+    noise: Sequence[PlayedNoise | None] | None = None
 
     def physics_in(self, record: int) -> dict[str, float]:
         """Physics that acts in one of the recordings."""
@@ -107,6 +140,9 @@ class Simulations:
         self.records = tuple(records)
         self.new_rows: frozenset[str] = frozenset()
         self.tracking: Tracking | None = None
+        self.noise: Sequence[PlayedNoise | None] = ()
+        self.reading: Reading | None = None
+        self._is_quiet = False
         self._simulators: queue.SimpleQueue[AugmentedTwin] = queue.SimpleQueue()
         self._all = [open_twin() for _ in range(jobs)]
         for simulator in self._all:
@@ -167,10 +203,16 @@ class Simulations:
             if measured_noise is not None:
                 measured = measured + measured_noise
         plan = self.records[record].plan
+        noise = self._played(point, record)
+        if noise is not None:
+            more = dict(excitation or {})
+            more["sensor"] = more.get("sensor", 0.0) + noise.at_port
+            excitation = more
         with self._simulator() as simulator:
             response = simulator.run(
                 plan, point.parameters, physics, excitation=excitation, measured=measured
             )
+        response = self._logged(response, noise)
         return Simulated(self.read(response, record), response)
 
     def run_parity(
@@ -217,6 +259,29 @@ class Simulations:
         """Apply work that simulates one run after the other, as many at a time as simulators."""
         with ThreadPoolExecutor(len(self._all)) as threads:
             return list(threads.map(work, tasks))
+
+    def _logged(self, response: Response, noise: PlayedNoise | None) -> Response:
+        """Let the reading hold what the controller saw of it."""
+        if self.reading is not None:
+            name = self.reading.signal
+            seen = response.held[name] + self.reading.to_si * response.ports["sensor"]
+            return replace(response, held={**response.held, name: seen})
+        return response if noise is None else noise.logged(response)
+
+    def _played(self, point: Point, record: int) -> PlayedNoise | None:
+        if self._is_quiet:
+            return None
+        played = self.noise if point.noise is None else point.noise
+        return played[record] if record < len(played) else None
+
+    @contextmanager
+    def quiet(self) -> Iterator[None]:
+        """Play no noise for a while: what is shown to people and kept is the twin's own."""
+        before, self._is_quiet = self._is_quiet, True
+        try:
+            yield
+        finally:
+            self._is_quiet = before
 
     def replace_records(self, records: Sequence[Record]) -> None:
         """Score other signals of the same recordings."""

@@ -13,7 +13,6 @@ from gmfbo.diagnosis.curve import Curve
 from gmfbo.diagnosis.fit_table import Fit, SignalFit
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
-from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.simulations import Simulated
 
@@ -97,15 +96,24 @@ def _scored(
     split: Split,
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
 ) -> Validated:
-    signals = _table(case, scored, plain, augmented, unnamed)
     removed = _removed(case, scored, plain, augmented) if augmented.hypothesis.effects else None
+    shown = [_without_noise(case, model) for model in (case.base, plain, augmented)]
+    signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
-    return Validated(table, _curves(case, plain, augmented), plain, augmented)
+    return Validated(table, _curves(case, shown[1], shown[2]), plain, augmented)
+
+
+def _without_noise(case: Case, model: Fitted) -> Fitted:
+    """The same model as its FMU runs, without the noise of the recordings played into it."""
+    if not any(noise is not None for noise in case.simulations.noise):
+        return model
+    with case.simulations.quiet():
+        simulated = case.simulations.run([model.hypothesis.point(model.x)])[0]
+    return replace(model, simulated=simulated)
 
 
 def _refitted(misfit: Misfit, model: Fitted, iterations: int = 6) -> Fitted:
-    hypothesis = Hypothesis(model.hypothesis.setting, model.hypothesis.effects)
-    again = fit(misfit, hypothesis, model.parameters, parallel=True, iterations=iterations)
+    again = fit(misfit, model.hypothesis, model.parameters, parallel=True, iterations=iterations)
     assert again is not None, "it was simulated at these values before"
     return again
 
@@ -113,6 +121,7 @@ def _refitted(misfit: Misfit, model: Fitted, iterations: int = 6) -> Fitted:
 def _table(
     case: Case,
     scored: Sequence[int],
+    base: Fitted,
     plain: Fitted,
     augmented: Fitted,
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
@@ -132,7 +141,7 @@ def _table(
             unnamed_spline=(
                 float("nan")
                 if unnamed is None
-                else _nrmse(case, scored, name, case.base.simulated, unnamed)
+                else _nrmse(case, scored, name, base.simulated, unnamed)
             ),
             noise_floor=_floor(case, scored, name),
         )

@@ -1,0 +1,137 @@
+"""Limits of the actuator tried at many sizes at once, on the command as it was recorded.
+
+A limit that cuts for a few milliseconds has a narrow minimum, which a handful of simulated sizes
+misses. What it takes off is known from the recorded command itself; sent through the response
+from the command port, it shows what it changed, without a simulation for each size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.leaving_out import normal_equations
+from gmfbo.diagnosis.misfit import Blocks
+from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
+from gmfbo.diagnosis.ranges import states_of
+from gmfbo.physics import CATALOGUE, States
+
+Array = NDArray[np.float64]
+
+_ROWS = (2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)  # beyond the limit, over all recordings
+_SLOPES = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the largest command per largest speed
+
+
+def scan_limits(
+    case: Case, model: Fitted, rng: np.random.Generator, names: Sequence[str], least: float
+) -> list[tuple[float, Candidate]]:
+    """Best size of each limit, with what it explains; nothing where the command has no port.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    model : Fitted
+        What is already explained.
+    rng : numpy Generator
+        Of the excitation that measures the response.
+    names : sequence of str
+        Effects that may be tried.
+    least : float
+        Fall of chi2 below which a size is not worth a fit.
+
+    Returns
+    -------
+    list of (gain, Candidate), best first
+    """
+    wanted = [n for n in names if n in ("actuator_saturation", "supply_voltage_limit")]
+    response = measure_port_response(case, "command", rng, model) if wanted else None
+    if response is None:
+        return []
+    states = [
+        _as_recorded(case, k, states_of(run, record))
+        for k, (run, record) in enumerate(
+            zip(model.simulated, case.simulations.records, strict=True)
+        )
+    ]
+    before = _left(model.residual, model)
+    found = []
+    for name in wanted:
+        best = max(
+            (
+                (before - _left(_without(case, model, response, states, name, values), model), i)
+                for i, values in enumerate(_sizes(name, states))
+            ),
+            default=(0.0, -1),
+        )
+        if best[0] > least:
+            values = list(_sizes(name, states))[best[1]]
+            found.append((best[0], Candidate(name, values)))
+    return sorted(found, key=lambda entry: -entry[0])
+
+
+def _as_recorded(case: Case, k: int, states: States) -> States:
+    """States with the command that was recorded: the limit took its share from that one."""
+    file, record = case.twin.file, case.simulations.records[k]
+    wanted = file.states.get("command")
+    for signal in record.signals:
+        entry = file.outputs[signal.name]
+        if entry.variable == wanted and signal.driving is None:
+            column = np.interp(record.plan.grid, signal.time, signal.values)
+            if signal.name not in case.simulations.new_rows:
+                column = np.concatenate([column[1:], column[-1:]])
+            unit = case.twin.binding.variables[entry.variable].variable.to_si
+            return replace(states, command=column / unit)
+    return states
+
+
+def _sizes(name: str, states: Sequence[States]) -> Iterator[Mapping[str, float]]:
+    """Limits that a few rows pass, then more."""
+    command = np.concatenate([np.abs(s.command) for s in states])
+    if name == "actuator_saturation":
+        for limit in _quantiles(command):
+            yield {"limit": limit}
+        return
+    speed = np.concatenate([np.abs(s.velocity) for s in states])
+    if not speed.any() or not command.any():
+        return
+    for share in _SLOPES:
+        slope = share * float(command.max()) / float(np.quantile(speed, 0.999))
+        for limit in _quantiles(command + slope * speed):
+            yield {"limit": limit, "slope": slope}
+
+
+def _quantiles(values: Array) -> list[float]:
+    ordered = np.sort(values)[::-1]
+    return [float(ordered[n]) for n in _ROWS if n < 0.5 * ordered.size and ordered[n] > 0.0]
+
+
+def _without(
+    case: Case,
+    model: Fitted,
+    response: PortResponse,
+    states: Sequence[States],
+    name: str,
+    values: Mapping[str, float],
+) -> Blocks:
+    """Residual less what a limit of this size makes of the outputs."""
+    law = CATALOGUE[name]
+    assert law.signal is not None, "limits have a signal"
+    changes = [
+        response.filtered(k, np.asarray(law.signal(own, values))) for k, own in enumerate(states)
+    ]
+    columns = case.misfit.whitened(changes)
+    return tuple(r - c for r, c in zip(model.residual, columns, strict=True))
+
+
+def _left(residual: Blocks, model: Fitted) -> float:
+    """chi2 after the parameters were refitted linearly."""
+    one_group = [0] * len(residual)
+    normal = normal_equations(residual, model.sensitivity, one_group, model.prior)
+    return float(normal.fitted().sum())
