@@ -84,7 +84,7 @@ def _added(effect: str, values: Values, count: int, **columns: Column | float) -
     signal = CATALOGUE[effect].signal
     assert signal is not None, "it has motion of its own"
     rest = float(np.max(columns.get("rest", 0.0)))
-    return signal(States(time=np.arange(count) * 1.0, rest=rest, **made), values)
+    return signal(States(time=np.arange(count, dtype=np.float64), rest=rest, **made), values)
 
 
 # ---- over velocity ------------------------------------------------------------------------------

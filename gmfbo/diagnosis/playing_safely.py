@@ -214,7 +214,7 @@ class SafePlayer:
 
     def _moved(self, effort: Column) -> Column:
         position = self._position(self._run(effort, Point()), effort)
-        return position - position[0]
+        return np.asarray(position - position[0], dtype=np.float64)
 
     def _tried(self) -> float:
         if np.isfinite(self.limits.torque):
