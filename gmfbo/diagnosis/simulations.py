@@ -41,6 +41,10 @@ class PlayedNoise(Protocol):
     """Noise that the controller saw in a recording."""
 
     @property
+    def signal(self) -> str:
+        """Output that is the reading."""
+
+    @property
     def at_port(self) -> NDArray[np.float64]:
         """[FMU's unit] What is added at the sensor port, shape (rows,)."""
 

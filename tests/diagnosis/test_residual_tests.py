@@ -11,8 +11,8 @@ from gmfbo.diagnosis.residual_tests import chance_bound, following_part, referen
 
 Array = NDArray[np.float64]
 
-TIME = np.arange(2500) * 1e-3
-SINE = 0.4 * np.sin(2.0 * np.pi * 1.4 * TIME)
+TIME = 1e-3 * np.arange(2500, dtype=np.float64)
+SINE: Array = 0.4 * np.sin(2.0 * np.pi * 1.4 * TIME)
 
 
 def coloured(rng: np.random.Generator) -> Array:
