@@ -38,6 +38,9 @@ class Budget:
         Changes of each recording's signals under the sensor's noise.
     own_variances : tuple of lists of float
         [SI unit squared] Noise of each signal beyond that.
+    noise_squares : tuple of float
+        chi2 of each window that noise alone gives: less than its degrees of freedom, as S(f)
+        holds a tolerance too.
     """
 
     windows: tuple[Window, ...]
@@ -45,6 +48,7 @@ class Budget:
     directions: tuple[list[Direction], ...]
     loop_noise: tuple[list[Direction], ...]
     own_variances: tuple[list[float], ...]
+    noise_squares: tuple[float, ...]
 
     def whiteners(
         self, dispersion: Sequence[NDArray[np.float64]] | None = None

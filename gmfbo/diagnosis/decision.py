@@ -29,7 +29,7 @@ MOST_EFFECTS = 3
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
 _UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect has to take away
-_FIRST_SHARE = 0.012  # of the first effect's gain: a law that is 11 % off leaves as much
+_FIRST_SHARE = 0.005  # of the first effect's gain: a law that is 7 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
 _PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
@@ -152,6 +152,7 @@ def decide(
     progress: Callable[[str, float], None],
     *,
     silent: Collection[str] = (),
+    look_again: Callable[[Fitted], list[Candidate]] = lambda model: [],
 ) -> Decision:
     """Accept effects one after the other, until none gains enough.
 
@@ -168,6 +169,8 @@ def decide(
     silent : collection of str
         Effects among them that the recordings do not excite: they are never named, but where one
         explains as much as the best, nothing is.
+    look_again : callable
+        Further starts about a model with named effects: lines and pulses that those had hidden.
     """
     decision = Decision(model=case.base, groups=groups_of(case), silent=frozenset(silent))
     progress("screening the library", 0.2)
@@ -176,6 +179,10 @@ def decide(
     )
     for number in range(MOST_EFFECTS):
         progress(f"fitting effect {number + 1}", 0.4 + 0.15 * number)
+        if number:
+            assert decision.model is not None
+            more = probes(case.misfit, decision.model, look_again(decision.model))
+            decision.tried = [*decision.tried, *more]
         if not _next_round(case, decision, rng):
             break
     return decision
@@ -257,7 +264,9 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if not claimable or best_silent > max(e.gain for e in claimable) - decision.threshold:
         decision.in_doubt = max(silent, key=lambda e: e.gain)
         return False
-    winner = _polished(case, decision, _simplest(claimable, decision.threshold))
+    # What the best law leaves beyond noise could as well be left by its limit.
+    slack = _NEXT_SHARE * min(e.chi2 for e in claimable) * (1.0 - 1.0 / decision.dispersion)
+    winner = _polished(case, decision, _simplest(claimable, decision.threshold, slack))
     rivals = rivals_of(winner, [e for e in evidence if e.name not in decision.silent])
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
     decision.model = winner.fitted
@@ -347,9 +356,13 @@ def _evidence(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) 
     outside = left_out_square(model, groups) - left_out_square(fitted, groups)
     if outside.sum() < _DOUBTFUL * inside.sum():
         # Sensitivities of a gap or a limit may be rough: let the FMU tell.
-        outside = simulated_left_out(case.misfit, model, groups) - simulated_left_out(
+        simulated = simulated_left_out(case.misfit, model, groups) - simulated_left_out(
             case.misfit, fitted, groups
         )
+        # A limit that one stretch alone shows is unbound by the others: the better tells.
+        is_limit = fitted.hypothesis.effects[-1].law.family == "limit"
+        if not (is_limit and outside.sum() > simulated.sum()):
+            outside = simulated
     gains = outside if outside.sum() < inside.sum() else inside
     signature = squares(
         tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups
@@ -425,16 +438,19 @@ def _may_vanish(evidence: Evidence, simpler: str) -> bool:
     return bool(rows) and all(spread.low[i] < 0.0 < spread.high[i] for i in rows)
 
 
-def _simplest(accepted: Sequence[Evidence], threshold: float) -> Evidence:
-    """The best, or its simplest limit over which it does not gain the threshold."""
+def _worth(larger: Evidence, simpler: str) -> float:
+    return _VAGUE_WORTH if _may_vanish(larger, simpler) else _PLAIN_WORTH
+
+
+def _simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Evidence:
+    """The best, or its simplest limit over which it does not gain the threshold or the slack."""
     best = max(accepted, key=lambda e: e.gain - _freedom(e.effect.law))
     while True:
         simpler = [
             e
             for e in accepted
             if e.name in best.effect.law.contains
-            and e.gain
-            > best.gain - threshold * (_VAGUE_WORTH if _may_vanish(best, e.name) else _PLAIN_WORTH)
+            and e.gain > best.gain - max(slack, threshold * _worth(best, e.name))
         ]
         if not simpler:
             return best

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
+from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
@@ -43,7 +44,7 @@ from gmfbo.diagnosis.validation import validate as validated_on
 from gmfbo.diagnosis.validation import validate_unseen
 from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError, did_you_mean
-from gmfbo.physics import CATALOGUE
+from gmfbo.physics import CATALOGUE, Excitation
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
 
@@ -189,7 +190,14 @@ class _Search:
         library = candidates(testable, case.setting.excitation) + self._passing(testable)
         silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
         library += candidates(silent, case.setting.excitation)
-        decision = decide(case, library, self.rng, self.progress, silent=silent)
+        decision = decide(
+            case,
+            library,
+            self.rng,
+            self.progress,
+            silent=silent,
+            look_again=lambda model: self._lines_beside(model, testable),
+        )
         if decision.in_doubt is not None:
             name = decision.in_doubt.name.replace("_", " ")
             case.notes.append(
@@ -279,7 +287,24 @@ class _Search:
         )
         case.change_setting(replace(case.setting, excitation=excitation))
 
-    def _passing(self, testable: Sequence[str]) -> list[Candidate]:
+    def _lines_beside(self, model: Fitted, testable: Sequence[str]) -> list[Candidate]:
+        """Lines and pulses beside named effects, as starts of the effects that need one."""
+        if self._response is None:
+            return []
+        lines = find_lines(self.case, model, self._response)
+        self._pulses = lines.passing
+        excitation = replace(
+            self.case.setting.excitation,
+            wavenumbers=lines.wavenumbers,
+            frequencies=lines.frequencies,
+            pulses=lines.pulses,
+        )
+        searched = [name for name in testable if CATALOGUE[name].is_searched]
+        return candidates(searched, excitation) + self._passing(testable, excitation)
+
+    def _passing(
+        self, testable: Sequence[str], excitation: Excitation | None = None
+    ) -> list[Candidate]:
         """A disturbance that passed in one recording, as a candidate in that one alone."""
         name = "pulse_disturbance"
         if name not in testable:
@@ -287,7 +312,9 @@ class _Search:
         return [
             Candidate(name, dict(start), only=pulse.record)
             for start, pulse in zip(
-                CATALOGUE[name].starts(self.case.setting.excitation), self._pulses, strict=False
+                CATALOGUE[name].starts(excitation or self.case.setting.excitation),
+                self._pulses,
+                strict=False,
             )
             if pulse.record != EVERY
         ]

@@ -14,6 +14,7 @@ from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.nuisances import record_directions
+from gmfbo.diagnosis.recorded_noise import without_noise
 from gmfbo.diagnosis.records import Record, ScoredSignal
 from gmfbo.diagnosis.reference_menu import MenuEntry, RecordedLimits, reference_menu
 from gmfbo.diagnosis.simulations import Simulated
@@ -68,12 +69,13 @@ def recorded_limits(case: Case, base: Fitted, reference: str) -> RecordedLimits:
     case : Case
         Twin and recordings.
     base : Fitted
-        The recordings simulated: the axis without the encoder's noise.
+        The model that moves as they do; without the encoder's noise.
     reference : str
         Input that the controller follows.
     """
     speeds, accelerations, bands, columns = [], [], [], []
-    for record, run in zip(case.simulations.records, base.simulated, strict=True):
+    simulated = without_noise(case.simulations, base).simulated
+    for record, run in zip(case.simulations.records, simulated, strict=True):
         grid = record.plan.grid
         velocity = np.gradient(run.response.held[case.rig.position or ""], grid)
         speeds.append(float(np.quantile(np.abs(velocity), 0.995)))

@@ -20,6 +20,7 @@ from gmfbo.diagnosis.preparation import (
     covariances,
     describe_rig,
     noise_runs,
+    noise_squares,
     nuisance_directions,
     own_variances,
     whiteners,
@@ -572,7 +573,10 @@ class _Opening:
             left = self._noise_runs(simulations, point, about, rig, noise)
         spectra = self._spectra(simulations, windows, rig, noise, own, about, left)
         directions = nuisance_directions(simulations, point, about, rig, ratio)
-        return Budget(windows, tuple(spectra), tuple(directions), tuple(through), tuple(own))
+        squares = noise_squares(windows, simulations.records, rig, spectra)
+        return Budget(
+            windows, tuple(spectra), tuple(directions), tuple(through), tuple(own), squares
+        )
 
     def _spectra(
         self,

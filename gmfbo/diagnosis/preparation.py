@@ -378,6 +378,32 @@ def covariances(
     return total
 
 
+def noise_squares(
+    windows: Sequence[Window], records: Sequence[Record], rig: Rig, spectra: Sequence[Spectrum]
+) -> tuple[float, ...]:
+    """chi2 that noise alone gives in each window: S(f) holds a tolerance beside it.
+
+    Parameters
+    ----------
+    windows : sequence of Window
+        What is scored.
+    records : sequence of Record
+        What was measured.
+    rig : Rig
+        Which signals are positions.
+    spectra : sequence of ndarray
+        S(f) of each window.
+    """
+    found = []
+    for window, s in zip(windows, spectra, strict=True):
+        tolerance = tolerance_covariance(window, records[window.record], rig.positions)
+        shares = 1.0 - np.real(np.einsum("fij,fji->f", np.linalg.inv(s), tolerance)) / s.shape[1]
+        size = Whitener(window, s).n_residuals
+        weights = np.mean(window.seen, axis=1)
+        found.append(size * float(np.clip(np.sum(shares * weights) / np.sum(weights), 0.01, 1.0)))
+    return tuple(found)
+
+
 def own_variances(
     record: Record, noise: Mapping[str, NoiseLevel], loop_noise: Sequence[Direction]
 ) -> list[float]:

@@ -27,9 +27,12 @@ Array = NDArray[np.float64]
 _CORNERS = (30.0, 45.0, 65.0, 95.0, 140.0, 200.0)  # [Hz] above which noise is played
 _WHITE = 1.6  # times the level near the Nyquist frequency: more is motion
 _ORDER = 8
-_ROUNDS = 3  # of reading the noise, each beside what the axis makes of the last
-_RENEWED = 2
+_ROUNDS = 7  # of reading the noise at most, each beside what the axis makes of the last
+_SETTLED = 0.02  # of the noise, by which a further round changes it
 _CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
+_END = 0.02  # of a recording, at each end
+_TRANSIENT = 4.0  # times the level, which noise at the ends does not reach
+_WORSE = 1.1  # times a signal's fast residual, which playing what the motor felt does not reach
 
 
 class Showing(Enum):
@@ -144,13 +147,18 @@ def noise_of(
         if corner is None:
             return None
         column = above(difference, step, corner) / position_to_si
+        if _is_transient(column * position_to_si, level.total):
+            return None
         run = simulations.run_one(point, k, excitation={"sensor": column})
         if not run.finite:
             return None
         change = run.response.held[position] - base[k].response.held[position]
         showing = _showing(change, column * position_to_si)
         found = RecordedNoise(position, corner, column, position_to_si, showing)
-        return _settled(simulations, point, k, found, _ROUNDS)
+        settled = _settled(simulations, point, k, found)
+        if settled is None or not _is_felt(simulations, point, k, settled, base[k]):
+            return None
+        return settled
 
     return simulations.map(one, range(len(base)))
 
@@ -175,7 +183,7 @@ def renewed(simulations: Simulations, model: Fitted) -> tuple[PlayedNoise | None
     found: list[PlayedNoise | None] = []
     for k, noise in enumerate(known):
         if isinstance(noise, RecordedNoise):
-            again = _settled(simulations, point, k, noise, _RENEWED)
+            again = _settled(simulations, point, k, noise)
             if again is None:
                 return None
             noise = again
@@ -183,22 +191,70 @@ def renewed(simulations: Simulations, model: Fitted) -> tuple[PlayedNoise | None
     return tuple(found)
 
 
+def without_noise(simulations: Simulations, model: Fitted) -> Fitted:
+    """Return the same model as its FMU runs, without the noise of the recordings played into it.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Who runs the twin.
+    model : Fitted
+        Of any hypothesis; returned as it is where no noise is played.
+    """
+    if not any(noise is not None for noise in simulations.noise):
+        return model
+    with simulations.quiet():
+        simulated = simulations.run([model.hypothesis.point(model.x)])[0]
+    return replace(model, simulated=simulated)
+
+
 def _settled(
-    simulations: Simulations, point: Point, k: int, noise: RecordedNoise, rounds: int
+    simulations: Simulations, point: Point, k: int, noise: RecordedNoise
 ) -> RecordedNoise | None:
     """Noise with which the simulated reading is as fast as the recorded one; None if it fails.
 
     What the axis makes of the noise is in the recorded reading as well.
     """
     grid = simulations.records[k].plan.grid
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         played = (None,) * k + (noise,)
         run = simulations.run_one(replace(point, noise=played), k)
         lacking = _difference(simulations.records[k], run.response, noise.signal)
         if lacking is None or not run.finite:
             return None
-        noise = noise.with_more(lacking, float(grid[1] - grid[0]))
+        before, noise = noise, noise.with_more(lacking, float(grid[1] - grid[0]))
+        changed = float(np.std(noise.at_port - before.at_port))
+        if changed < _SETTLED * float(np.std(noise.at_port)):
+            break
     return noise
+
+
+def _is_transient(column: Array, level: float) -> bool:
+    """Whether one end holds more than noise: a start in motion, which the twin has to forget."""
+    few = max(8, round(_END * column.size))
+    ends = (column[:few], column[-few:])
+    return any(float(np.sqrt(np.mean(end**2))) > _TRANSIENT * level for end in ends)
+
+
+def _is_felt(
+    simulations: Simulations, point: Point, k: int, noise: RecordedNoise, before: Simulated
+) -> bool:
+    """Whether the other signals agree: what only the logger or one of two encoders saw is none."""
+    played = (None,) * k + (noise,)
+    after = simulations.run_one(replace(point, noise=played), k)
+    if not after.finite:
+        return False
+    signals = simulations.records[k].signals
+    for signal, quiet, noisy in zip(signals, before.signals, after.signals, strict=True):
+        if signal.name == noise.signal or noise.corner >= 0.3 / signal.spacing:
+            continue
+        left = [
+            float(np.std(above(signal.values - values, signal.spacing, noise.corner)))
+            for values in (quiet, noisy)
+        ]
+        if left[1] > _WORSE * left[0]:
+            return False
+    return True
 
 
 def _showing(change: Array, noise: Array) -> Showing:

@@ -14,6 +14,7 @@ from gmfbo.diagnosis.fit_table import Fit, SignalFit
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
 from gmfbo.diagnosis.misfit import Misfit, chi2
+from gmfbo.diagnosis.recorded_noise import without_noise
 from gmfbo.diagnosis.simulations import Simulated
 
 
@@ -97,19 +98,10 @@ def _scored(
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
 ) -> Validated:
     removed = _removed(case, scored, plain, augmented) if augmented.hypothesis.effects else None
-    shown = [_without_noise(case, model) for model in (case.base, plain, augmented)]
+    shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
     return Validated(table, _curves(case, shown[1], shown[2]), plain, augmented)
-
-
-def _without_noise(case: Case, model: Fitted) -> Fitted:
-    """The same model as its FMU runs, without the noise of the recordings played into it."""
-    if not any(noise is not None for noise in case.simulations.noise):
-        return model
-    with case.simulations.quiet():
-        simulated = case.simulations.run([model.hypothesis.point(model.x)])[0]
-    return replace(model, simulated=simulated)
 
 
 def _refitted(misfit: Misfit, model: Fitted, iterations: int = 6) -> Fitted:
@@ -200,7 +192,7 @@ def _removed(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted
         chi2(misfit.residual(plain.simulated)),
         chi2(misfit.residual(augmented.simulated)),
     )
-    floor = float(sum(w.n_residuals for w in misfit.whiteners))
+    floor = float(sum(case.budget.noise_squares[w] for w in scored))
     if before - floor < 2.0 * np.sqrt(2.0 * floor):
         return None
     return float((before - after) / (before - floor))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,11 +60,11 @@ class Window:
         spectra = []
         for column, rows in zip(columns, self.rows, strict=True):
             part = column[..., rows]
-            taper = tukey(part.shape[-1], _TAPERED)
-            bins = min(self.frequencies.size, part.shape[-1] // 2 + 1)
-            own = np.fft.rfft(part * taper)[..., :bins] / part.shape[-1]
-            padding = [(0, 0)] * (own.ndim - 1) + [(0, self.frequencies.size - bins)]
-            spectra.append(np.pad(own, padding))
+            n = part.shape[-1]
+            bins = min(self.frequencies.size, n // 2 + 1)
+            own = np.zeros((*part.shape[:-1], self.frequencies.size), dtype=np.complex128)
+            own[..., :bins] = np.fft.rfft(part * _taper(n))[..., :bins] / n
+            spectra.append(own)
         return np.stack(spectra, axis=-1) * self.seen
 
     def white(self, variances: Sequence[float]) -> NDArray[np.float64]:
@@ -78,8 +78,13 @@ class Window:
         gains = []
         for variance, rows in zip(variances, self.rows, strict=True):
             n = rows.stop - rows.start
-            gains.append(variance * float(np.sum(tukey(n, _TAPERED) ** 2)) / n**2)
+            gains.append(variance * float(np.sum(_taper(n) ** 2)) / n**2)
         return np.array(gains)
+
+
+@lru_cache(maxsize=64)
+def _taper(n: int) -> NDArray[np.float64]:
+    return np.asarray(tukey(n, _TAPERED))
 
 
 def make_window(

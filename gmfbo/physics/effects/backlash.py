@@ -12,21 +12,25 @@ _MOTOR_SHARE = 0.3
 _DAMPING_RATIO = 0.3
 
 
-def _floor(excitation: Excitation) -> float:
+def _unit(excitation: Excitation) -> float:
     # 0.4 mrad on a shaft and 20 um on a linear axis, less where the stroke itself is small.
     least = 4e-4 if excitation.angular else 2e-5
     return max(3.0 * excitation.resolution, min(least, 4e-4 * excitation.stroke))
 
 
+def _floor(excitation: Excitation) -> float:
+    return max(2.0 * excitation.resolution, 0.2 * _unit(excitation))
+
+
 def _largest(excitation: Excitation) -> float:
-    return max(0.5 * excitation.stroke, 30.0 * _floor(excitation))
+    return max(0.5 * excitation.stroke, 30.0 * _unit(excitation))
 
 
 def _fixed(excitation: Excitation) -> Values:
     inertia = excitation.shaft_inertia
     stable = 0.1 * _MOTOR_SHARE * inertia / excitation.step**2
     # Stiffer than this, the contact's own deflection is far below any gap that is claimed.
-    rigid = excitation.torque / (0.1 * _floor(excitation))
+    rigid = excitation.torque / (0.1 * _unit(excitation))
     stiffness = min(stable, rigid)
     # Motor and load of equal shares meet as a quarter of the inertia.
     damping = 2.0 * _DAMPING_RATIO * math.sqrt(stiffness * 0.25 * inertia)
@@ -34,9 +38,9 @@ def _fixed(excitation: Excitation) -> Values:
 
 
 def _starts(excitation: Excitation) -> list[Values]:
-    floor, inertia = _floor(excitation), excitation.shaft_inertia
-    grid = ((2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2))
-    return [{"gap": g * floor, "load_inertia": share * inertia} for g, share in grid]
+    unit, inertia = _unit(excitation), excitation.shaft_inertia
+    grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2))
+    return [{"gap": g * unit, "load_inertia": share * inertia} for g, share in grid]
 
 
 def _not_excited(excitation: Excitation) -> str | None:
@@ -64,7 +68,7 @@ backlash = Effect(
             "position",
             low=lambda e: 0.0,
             high=_largest,
-            scale=lambda e: 3.0 * _floor(e),
+            scale=lambda e: 3.0 * _unit(e),
         ),
         transmission.load_inertia(),
     ),
