@@ -1,0 +1,57 @@
+"""Small friction and small dead zones under noise that shakes the axis loose of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gmfbo.diagnosis import opening
+from gmfbo.diagnosis.confirming import confirm
+from gmfbo.diagnosis.library import candidates
+from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
+from tests.diagnosis.planted_noise import opened, planted
+
+
+def size_of(effect: str, parameter: str, true: float, sigma: float) -> float:
+    """Size at which one effect alone fits recordings that hold it, under noise [rad]."""
+    with opened(planted(sigma, {f"{effect}.{parameter}": true})) as case:
+        start = candidates([effect], case.setting.excitation)[0]
+        (found,) = confirm(case.misfit, case.base, [start])
+        return float(found.hypothesis.effects[0].values[parameter])
+
+
+def unplayed(
+    simulations: Simulations, point: Point, base: list[Simulated], *others: object
+) -> list[None]:
+    return [None] * len(base)
+
+
+CASES = [
+    ("actuator_dead_zone", "width", 0.2, 3e-4, 0.01, 0.25),
+    ("actuator_dead_zone", "width", 0.1, 3e-4, 0.02, 0.25),
+    ("coulomb_friction", "level", 0.02, 1e-3, 0.05, 0.08),
+]
+
+
+@pytest.mark.parametrize(("effect", "parameter", "true", "sigma", "within", "off"), CASES)
+def test_with_the_noise_played_the_size_is_right(
+    effect: str, parameter: str, true: float, sigma: float, within: float, off: float
+) -> None:
+    assert size_of(effect, parameter, true, sigma) == pytest.approx(true, rel=within)
+
+
+@pytest.mark.parametrize(("effect", "parameter", "true", "sigma", "within", "off"), CASES)
+def test_without_it_a_smaller_size_is_found(
+    effect: str,
+    parameter: str,
+    true: float,
+    sigma: float,
+    within: float,
+    off: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Negative control: the noise bridges part of what is there."""
+    monkeypatch.setattr(opening, "noise_of", unplayed)
+    found = size_of(effect, parameter, true, sigma)
+    assert np.isfinite(found)
+    assert found < (1.0 - off) * true
