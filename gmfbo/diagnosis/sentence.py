@@ -83,6 +83,10 @@ def _physics(diagnosis: Diagnosis) -> str:
 def _outside(diagnosis: Diagnosis) -> str:
     from gmfbo.physics import CATALOGUE
 
+    if len({entry.name for entry in diagnosis.not_testable}) >= len(CATALOGUE):
+        return (
+            "Something is missing, and none of the effects known here can be tested with this twin."
+        )
     told = f"Something is missing that is none of the {len(CATALOGUE)} effects known here"
     shape = diagnosis.shape
     if shape is not None and shape.y:

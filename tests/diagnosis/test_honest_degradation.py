@@ -161,10 +161,18 @@ def test_an_axis_at_rest_tells_nothing_and_is_said_to(axis: Axis) -> None:
 
 def test_at_rest_no_effect_is_said_to_be_a_parameter(tmp_path: Path) -> None:
     for twin in (SERVO.twin(), certain("servo_axis", tmp_path)):
-        diagnosis = diagnosed(twin, SERVO.recordings({}, (np.zeros_like,)))
+        diagnosis = diagnosed(twin, QUIET_SERVO.recordings({}, (np.zeros_like,)))
         assert diagnosis.verdict == "none"
         why = {entry.name: entry.why for entry in diagnosis.not_testable}
         assert why["transport_delay"] == "changes nothing in these recordings"
+
+
+def test_at_rest_the_noise_in_the_loop_tests_a_delay_but_no_friction() -> None:
+    diagnosis = diagnosed(SERVO.twin(), SERVO.recordings({}, (np.zeros_like,)))
+    assert diagnosis.verdict == "none"
+    why = {entry.name: entry.why for entry in diagnosis.not_testable}
+    assert "transport_delay" not in why
+    assert why["coulomb_friction"] == "not excited: no reversal of the velocity"
 
 
 def test_a_recording_of_50_rows_is_refused_in_one_line() -> None:

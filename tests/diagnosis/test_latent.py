@@ -52,7 +52,8 @@ def test_a_right_twin_asks_for_next_to_nothing(servo: PortCase) -> None:
     for latent in latent_torque(servo.case, servo.case.base, servo.response):
         known = np.isfinite(latent.standard_error)
         rms = np.sqrt(np.mean(latent.torque[known] ** 2))
-        assert rms < 2.5 * latent.standard_error[known][0]
+        # Where nothing stands out of the noise both are zero.
+        assert rms <= 2.5 * latent.standard_error[known][0]
 
 
 def test_what_is_not_scored_or_not_yet_answered_has_no_bound(servo: PortCase) -> None:

@@ -1,0 +1,63 @@
+"""Limits that cut for a few milliseconds begin at the size that the recorded command tells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pytest
+
+from gmfbo.diagnosis.confirming import confirm
+from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.limit_scan import scan_limits
+from tests.diagnosis.planted_noise import opened, planted
+
+LIMITS = ("actuator_saturation", "supply_voltage_limit")
+LEAST = 30.0
+SIGMA = 3e-5
+
+
+def scanned(
+    physics: Mapping[str, float], names: Sequence[str] = LIMITS
+) -> tuple[list[tuple[float, Candidate]], list[Candidate], int]:
+    """What the scan finds, what fits from there on, and the rows in which the limit cuts."""
+    found = planted(SIGMA, physics)
+    limit = physics.get("actuator_saturation.limit", np.inf)
+    rows = sum(
+        int(np.count_nonzero(np.abs(r.signal("torque_command")) > limit)) for r in found.recordings
+    )
+    with opened(found) as case:
+        scan = scan_limits(case, case.base, np.random.default_rng(0), names, LEAST)
+        fits = confirm(case.misfit, case.base, [candidate for _, candidate in scan])
+        return scan, [fitted.hypothesis.effects[0] for fitted in fits], rows
+
+
+@pytest.mark.parametrize(
+    ("limit", "scan_within", "rows_at_most"), [(1.2, 0.05, 90), (1.3, 0.01, 40)]
+)
+def test_a_saturation_of_a_few_ms_is_found_and_fits_at_its_size(
+    limit: float, scan_within: float, rows_at_most: int
+) -> None:
+    """The command of 2.8 s passes the limit in 76 and in 32 rows of 1 ms."""
+    scan, fits, rows = scanned({"actuator_saturation.limit": limit}, LIMITS[:1])
+    assert 10 < rows < rows_at_most
+    ((gain, start),) = scan
+    assert start.effect == "actuator_saturation"
+    assert gain > 10.0 * LEAST
+    assert start.values["limit"] == pytest.approx(limit, rel=scan_within)
+    assert fits[0].values["limit"] == pytest.approx(limit, rel=0.005)
+
+
+def test_of_two_limits_the_one_that_gains_most_comes_first() -> None:
+    scan, _, _ = scanned({"actuator_saturation.limit": 1.2})
+    assert [candidate.effect for _, candidate in scan] == list(LIMITS)
+    assert scan[0][0] > scan[1][0]
+
+
+def test_where_nothing_cuts_no_size_is_worth_a_fit() -> None:
+    scan, fits, _ = scanned({})
+    assert (scan, fits) == ([], [])
+
+
+def test_limits_that_may_not_be_tried_are_not() -> None:
+    assert scanned({"actuator_saturation.limit": 1.2}, ("coulomb_friction",))[0] == []
