@@ -18,16 +18,16 @@ static inline double harmonics(int count, const double *wavenumber, const double
     return sum;
 }
 
-_Static_assert(V_cogging_torque_wavenumber_4 - V_cogging_torque_wavenumber_1 == 3, "in a row");
-_Static_assert(V_cogging_torque_sine_4 - V_cogging_torque_sine_1 == 3, "in a row");
-_Static_assert(V_cogging_torque_cosine_4 - V_cogging_torque_cosine_1 == 3, "in a row");
+_Static_assert(V_cogging_torque_wavenumber_8 - V_cogging_torque_wavenumber_1 == 7, "in a row");
+_Static_assert(V_cogging_torque_sine_8 - V_cogging_torque_sine_1 == 7, "in a row");
+_Static_assert(V_cogging_torque_cosine_8 - V_cogging_torque_cosine_1 == 7, "in a row");
 _Static_assert(V_torque_ripple_wavenumber_2 - V_torque_ripple_wavenumber_1 == 1, "in a row");
 _Static_assert(V_torque_ripple_sine_2 - V_torque_ripple_sine_1 == 1, "in a row");
 _Static_assert(V_torque_ripple_cosine_2 - V_torque_ripple_cosine_1 == 1, "in a row");
 
 /* Pull between magnets and teeth, whatever the current. */
 static inline double cogging_torque(const double *v, const Signals *s) {
-    return harmonics(4, v + V_cogging_torque_wavenumber_1, v + V_cogging_torque_sine_1,
+    return harmonics(8, v + V_cogging_torque_wavenumber_1, v + V_cogging_torque_sine_1,
                      v + V_cogging_torque_cosine_1, s->position);
 }
 

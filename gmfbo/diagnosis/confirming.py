@@ -13,6 +13,7 @@ from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.misfit import Blocks, Misfit
 from gmfbo.diagnosis.recorded_noise import renewed
 from gmfbo.diagnosis.screening import Probe, Screened
+from gmfbo.physics.harmonic import strongest_first
 
 MOST = 6
 """Effects that are fitted in one round."""
@@ -63,6 +64,8 @@ def start_of(entry: Screened) -> Candidate:
     for name, value in candidate.values.items():
         start = entry.probe.candidate.values[name]
         values[name] = value if value else 0.1 * start
+    if law.is_line:
+        values = strongest_first(values)
     return Candidate(law.name, values, candidate.more, candidate.only)
 
 

@@ -22,7 +22,6 @@ from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.rivals import rivals_of
 from gmfbo.diagnosis.screening import Probe, Screened, probes, refined, screen
 from gmfbo.diagnosis.threshold import NullGains, left_out_square
-from gmfbo.physics import Effect
 
 MOST_EFFECTS = 3
 """Effects that are named at most; recordings of a few seconds do not tell more apart."""
@@ -385,7 +384,7 @@ def _needed(decision: Decision) -> float:
 
 def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
     law, excitation = evidence.effect.law, case.setting.excitation
-    if evidence.gain <= needed + _freedom(law):
+    if evidence.gain <= needed + _freedom(evidence.effect):
         return False
     values = {**evidence.effect.more, **evidence.effect.values}
     if law.size(values, excitation) < law.floor(excitation):
@@ -411,9 +410,9 @@ def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision
     return float(outside.sum()) > _BETWEEN_SHARE * evidence.gain
 
 
-def _freedom(law: Effect) -> float:
+def _freedom(effect: Candidate) -> float:
     """What an effect gains by chance beyond one of a single size, and by having been searched."""
-    return _EACH_PARAMETER * (len(law.parameters) - 1) + (_SEARCHED if law.is_searched else 0.0)
+    return _EACH_PARAMETER * (len(effect.parameters) - 1) + _SEARCHED * effect.searched
 
 
 def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
@@ -433,8 +432,8 @@ def _may_vanish(evidence: Evidence, simpler: str) -> bool:
     fitted, law = evidence.fitted, evidence.effect.law
     apart = law.vanishing.get(simpler, ())
     spread = spread_of(fitted, np.random.default_rng(0))
-    place = fitted.x.size - len(law.parameters)
-    rows = [i for i, p in enumerate(law.parameters, start=place) if p.name in apart]
+    place = fitted.x.size - len(evidence.effect.parameters)
+    rows = [i for i, p in enumerate(evidence.effect.parameters, start=place) if p.name in apart]
     return bool(rows) and all(spread.low[i] < 0.0 < spread.high[i] for i in rows)
 
 
@@ -444,7 +443,7 @@ def _worth(larger: Evidence, simpler: str) -> float:
 
 def _simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Evidence:
     """The best, or its simplest limit over which it does not gain the threshold or the slack."""
-    best = max(accepted, key=lambda e: e.gain - _freedom(e.effect.law))
+    best = max(accepted, key=lambda e: e.gain - _freedom(e.effect))
     while True:
         simpler = [
             e

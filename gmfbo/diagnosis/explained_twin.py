@@ -58,7 +58,7 @@ def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -
     hypothesis = Hypothesis(replace(setting, uncertain=uncertain_of(twin)), effects)
     values = [explanation.parameters.get(u.name, u.nominal) for u in hypothesis.setting.uncertain]
     for candidate in effects:
-        values += [candidate.values[p.name] for p in candidate.law.parameters]
+        values += [candidate.values[p.name] for p in candidate.parameters]
     return Fitted(hypothesis, np.array(values, dtype=np.float64), [], (), (), [])
 
 

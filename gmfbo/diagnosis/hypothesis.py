@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.simulations import PlayedNoise, Point
 from gmfbo.physics import CATALOGUE, Effect, Excitation
+from gmfbo.physics.effect import EffectParameter
 
 PRIOR_WIDTH = 3.0
 """Standard deviation of a weak prior of an effect's parameters, in typical sizes."""
@@ -67,6 +68,18 @@ class Candidate:
         """The effect in the catalogue."""
         return CATALOGUE[self.effect]
 
+    @property
+    def parameters(self) -> tuple[EffectParameter, ...]:
+        """Those that are fitted: of an effect that may hold several lines, those it starts with."""
+        return tuple(p for p in self.law.parameters if p.name in self.values)
+
+    @property
+    def searched(self) -> int:
+        """Lines and instants of it that were looked for."""
+        return max(
+            sum(p.name.startswith("wavenumber_") for p in self.parameters), self.law.is_searched
+        )
+
     def with_values(self, values: Mapping[str, float]) -> Candidate:
         """Return the same effect at other values."""
         return replace(self, values=dict(values))
@@ -117,7 +130,7 @@ class Hypothesis:
     def names(self) -> tuple[str, ...]:
         """Free parameters: the twin's, then `effect.parameter`."""
         own = tuple(u.name for u in self.setting.uncertain)
-        return own + tuple(f"{c.effect}.{p.name}" for c in self.effects for p in c.law.parameters)
+        return own + tuple(f"{c.effect}.{p.name}" for c in self.effects for p in c.parameters)
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -125,7 +138,7 @@ class Hypothesis:
         pairs = [(u.low, u.high) for u in self.setting.uncertain]
         for candidate in self.effects:
             limits = candidate.law.bounds(self.setting.excitation)
-            pairs += [limits[p.name] for p in candidate.law.parameters]
+            pairs += [limits[p.name] for p in candidate.parameters]
         low, high = np.array(pairs, dtype=float).reshape(-1, 2).T
         return low, high
 
@@ -135,7 +148,7 @@ class Hypothesis:
         sizes = [u.scale for u in self.setting.uncertain]
         for candidate in self.effects:
             own = candidate.law.scales(self.setting.excitation)
-            sizes += [own[p.name] for p in candidate.law.parameters]
+            sizes += [own[p.name] for p in candidate.parameters]
         return np.array(sizes, dtype=float)
 
     @property
@@ -150,7 +163,7 @@ class Hypothesis:
         """Vector of the effects' own values and these parameters of the twin."""
         values = [parameters.get(u.name, u.nominal) for u in self.setting.uncertain]
         for candidate in self.effects:
-            values += [candidate.values[p.name] for p in candidate.law.parameters]
+            values += [candidate.values[p.name] for p in candidate.parameters]
         return self.inside(np.array(values, dtype=float))
 
     def inside(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -169,7 +182,7 @@ class Hypothesis:
         place = len(self.setting.uncertain)
         effects = []
         for candidate in self.effects:
-            names = [p.name for p in candidate.law.parameters]
+            names = [p.name for p in candidate.parameters]
             own = x[place : place + len(names)]
             effects.append(candidate.with_values(dict(zip(names, map(float, own), strict=True))))
             place += len(names)

@@ -38,7 +38,7 @@ class Line:
     gain: float
 
 
-MOST_LINES = 4
+MOST_LINES = 8
 
 LEAST_GAIN = 25.0
 """Fall of chi2 on what was left out, by which the best of all lines stands out of the noise.
@@ -52,6 +52,10 @@ linear."""
 
 _RIVAL = 0.5  # of the better family's gain: then the other is tried as well
 _HARDLY = 0.01  # of a line's gain: lost for a whole number of cycles a turn
+_FEW_A_TURN = np.arange(1.0, 13.0)
+"""[1/rad] Tried in any case: they show in less than a turn (gravity, unbalance, slots), but in a
+scan they are wide, and close to what an offset and friction leave."""
+
 _NORMS = 24  # points of the scan at which the size of a line's change is computed
 _PEAKS = 6  # of the scan, that are regressed in full
 _SURROUNDINGS = 161  # points of the scan around a peak, whose upper quartile it has to exceed
@@ -90,9 +94,8 @@ class LineSearch:
         while len(found) < MOST_LINES:
             with_found = self.with_lines(found, own)
             peaks = _peaks(self._axis.places, self._scan(self._regression.left(with_found)))
-            if self._axis.rounded and self._axis.places[0] > 1.0:
-                # Once a turn (gravity, unbalance) shows in less than a turn.
-                peaks = np.append(peaks, 1.0)
+            if self._axis.rounded:
+                peaks = np.append(peaks, _FEW_A_TURN)
             if not peaks.size:
                 break
             gains = self._gains(peaks, with_found)
@@ -219,13 +222,14 @@ class LineSearch:
 
 
 def _peaks(places: Array, values: Array) -> Array:
-    """Highest local maxima of a scan that stand out of their surroundings.
+    """Highest local maxima of a scan that stand out of their surroundings, the tallest in any case.
 
     What happens at one place only, such as at a reversal, is spread over all wavenumbers alike.
     """
     padded = np.concatenate([[-np.inf], values, [-np.inf]])
     surroundings = percentile_filter(values, 75, min(_SURROUNDINGS, values.size), mode="nearest")
-    local = (values >= padded[:-2]) & (values > padded[2:]) & (values > _PROMINENT * surroundings)
+    stands_out = (values > _PROMINENT * surroundings) | (values == values.max())
+    local = (values >= padded[:-2]) & (values > padded[2:]) & stands_out
     found = np.flatnonzero(local)
     highest = found[np.argsort(-values[found])][:_PEAKS]
     return np.asarray(places[highest])

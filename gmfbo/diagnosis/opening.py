@@ -421,7 +421,7 @@ class _Opening:
         torque = ratio * float(max(commands)) if commands else 0.0
         if simulations.tracking is not None or torque <= 0.0:
             torque = self._moving_torque(simulations, nominal)
-        resolution = self._position_noise(simulations, rig, noise) or 1e-9
+        resolution = self._position_noise(simulations, rig, noise) or 0.0
         return measure_ranges(
             simulations.records,
             nominal,

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.simulations import Point, Simulated, Simulations, Tracking
 from gmfbo.physics import Excitation, States
 
+_UNSEEN_STEP = 1e-3  # of the stroke: finer steps than this do not count where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range that a probing torque should move it by
 TRACKING_RAD_S = 10.0
@@ -217,7 +218,7 @@ def measure_ranges(
     loop_time : float
         [s] Of the closed loop.
     resolution : float
-        [FMU's unit] Of the position.
+        [FMU's unit] Of the position; 0 where it is not among the outputs.
     inertia : float or None
         Torque per acceleration of the shaft.
     angular : bool
@@ -230,18 +231,21 @@ def measure_ranges(
     command = np.concatenate([s.command for s in states])
     current = np.concatenate([s.current for s in states])
     rates = np.concatenate([np.abs(np.diff(s.command)) / s.step for s in states])
+    sample = float(np.median([s.spacing for r in records for s in r.signals]))
+    speed = _positive(np.quantile(np.abs(velocity), 0.995))
+    stroke = _positive(np.ptp(position))
     loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
     return Excitation(
         torque=_positive(torque),
         command=_positive(np.abs(command).max()),
         command_rate=_positive(np.quantile(rates, 0.999)),
         current=_positive(np.abs(current).max()),
-        speed=_positive(np.quantile(np.abs(velocity), 0.995)),
-        stroke=_positive(np.ptp(position)),
-        resolution=_positive(resolution, 1e-9),
+        speed=speed,
+        stroke=stroke,
+        resolution=_positive(resolution, min(speed * sample, _UNSEEN_STEP * stroke)),
         duration=max(float(grid[-1] - grid[0]) for grid in grids),
         total=sum(float(grid[-1] - grid[0]) for grid in grids),
-        sample=float(np.median([s.spacing for r in records for s in r.signals])),
+        sample=sample,
         step=step,
         loop_time=_positive(loop_time, 0.05),
         inertia=inertia,

@@ -83,14 +83,14 @@ def named_effects(
         law, found = candidate.law, rounds[candidate.effect]
         values = {**candidate.more, **candidate.values}
         identified = {}
-        for i, parameter in enumerate(law.parameters, start=place):
+        for i, parameter in enumerate(candidate.parameters, start=place):
             identified[parameter.name] = IdentifiedValue(
                 float(augmented.x[i]),
                 units.resolve(parameter.unit),
                 float(spread.low[i]),
                 float(spread.high[i]),
             )
-        place += len(law.parameters)
+        place += len(candidate.parameters)
         named.append(
             NamedEffect(
                 name=law.name,
@@ -157,8 +157,8 @@ def detectable_sizes(
     for entry in decision.screened:
         candidate = entry.probe.candidate
         law = candidate.law
-        if law.name in named or entry.information <= 0.0:
-            continue
+        if law.name in named or entry.information <= 0.0 or candidate.searched > 1:
+            continue  # several lines together show at a smaller size than any of them
         at_probe = entry.probe.scaled(np.ones(len(entry.probe.columns)))
         size = law.size({**at_probe.more, **at_probe.values}, excitation)
         smallest = size * float(np.sqrt(decision.threshold / entry.information))
@@ -268,6 +268,6 @@ def _exposed(
             units.resolve(parameter.unit),
             f"{parameter.words}: {law.equation}",
         )
-        for parameter in law.parameters
+        for parameter in candidate.parameters
         if law.port in PORT_OUTPUTS
     ]

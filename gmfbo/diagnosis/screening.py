@@ -109,7 +109,9 @@ def _planned(base: Hypothesis, candidate: Candidate) -> tuple[Probe, list[Hypoth
     """One variant for each amplitude alone; one in all where there is but a shape."""
     law, excitation = candidate.law, base.setting.excitation
     bounds, scales = law.bounds(excitation), law.scales(excitation)
-    amplitudes = [name for name, (low, _) in bounds.items() if low <= 0.0]
+    amplitudes = [
+        name for name, (low, _) in bounds.items() if low <= 0.0 and name in candidate.values
+    ]
     shapes = {n: v for n, v in candidate.values.items() if n not in amplitudes}
     if not amplitudes:
         variant = replace(base, effects=(*base.effects, candidate))

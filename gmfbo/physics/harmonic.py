@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -13,18 +14,36 @@ from gmfbo.physics.units import number
 
 # Cycles over the stroke where no line was found: a shape to state detectable sizes for.
 _CYCLES = 10.0
-_LINES = 4
+_ALONE = 4  # lines that are tried one at a time
+_TOLD = 3  # lines that a sentence names
+
+MOST = 8
+"""Lines that cogging may have in `physics.fmu`."""
 
 
 def wavenumbers(excitation: Excitation) -> tuple[float, ...]:
-    """Give the lines to start from: those found in the recordings, strongest first, at most four.
+    """Give the lines to start from: those found in the recordings, strongest first, at most MOST.
 
     Returns
     -------
     tuple of float
         [rad per position unit]; a typical one where none was found.
     """
-    return excitation.wavenumbers[:_LINES] or (2.0 * math.pi * _CYCLES / excitation.stroke,)
+    return excitation.wavenumbers[:MOST] or (2.0 * math.pi * _CYCLES / excitation.stroke,)
+
+
+def starts(excitation: Excitation, size: float) -> list[dict[str, float]]:
+    """Start from each of the strongest lines alone.
+
+    Parameters
+    ----------
+    excitation : Excitation
+        With the lines that were found.
+    size : float
+        Of sine and cosine [unit of the amplitude].
+    """
+    found = wavenumbers(excitation)[:_ALONE]
+    return [{"wavenumber_1": line, "sine_1": size, "cosine_1": size} for line in found]
 
 
 def lowest(excitation: Excitation) -> float:
@@ -83,6 +102,50 @@ def largest_amplitude(parameters: Values) -> float:
     """Amplitude of the strongest of the numbered lines."""
     suffixes = [name[4:] for name in parameters if name.startswith("sine_")]
     return max(amplitude(parameters, suffix) for suffix in suffixes)
+
+
+def strongest_first(parameters: Values) -> dict[str, float]:
+    """Number lines anew by their amplitude; parameters of another kind are kept."""
+    tails = [
+        name.removeprefix("wavenumber") for name in parameters if name.startswith("wavenumber_")
+    ]
+    ranked = sorted(tails, key=lambda tail: -amplitude(parameters, tail))
+    kinds = ("wavenumber", "sine", "cosine")
+    own = {kind + tail for kind in kinds for tail in tails}
+    return {
+        **{name: value for name, value in parameters.items() if name not in own},
+        **{
+            f"{kind}_{place}": parameters[kind + tail]
+            for place, tail in enumerate(ranked, 1)
+            for kind in kinds
+        },
+    }
+
+
+def told(parameters: Values, angular: bool, sizes: Callable[[float], str] | None = None) -> str:
+    """Say how often the strongest lines repeat: `7, 28 and 36 cycles a turn and 2 weaker lines`.
+
+    Parameters
+    ----------
+    parameters : mapping of str to float
+        Numbered lines.
+    angular : bool
+        The position is an angle.
+    sizes : callable, optional
+        Words for an amplitude, which then stand before each line: `0.05 N m with 7`.
+    """
+    ranked = strongest_first(parameters)
+    count = sum(name.startswith("wavenumber_") for name in ranked)
+    shown = range(1, min(count, _TOLD) + 1)
+    often = [cycles(ranked[f"wavenumber_{i}"], angular) for i in shown]
+    texts = [*(text.partition(" cycle")[0] for text in often[:-1]), often[-1]]
+    if sizes is not None:
+        amplitudes = [sizes(amplitude(ranked, f"_{i}")) for i in shown]
+        texts = [f"{size} with {text}" for size, text in zip(amplitudes, texts, strict=True)]
+    more = f" and {count - _TOLD} weaker line{'s' if count > _TOLD + 1 else ''}"
+    return " and ".join(filter(None, [", ".join(texts[:-1]), texts[-1]])) + (
+        more if count > _TOLD else ""
+    )
 
 
 def cycles(line: float, angular: bool) -> str:

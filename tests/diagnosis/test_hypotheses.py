@@ -48,7 +48,7 @@ def test_a_vector_and_its_hypothesis_are_one_and_the_same(names: list[str]) -> N
 def test_a_point_holds_each_fitted_value_under_its_name_in_physics(name: str) -> None:
     hypothesis = starting(name)
     point = hypothesis.point(hypothesis.start({}))
-    for parameter in CATALOGUE[name].parameters:
+    for parameter in hypothesis.effects[0].parameters:
         value = point.physics[f"{name}.{parameter.name}"]
         start = hypothesis.effects[0].values[parameter.name]
         assert value == pytest.approx(start, rel=1e-4, abs=1e-4 * parameter.scale(TYPICAL))

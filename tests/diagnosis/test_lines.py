@@ -97,6 +97,23 @@ def test_cogging_hidden_in_the_physics_is_found_through_the_loop() -> None:
     case.simulations.close()
 
 
+def test_few_lines_a_turn_are_found_in_a_quarter_of_a_turn() -> None:
+    """Together they look like an offset, a slope and friction to a twin that lacks them."""
+    hidden = {"wavenumber_1": 4.0, "sine_1": 0.02, "wavenumber_2": 8.0, "cosine_2": 0.008}
+    hidden |= {"wavenumber_3": 16.0, "sine_3": 0.003}
+    case = open_servo({f"cogging_torque.{name}": value for name, value in hidden.items()})
+    found = find_lines(case, case.base, port_case(case).response)
+    assert case.setting.excitation.stroke < 0.25 * 2.0 * np.pi
+    assert set(found.wavenumbers) == {4.0, 8.0, 16.0}
+    case.simulations.close()
+
+
+def test_six_lines_are_found_together(servo: PortCase) -> None:
+    hidden = dict.fromkeys((7.0, 14.0, 28.0, 42.0, 56.0, 70.0), 0.06)
+    base = servo.with_torque(waves(servo, hidden), seed=8)
+    assert set(find_lines(servo.case, base, servo.response).wavenumbers) == set(hidden)
+
+
 def test_sums_over_an_axis_are_those_of_its_waves(servo: PortCase) -> None:
     rng = np.random.default_rng(7)
     seen = [rng.standard_normal(rows) for rows in servo.response.rows]

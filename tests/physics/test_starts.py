@@ -22,9 +22,10 @@ def test_starts_lie_strictly_inside_their_bounds_and_off_zero(
 ) -> None:
     bounds = effect.bounds(excitation)
     for start in effect.starts(excitation):
-        for name, (low, high) in bounds.items():
-            assert low < start[name] < high, name
-            assert start[name] != 0.0
+        for name, value in start.items():
+            low, high = bounds[name]
+            assert low < value < high, name
+            assert value != 0.0
 
 
 @given(effects, excitations())
@@ -80,12 +81,23 @@ def test_shape_grids_are_small() -> None:
     assert sum(counts.values()) <= 64
 
 
-def test_strong_lines_become_starts_strongest_first() -> None:
+def test_strong_lines_become_starts_alone_and_then_all_together() -> None:
     found = replace(TYPICAL, wavenumbers=(7.0, 28.0, 14.0), frequencies=(50.0,))
-    cogging = CATALOGUE["cogging_torque"].starts(found)
-    assert [start["wavenumber_1"] for start in cogging] == [7.0, 28.0, 14.0]
+    *alone, together = CATALOGUE["cogging_torque"].starts(found)
+    assert [start["wavenumber_1"] for start in alone] == [7.0, 28.0, 14.0]
+    assert all(len(start) == 3 for start in alone)
+    assert [together[f"wavenumber_{i}"] for i in (1, 2, 3)] == [7.0, 28.0, 14.0]
+    assert len(together) == 9
     (periodic,) = CATALOGUE["periodic_disturbance"].starts(found)
     assert periodic["frequency"] == 50.0
+
+
+def test_eight_lines_start_together_and_the_four_strongest_alone() -> None:
+    found = replace(TYPICAL, wavenumbers=tuple(range(5, 15)))
+    *alone, together = CATALOGUE["cogging_torque"].starts(found)
+    assert len(alone) == 4
+    assert set(together) == {parameter.name for parameter in CATALOGUE["cogging_torque"].parameters}
+    assert len(CATALOGUE["torque_ripple"].starts(found)) == 4
 
 
 @given(excitations())

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gmfbo.physics import CATALOGUE, Effect, Excitation, Units
+from gmfbo.physics.harmonic import strongest_first
 from tests.physics.excitations import LINEAR, TYPICAL, excitations
 
 ROTARY = Units()
@@ -84,6 +85,39 @@ def test_cogging_is_counted_in_cycles() -> None:
     assert cogging.region(line, ROTARY) == "over the position, 7 cycles a turn"
     per_metre = {"wavenumber_1": 2.0 * 3.141592653589793 * 400.0, "sine_1": 1.0, "cosine_1": 0.0}
     assert "400 cycles per m" in cogging.statement(per_metre, SLIDE, SLIDE.place)
+
+
+def cogging_of(*amplitudes: float) -> dict[str, float]:
+    """Lines of 7, 14, 21 ... cycles a turn."""
+    return {
+        name: value
+        for i, size in enumerate(amplitudes, 1)
+        for name, value in ((f"wavenumber_{i}", 7.0 * i), (f"sine_{i}", size), (f"cosine_{i}", 0.0))
+    }
+
+
+def test_cogging_of_several_lines_names_the_three_strongest() -> None:
+    cogging = CATALOGUE["cogging_torque"]
+    two = cogging_of(0.02, 0.05)
+    assert cogging.statement(two, ROTARY, ROTARY.place) == (
+        "Cogging at the motor shaft of about 0.05 N m with 14 and 0.02 N m with 7 cycles a turn "
+        "is missing from the twin."
+    )
+    assert cogging.region(two, ROTARY) == "over the position, 14 and 7 cycles a turn"
+    five = cogging_of(0.01, 0.05, 0.03, 0.02, 0.005)
+    assert "with 14, 0.03 N m with 21 and 0.02 N m with 28 cycles a turn and 2 weaker lines" in (
+        cogging.statement(five, ROTARY, ROTARY.place)
+    )
+    four = cogging.region(cogging_of(0.04, 0.03, 0.02, 0.01), ROTARY)
+    assert four.endswith("7, 14 and 21 cycles a turn and 1 weaker line")
+
+
+def test_lines_are_numbered_by_their_amplitude() -> None:
+    ranked = strongest_first({**cogging_of(0.02, -0.05, 0.03), "level": 1.0})
+    assert [ranked[f"sine_{i}"] for i in (1, 2, 3)] == [-0.05, 0.03, 0.02]
+    assert [ranked[f"wavenumber_{i}"] for i in (1, 2, 3)] == [14.0, 21.0, 7.0]
+    assert ranked["level"] == 1.0
+    assert len(ranked) == 10
 
 
 def test_a_gain_that_is_too_high_is_not_called_a_loss() -> None:

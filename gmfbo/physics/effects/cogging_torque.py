@@ -1,24 +1,40 @@
-"""Cogging: a torque that repeats over the position, with or without current."""
+"""Cogging: a torque that repeats over the position, with or without current, in several lines."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from gmfbo.physics import harmonic
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, EffectParameter, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.units import Units, quantity
 
 
 def _starts(excitation: Excitation) -> Sequence[Values]:
+    """Start from strong lines alone, and from all that were found together."""
     size = 0.05 * excitation.torque
-    return [
-        {"wavenumber_1": line, "sine_1": size, "cosine_1": size}
-        for line in harmonic.wavenumbers(excitation)
-    ]
+    alone = harmonic.starts(excitation, size)
+    found = harmonic.wavenumbers(excitation)
+    together = {
+        f"{name}_{i}": value
+        for i, line in enumerate(found, 1)
+        for name, value in (("wavenumber", line), ("sine", size), ("cosine", size))
+    }
+    return [*alone, together] if len(found) > 1 else alone
+
+
+def _lines() -> Iterator[EffectParameter]:
+    for i in range(1, harmonic.MOST + 1):
+        yield signed(f"sine_{i}", "Sine amplitude", "torque", lambda e: e.torque)
+        yield signed(f"cosine_{i}", "Cosine amplitude", "torque", lambda e: e.torque)
+        yield harmonic.wavenumber(f"wavenumber_{i}")
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
+    angular = units.position == "rad"
+    if "wavenumber_2" in parameters:
+        lines = harmonic.told(parameters, angular, lambda size: quantity(size, units.torque))
+        return f"Cogging {place} of about {lines} is missing from the twin."
     size = quantity(harmonic.largest_amplitude(parameters), units.torque)
-    often = harmonic.cycles(parameters["wavenumber_1"], units.position == "rad")
+    often = harmonic.told(parameters, angular)
     return f"Cogging of about {size} {place}, {often}, is missing from the twin."
 
 
@@ -27,11 +43,7 @@ cogging_torque = Effect(
     port="torque",
     family="harmonic",
     signal_path="plant",
-    parameters=(
-        signed("sine_1", "Sine amplitude", "torque", lambda e: e.torque),
-        signed("cosine_1", "Cosine amplitude", "torque", lambda e: e.torque),
-        harmonic.wavenumber("wavenumber_1"),
-    ),
+    parameters=tuple(_lines()),
     starts=_starts,
     size=lambda p, e: harmonic.largest_amplitude(p),
     size_name="amplitude",
@@ -40,9 +52,7 @@ cogging_torque = Effect(
     not_excited=harmonic.too_short,
     signal=harmonic.lines,
     acts=lambda states, p: states.everywhere(),
-    region=lambda p, units: (
-        f"over the position, {harmonic.cycles(p['wavenumber_1'], units.position == 'rad')}"
-    ),
+    region=lambda p, units: f"over the position, {harmonic.told(p, units.position == 'rad')}",
     region_state="position",
     statement=_statement,
     equation="tau = sum_k A_k * sin(n_k * phi) + B_k * cos(n_k * phi)",

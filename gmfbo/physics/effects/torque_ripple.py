@@ -17,10 +17,7 @@ def _signal(states: States, parameters: Values) -> Array:
 
 def _starts(excitation: Excitation) -> Sequence[Values]:
     size = 0.05 * excitation.torque / excitation.current
-    return [
-        {"wavenumber_1": line, "sine_1": size, "cosine_1": size}
-        for line in harmonic.wavenumbers(excitation)
-    ]
+    return harmonic.starts(excitation, size)
 
 
 def _acts(states: States, parameters: Values) -> Mask:
