@@ -17,11 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Self
 
-import gpytorch
 import numpy as np
-import torch
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
+
+from gmfbo.correction.matern import matern52
 
 NUGGET = 1e-4
 """Variance of a run about its neighbourhood over that of the process: quantisation, friction."""
@@ -74,7 +74,7 @@ class ResidualProcess:
         if not len(points):
             return cls(points, lengthscale, np.eye(0), functions, np.zeros(functions.shape[1]))
         centre = functions.mean(axis=0) if centred else np.zeros(functions.shape[1])
-        covariance = _covariance(points, points, lengthscale) + NUGGET * np.eye(len(points))
+        covariance = matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
         factor = cholesky(covariance, lower=True)
         whitened = solve_triangular(factor, functions - centre, lower=True)
         return cls(points, lengthscale, factor, whitened, centre)
@@ -106,15 +106,5 @@ class ResidualProcess:
     def _solved(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         if not len(self.points):
             return np.zeros((0, len(points)))
-        across = _covariance(self.points, points, self.lengthscale)
+        across = matern52(self.points, points, self.lengthscale)
         return np.asarray(solve_triangular(self._factor, across, lower=True))
-
-
-def _covariance(
-    one: NDArray[np.float64], other: NDArray[np.float64], lengthscale: float
-) -> NDArray[np.float64]:
-    kernel = gpytorch.kernels.MaternKernel(nu=2.5).double()
-    kernel.lengthscale = lengthscale
-    with torch.no_grad():
-        dense = kernel(torch.from_numpy(one), torch.from_numpy(other)).to_dense()
-    return np.asarray(dense.numpy())

@@ -28,8 +28,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cholesky, solve_triangular
-from scipy.spatial.distance import cdist
 
+from gmfbo.correction.matern import matern52
 from gmfbo.correction.residual_process import ResidualProcess
 from gmfbo.errors import InputError
 
@@ -163,7 +163,7 @@ class CorrectedTwinModel:
         """
         where, twin = np.asarray(points, dtype=float), np.asarray(simulated, dtype=float)
         half = solve_triangular(
-            self._factor, _matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
+            self._factor, matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
         )
         mean = _prior_mean(where, twin, self.residual, self.cost_of) + half.T @ self._white
         variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
@@ -188,7 +188,7 @@ def likeliest_lengthscale(points: NDArray[np.float64], functions: NDArray[np.flo
     for lengthscale in LENGTHSCALES:
         loss = 0.5 * (np.log(lengthscale / median) / spread) ** 2
         if len(points):
-            covariance = _matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
+            covariance = matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
             factor = cholesky(covariance, lower=True)
             white = solve_triangular(factor, functions, lower=True)
             scale = float(np.mean(white**2)) + np.finfo(float).tiny
@@ -237,11 +237,4 @@ def _left_out_errors(runs: AxisRuns, cost_of: CostOf, lengthscale: float) -> NDA
 
 
 def _covariance(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return _matern52(points, points, DEPARTURE_LENGTHSCALE) + NUGGET * np.eye(len(points))
-
-
-def _matern52(
-    one: NDArray[np.float64], other: NDArray[np.float64], lengthscale: float
-) -> NDArray[np.float64]:
-    r = np.sqrt(5.0) * cdist(one, other) / lengthscale
-    return np.asarray((1.0 + r + r**2 / 3.0) * np.exp(-r))
+    return matern52(points, points, DEPARTURE_LENGTHSCALE) + NUGGET * np.eye(len(points))
