@@ -38,7 +38,7 @@ class Objective:
     mean, std : mapping of str to float
         Normalising constants [unit of the metric].
     worst : mapping of str to float
-        Metrics of a failed run [unit of the metric].
+        Metrics of a failed run [unit of the metric]; all metrics that there are.
     """
 
     weights: Mapping[str, float]
@@ -50,8 +50,8 @@ class Objective:
         if not self.weights:
             raise InputError(f"weights: expected at least one of {', '.join(METRICS)}, got none")
         for name, weight in self.weights.items():
-            if name not in METRICS:
-                raise InputError(f"weights: no metric '{name}'" + did_you_mean(name, METRICS))
+            if name not in self.worst:
+                raise InputError(f"weights: no metric '{name}'" + did_you_mean(name, self.worst))
             if not (np.isfinite(weight) and weight >= 0.0):
                 raise InputError(f"weights: '{name}' must be zero or more, got {weight}")
             if not self.std[name] > 0.0:
@@ -68,24 +68,28 @@ class Objective:
         Parameters
         ----------
         weights : mapping of str to float
-            w_i by metric.
+            w_i by metric, a user's own included.
         metrics_samples : mapping of str to array_like, shape (m,)
-            Metrics of the runs [% or s]. With m < 2 the worst case is the scale, mean zero.
+            Metrics of the runs [% or s], and a user's own. With m < 2 the worst case is the
+            scale, mean zero.
         horizon : float
-            [s] Length after the step; sets the price of a failed run.
+            [s] Length after the step; sets the price of a failed run. Of a user's own metric
+            the worst case is as far above the largest sample as the samples are apart.
 
         Returns
         -------
         Objective
             With each standard deviation at least one percent of the worst case.
         """
-        worst = worst_metrics(horizon)
+        samples = {name: np.asarray(values, float) for name, values in metrics_samples.items()}
+        own = {name: _own_worst(samples[name]) for name in samples if name not in METRICS}
+        worst = {**worst_metrics(horizon), **own}
         mean, std = {}, {}
-        for name in METRICS:
-            sample = np.asarray(metrics_samples[name], dtype=float)
+        for name in worst:
+            sample = samples[name]
             mean[name] = float(sample.mean()) if sample.size > 1 else 0.0
             spread = float(sample.std(ddof=1)) if sample.size > 1 else worst[name]
-            std[name] = max(spread, _LEAST_STD * worst[name])
+            std[name] = max(spread, _LEAST_STD * abs(worst[name])) or 1.0
         return cls(weights=weights, mean=mean, std=std, worst=worst)
 
     def value(self, metrics: MetricArrays) -> NDArray[np.float64]:
@@ -94,7 +98,8 @@ class Objective:
         Parameters
         ----------
         metrics : mapping of str to array_like, shape (...)
-            Each weighted metric [% or s].
+            Each weighted metric [% or s]. NaN where it cannot be told from what is known: then
+            it counts as the mean.
 
         Returns
         -------
@@ -119,12 +124,15 @@ class Objective:
             Zero or more.
         """
         terms = [
-            weight
-            * np.minimum(np.asarray(metrics[name], dtype=float), self.worst[name])
-            / self.std[name]
+            weight * self._counted(name, metrics[name]) / self.std[name]
             for name, weight in self.weights.items()
         ]
         return np.asarray(np.sum(np.broadcast_arrays(*terms), axis=0))
+
+    def _counted(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
+        """A metric up to its worst case, the mean where it is unknown."""
+        known = np.asarray(values, dtype=float)
+        return np.minimum(np.where(np.isnan(known), self.mean[name], known), self.worst[name])
 
     @property
     def failed(self) -> float:
@@ -134,3 +142,8 @@ class Objective:
     @property
     def _offset(self) -> float:
         return sum(w * self.mean[name] / self.std[name] for name, w in self.weights.items())
+
+
+def _own_worst(sample: NDArray[np.float64]) -> float:
+    """What a failed run is charged of a user's own metric, whose worst case nobody stated."""
+    return float(sample.max() + (np.ptp(sample) or abs(sample.max()) or 1.0))

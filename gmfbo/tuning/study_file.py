@@ -21,13 +21,7 @@ from gmfbo.tuning.study_sections import (
     TwinSection,
 )
 
-_LATER = {
-    "is1.command": "give [is1] twin, or ask_tell = true and hand in recordings",
-    "is1.recorded": "give [is1] twin, or ask_tell = true and hand in recordings",
-    "constraints": "put the metric into [objective] weights",
-    "safety": "keep [gains] within what is known to be safe",
-    "objective.metrics": "use [objective] weights",
-}
+_LATER = {}
 """Keys that the format reserves and this version does not offer, with what to do instead."""
 
 _SECTIONS: dict[str, type[Section]] = {
@@ -40,7 +34,7 @@ _SECTIONS: dict[str, type[Section]] = {
     "objective.normalise": Normalisation,
     "budget": BudgetSection,
 }
-_TABLES = {"is1", "is2", "gains", "reference", "objective", "budget"}
+_TABLES = {"is1", "is2", "gains", "reference", "objective", "constraints", "safety", "budget"}
 
 
 def parse_study(text: str, *, label: str, default_name: str) -> StudyFile:
@@ -100,10 +94,6 @@ def _refuse_later(raw: dict[str, Any], label: str) -> None:
         if found is not None:
             shown = f"[{section}] {name}" if name else f"[{section}]"
             raise StudyFileError(f"{label}: {shown} is not offered by this version; {instead}")
-    if isinstance(raw.get("reference"), list):
-        raise StudyFileError(
-            f"{label}: several [[reference]] are not offered by this version; give one [reference]"
-        )
 
 
 def _table(value: object) -> dict[str, Any]:
@@ -113,6 +103,9 @@ def _table(value: object) -> dict[str, Any]:
 def _finding(detail: dict[str, Any]) -> str:
     """One validation error in the words of the file."""
     location = [str(part) for part in detail["loc"]]
+    # One [reference] is a list of one, which its writer never wrote.
+    if location[:2] == ["reference", "0"]:
+        del location[1]
     message = str(detail["msg"]).removeprefix("Value error, ")
     if detail["type"] == "extra_forbidden":
         choices = _keys_at(location[:-1])

@@ -5,18 +5,13 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from gmfbo.errors import did_you_mean
 from gmfbo.objective.cost import PAPER_WEIGHTS
 from gmfbo.objective.metrics import METRICS
+from gmfbo.tuning.safety_section import SafetySection
+from gmfbo.tuning.section import Section
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -42,17 +37,23 @@ def _as_range(value: object) -> object:
     raise ValueError(f"expected [low, high], a number or a table, got {value!r}")
 
 
+def _as_references(value: object) -> object:
+    """One [reference] as the list of [[reference]] that it is short for."""
+    return [value] if isinstance(value, dict | ReferenceSection) else value
+
+
 def _as_normalisation(value: object) -> object:
     return {"points": value} if isinstance(value, int) else value
 
 
+def _as_words(value: object) -> object:
+    """A command is a list: how a shell would cut a text differs between systems."""
+    if isinstance(value, list) and value and all(isinstance(word, str) for word in value):
+        return value
+    raise ValueError(f'expected a list of words such as ["python", "bench.py"], got {value!r}')
+
+
 Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
-
-
-class Section(BaseModel):
-    """Part of a study file; unknown keys are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class PlantChange(Section):
@@ -63,19 +64,29 @@ class PlantChange(Section):
 
 
 class PlantSection(Section):
-    """IS1, the real axis: an FMU that plays it, or whoever asks and tells."""
+    """IS1, the real axis: an FMU or a program that plays it, recordings, or who asks and tells."""
 
     twin: str | None = None
+    command: Annotated[list[str], BeforeValidator(_as_words)] | None = None
+    recorded: str | None = None
     ask_tell: bool = False
+    time_limit: Positive = 600.0  # [s] of one run of the command
+    retries: int = Field(0, ge=0)
     parameters: Parameters = {}
     change: PlantChange | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if (self.twin is None) != self.ask_tell:
-            raise ValueError("expected exactly one of twin = FILE and ask_tell = true")
-        if self.ask_tell and (self.parameters or self.change):
+        kinds = (self.twin, self.command, self.recorded, self.ask_tell or None)
+        if sum(kind is not None for kind in kinds) != 1:
+            raise ValueError(
+                'expected exactly one of twin = FILE, command = ["program", ...], '
+                "recorded = FOLDER and ask_tell = true"
+            )
+        if self.twin is None and (self.parameters or self.change):
             raise ValueError("parameters and change need a twin that plays the plant")
+        if self.command is None and self.model_fields_set & {"time_limit", "retries"}:
+            raise ValueError("time_limit and retries need a command")
         return self
 
 
@@ -112,6 +123,7 @@ class ReferenceSection(Section):
     sample_time: Positive = 1e-3
     signal: str = "reference"
     file: str | None = None
+    weight: Positive = 1.0  # share of the cost, relative to that of other references
 
     @model_validator(mode="after")
     def _step_or_file(self) -> Self:
@@ -137,26 +149,35 @@ class Normalisation(Section):
 
 
 class ObjectiveSection(Section):
-    """Weighted sum of normalised step metrics of one signal, to be minimised."""
+    """Weighted sum of normalised metrics, of steps and a user's own, to be minimised."""
 
     signal: str = "position"
     weights: dict[str, NotNegative] = Field(default_factory=lambda: dict(PAPER_WEIGHTS))
     normalise: Annotated[Normalisation, BeforeValidator(_as_normalisation)] = Normalisation(
         points=10
     )
+    metrics: str | None = None  # FILE.py:FUNCTION, a user's own
 
     @model_validator(mode="after")
     def _known_metrics(self) -> Self:
         constants = self.normalise
         for name in (*self.weights, *constants.mean, *constants.std):
-            if name not in METRICS:
-                raise ValueError(f"no metric '{name}'" + did_you_mean(name, METRICS))
+            self.check_metric(name)
         for name in self.weights if constants.points is None else ():
             if name not in constants.mean or name not in constants.std:
                 raise ValueError(f"normalise: expected mean and std of '{name}'")
         if not any(self.weights.values()):
             raise ValueError("weights: expected at least one above zero")
         return self
+
+    def check_metric(self, name: str) -> None:
+        """Refuse a name that neither the step metrics nor a user's own function can hold."""
+        if name not in METRICS and self.metrics is None:
+            raise ValueError(
+                f"no metric '{name}'"
+                + did_you_mean(name, METRICS)
+                + ' (one of your own needs [objective] metrics = "FILE.py:FUNCTION")'
+            )
 
 
 class BudgetSection(Section):
@@ -186,8 +207,14 @@ class StudyFile(Section):
     is1: PlantSection
     is2: TwinSection
     gains: dict[str, Annotated[GainRange, BeforeValidator(_as_range)]] = {}
-    reference: ReferenceSection = ReferenceSection()
+    references: Annotated[
+        tuple[ReferenceSection, ...],
+        BeforeValidator(_as_references),
+        Field(alias="reference", min_length=1),
+    ] = (ReferenceSection(),)
     objective: ObjectiveSection = ObjectiveSection()
+    constraints: dict[str, Number] = {}
+    safety: SafetySection = SafetySection()
     budget: BudgetSection = BudgetSection()
 
     @model_validator(mode="after")
@@ -199,6 +226,25 @@ class StudyFile(Section):
                 f"{self.budget.initial_is2}, got {points}: the constants come from these runs"
             )
         return self
+
+    @model_validator(mode="after")
+    def _known_limits(self) -> Self:
+        for name in self.constraints:
+            try:
+                self.objective.check_metric(name)
+            except ValueError as error:
+                raise ValueError(f"[constraints]: {error}") from None
+        return self
+
+    @property
+    def reference(self) -> ReferenceSection:
+        """The first reference; most studies have one."""
+        return self.references[0]
+
+    @property
+    def own_metrics(self) -> frozenset[str]:
+        """Names that the user's function must return."""
+        return frozenset({*self.objective.weights, *self.constraints} - set(METRICS))
 
     @property
     def folder_name(self) -> str:

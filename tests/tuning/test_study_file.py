@@ -137,12 +137,8 @@ def test_everything_wrong_is_said_at_once() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (SOURCES + "[constraints]\novershoot = 5.0", r"\[constraints\] is not offered.*weights"),
-        (SOURCES + "[safety]\nx = [0, 1]", r"\[safety\] is not offered.*known to be safe"),
         ('[is1]\ncommand = ["x"]\n[is2]\ntwin = "b"', r"\[is1\] command is not offered.*ask_tell"),
         ('[is1]\nrecorded = "x"\n[is2]\ntwin = "b"', r"\[is1\] recorded is not offered"),
-        (SOURCES + '[objective]\nmetrics = "m.py:f"', r"\[objective\] metrics is not offered"),
-        (SOURCES + "[[reference]]\nstep = 1.0", "give one"),
     ],
 )
 def test_what_this_version_does_not_offer_is_said_with_what_to_do(text: str, message: str) -> None:

@@ -1,0 +1,101 @@
+"""Limits on metrics, and how probable it is that gains meet them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import log_ndtr
+
+from gmfbo.errors import InputError
+
+_LEAST_SIGMA = 1e-10
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Metrics that may be at most a value, for each reference that is played.
+
+    Attributes
+    ----------
+    most : mapping of str to float
+        Largest value by metric [unit of the metric]; empty where nothing is limited.
+    """
+
+    most: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, value in self.most.items():
+            if not np.isfinite(value):
+                raise InputError(f"constraints: expected a number for '{name}', got {value}")
+        object.__setattr__(self, "most", MappingProxyType(dict(self.most)))
+
+    def __bool__(self) -> bool:
+        return bool(self.most)
+
+    def limited(self, metrics: Mapping[str, float]) -> dict[str, float]:
+        """Value of each limited metric that its limit is held against.
+
+        Parameters
+        ----------
+        metrics : mapping of str to float
+            Of one run. With several references `overshoot` is their mean, which would hide a bad
+            one, and `overshoot[2]` that of the second: then the largest counts.
+
+        Returns
+        -------
+        dict of str to float
+            By limited metric [unit of the metric].
+        """
+        return {
+            name: max(value for key, value in metrics.items() if _is_of(key, name))
+            for name in self.most
+        }
+
+    def excess(self, metrics: Mapping[str, float]) -> float:
+        """By how much limits are exceeded: sum of shares of the limits, zero where all are met.
+
+        Parameters
+        ----------
+        metrics : mapping of str to float
+            Of one run.
+        """
+        return sum(
+            max(value - self.most[name], 0.0) / (abs(self.most[name]) or 1.0)
+            for name, value in self.limited(metrics).items()
+        )
+
+    def met(self, metrics: Mapping[str, float]) -> bool:
+        """Whether a run meets all limits."""
+        return self.excess(metrics) == 0.0
+
+
+def log_feasibility(mean: ArrayLike, variance: ArrayLike, most: float) -> NDArray[np.float64]:
+    """Logarithm of the probability that a normal metric is at most its limit.
+
+    log Phi((most - mean) / sigma): Schonlau, Welch and Jones (1998), "Global versus local search
+    in constrained optimization of computer models".
+
+    Parameters
+    ----------
+    mean, variance : array_like, shape (q,)
+        Posterior of the metric [unit of the metric, and its square].
+    most : float
+        Limit [unit of the metric].
+
+    Returns
+    -------
+    ndarray, shape (q,)
+        Zero or less; finite also far beyond the limit.
+    """
+    sigma = np.maximum(np.sqrt(np.asarray(variance, dtype=float)), _LEAST_SIGMA)
+    # Beyond 1e100 standard deviations the square in log Phi would overflow.
+    distance = np.clip((most - np.asarray(mean, dtype=float)) / sigma, -1e100, 1e100)
+    return np.asarray(log_ndtr(distance))
+
+
+def _is_of(key: str, name: str) -> bool:
+    return key == name or key.startswith(f"{name}[")
