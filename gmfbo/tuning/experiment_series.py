@@ -203,7 +203,7 @@ class ExperimentSeries:
         each = []
         for number, part in enumerate(self.parts):
             if isinstance(run, Trajectory) and run.status != "ok":
-                own = {name: np.inf for name in (self.own.required if self.own else ())}
+                own = dict.fromkeys(self.own.required if self.own else (), np.inf)
                 each.append({**worst_metrics(part.horizon), **own})
                 continue
             alone = self.part_of(run, number)

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from gmfbo.errors import InputError
 from gmfbo.objective.condition import Condition
 from gmfbo.objective.envelope import Envelope
-from gmfbo.tuning.section import Section
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class SafetySection(Section):
+class SafetySection(BaseModel):
     """Ranges of recorded signals, a condition on them, and known-safe gains.
 
     In the file each signal is a key of its own, beside `expression` and `start`.
     """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     ranges: dict[str, tuple[Number, Number]] = {}
     expression: str | None = None

@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    model_validator,
+)
 
 from gmfbo.errors import did_you_mean
 from gmfbo.objective.cost import PAPER_WEIGHTS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.tuning.safety_section import SafetySection
-from gmfbo.tuning.section import Section
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -54,6 +60,12 @@ def _as_words(value: object) -> object:
 
 
 Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
+
+
+class Section(BaseModel):
+    """Part of a study file; unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class PlantChange(Section):
