@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis import Check, Diagnosis, check, diagnose
     from gmfbo.recordings import Recording, Trajectory, step_reference
     from gmfbo.sources.twin import FmuTwin
+    from gmfbo.studies.comparison import Comparison, compare
     from gmfbo.tuning.study import Study
     from gmfbo.tuning.tuner import Tuner
 
@@ -32,6 +33,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Check": "gmfbo.diagnosis",
+    "Comparison": "gmfbo.studies.comparison",
     "Diagnosis": "gmfbo.diagnosis",
     "FmuTwin": "gmfbo.sources.twin",
     "Recording": "gmfbo.recordings",
@@ -39,12 +41,14 @@ _HOMES = {
     "Trajectory": "gmfbo.recordings",
     "Tuner": "gmfbo.tuning.tuner",
     "check": "gmfbo.diagnosis",
+    "compare": "gmfbo.studies.comparison",
     "diagnose": "gmfbo.diagnosis",
     "step_reference": "gmfbo.recordings",
 }
 
 __all__ = [
     "Check",
+    "Comparison",
     "Diagnosis",
     "FmuTwin",
     "Recording",
@@ -52,6 +56,7 @@ __all__ = [
     "Trajectory",
     "Tuner",
     "check",
+    "compare",
     "diagnose",
     "step_reference",
 ]

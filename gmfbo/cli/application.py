@@ -16,6 +16,7 @@ from gmfbo import __version__
 from gmfbo.cli import (
     build,
     check,
+    compare,
     compensate,
     demo,
     diagnose,
@@ -47,6 +48,7 @@ app.command("check")(check.check)
 app.command("diagnose", cls=ManyValuesCommand)(diagnose.diagnose)
 app.command("experiment")(experiment.experiment)
 app.command("compensate")(compensate.compensate)
+app.command("compare")(compare.compare)
 app.command("methods")(methods.methods)
 app.command("export")(export.export)
 app.command("build")(build.build)

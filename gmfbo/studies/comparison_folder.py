@@ -1,0 +1,149 @@
+"""Where a comparison is kept: a text a run, and the tables that follow from them."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gmfbo.errors import StoreError
+from gmfbo.recordings.durable import cause, write_whole
+from gmfbo.recordings.writer_lock import WriterLock
+from gmfbo.reports.comparison_curves import Landscape
+from gmfbo.studies.comparison_table import Table
+from gmfbo.studies.curves import curves_of, curves_text
+from gmfbo.studies.landscape import landscape_text
+from gmfbo.studies.outcome import Outcome
+from gmfbo.tuning.methods import METHODS
+
+
+@dataclass(frozen=True)
+class ComparisonFolder:
+    """A folder `NAME.compare`.
+
+    `runs/METHOD-SEED.json` is what a finished run came to, `truth/` holds the plant over the
+    box, `running/` what is under way; `table.txt`, `curves.txt` and `landscape.txt` follow from
+    them, and the figures from these three.
+
+    Attributes
+    ----------
+    path : Path
+        The folder.
+    """
+
+    path: Path
+
+    @property
+    def table(self) -> Path:
+        """Tables for people."""
+        return self.path / "table.txt"
+
+    @property
+    def curves(self) -> Path:
+        """Means over seeds, run by run."""
+        return self.path / "curves.txt"
+
+    @property
+    def landscape(self) -> Path:
+        """The plant over two gains."""
+        return self.path / "landscape.txt"
+
+    @contextlib.contextmanager
+    def writing(self) -> Iterator[None]:
+        """Hold the folder against other processes; made where it is missing.
+
+        Raises
+        ------
+        StoreError
+            It cannot be written, or another process writes it.
+        """
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            lock = WriterLock(self.path / ".lock")
+        except OSError as error:
+            raise StoreError(f"{self.path}: cannot write there: {cause(error)}") from None
+        try:
+            # Whoever holds the lock knows that nothing is under way any more.
+            shutil.rmtree(self.path / "running", ignore_errors=True)
+            yield
+            shutil.rmtree(self.path / "running", ignore_errors=True)
+        finally:
+            lock.release()
+
+    def outcomes(self, key: str) -> list[Outcome]:
+        """All finished runs.
+
+        Parameters
+        ----------
+        key : str
+            Hash of what they must share.
+
+        Raises
+        ------
+        StoreError
+            They are of another study.
+        """
+        kept = [Outcome.read(path) for path in sorted((self.path / "runs").glob("*.json"))]
+        if any(outcome.study != key for outcome in kept):
+            raise StoreError(
+                f"{self.path}: holds runs of another study file, twin or grid, which must not be "
+                "mixed; give another --out, or remove it"
+            )
+        return kept
+
+    def log_command(self, command: str) -> list[str]:
+        """Add a command to those that made the folder; returns all, each once.
+
+        Parameters
+        ----------
+        command : str
+            What the user typed, without what does not change the result.
+        """
+        file = self.path / "commands.json"
+        known: list[str] = json.loads(file.read_text(encoding="utf-8")) if file.exists() else []
+        if command not in known:
+            known.append(command)
+            write_whole(file, (json.dumps(known, indent=1) + "\n").encode())
+        return known
+
+    def write_tables(
+        self, outcomes: Sequence[Outcome], heading: Sequence[str], landscape: Landscape | None
+    ) -> str:
+        """Write all tables, and return that for people.
+
+        Parameters
+        ----------
+        outcomes : sequence of Outcome
+            At least one.
+        heading : sequence of str
+            Lines above the tables.
+        landscape : Landscape or None
+            None leaves it out.
+        """
+        columns = by_method(outcomes)
+        text = "\n".join([*heading, ""]) + "\n" + Table(columns).text()
+        write_whole(self.table, text.encode())
+        write_whole(self.curves, curves_text(curves_of(columns)).encode())
+        if landscape is not None:
+            write_whole(self.landscape, landscape_text(landscape).encode())
+        return text
+
+
+def by_method(outcomes: Sequence[Outcome]) -> Mapping[str, list[Outcome]]:
+    """Sort outcomes into columns: the order of `gmfbo methods`, then a user's own, by name.
+
+    Parameters
+    ----------
+    outcomes : sequence of Outcome
+        In any order.
+    """
+    known = list(METHODS)
+    names = sorted(
+        {outcome.method for outcome in outcomes},
+        key=lambda name: (known.index(name) if name in known else len(known), name),
+    )
+    ordered = sorted(outcomes, key=lambda outcome: outcome.seed)
+    return {name: [one for one in ordered if one.method == name] for name in names}

@@ -1,0 +1,172 @@
+"""Outcomes of a comparison as text: every seed, and what follows from all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.studies.bootstrap import Interval
+from gmfbo.studies.one_run import PAPER_QUERIES
+from gmfbo.studies.outcome import Outcome
+
+BASELINES = ("bo_ei", "gmfbo")
+"""Methods against which the others are held seed by seed, where they take part."""
+
+Column = dict[int, float]
+"""A number by seed."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Outcomes by method and seed.
+
+    Attributes
+    ----------
+    by_method : mapping of str to list of Outcome
+        In the order of the columns, each by rising seed.
+    """
+
+    by_method: Mapping[str, Sequence[Outcome]]
+
+    @property
+    def seeds(self) -> list[int]:
+        """All seeds, rising."""
+        return sorted({one.seed for column in self.by_method.values() for one in column})
+
+    def text(self) -> str:
+        """All tables; only the last depends on the machine."""
+        never = next(iter(self.by_method.values()))[0].never
+        parts = [
+            f"n*: real runs to the optimum, initial ones counted (never: {never})",
+            *self._arrivals(_n_star),
+            "",
+            f"the same within {PAPER_QUERIES} queries of either source after the initial data",
+            *self._arrivals(_n_star_paper),
+            "",
+            *self._differences(),
+            "means over seeds, at the end",
+            *self._means(),
+            "",
+            "time",
+            *self._times(),
+        ]
+        return "\n".join(parts) + "\n"
+
+    def _arrivals(self, field: Callable[[Outcome], int | None]) -> list[str]:
+        columns = {name: _column(outcomes, field) for name, outcomes in self.by_method.items()}
+        lines = [self._row("seed", list(self.by_method))]
+        for seed in self.seeds:
+            lines.append(
+                self._row(str(seed), [_whole(column.get(seed)) for column in columns.values()])
+            )
+        samples = [np.array(list(column.values())) for column in columns.values()]
+        lines.append(self._row("median", [f"{np.median(sample):.1f}" for sample in samples]))
+        lines.append(self._row("  95 %", [_span(sample, np.median) for sample in samples]))
+        lines.append(self._row("mean", [f"{np.mean(sample):.2f}" for sample in samples]))
+        lines.append(self._row("  95 %", [_span(sample, np.mean) for sample in samples]))
+        lines.append(self._row("90 % within", [_late(sample) for sample in samples]))
+        missed = [
+            100.0 * np.mean([field(one) is None for one in outcomes])
+            for outcomes in self.by_method.values()
+        ]
+        lines.append(self._row("never", [f"{share:.0f} %" for share in missed]))
+        lines.append(self._row("seeds", [str(len(column)) for column in columns.values()]))
+        return lines
+
+    def _differences(self) -> list[str]:
+        columns = {name: _column(outcomes, _n_star) for name, outcomes in self.by_method.items()}
+        lines: list[str] = []
+        for baseline in [name for name in BASELINES if name in columns]:
+            others = [name for name in columns if name != baseline]
+            if not others:
+                continue
+            lines += [
+                f"n* less that of {baseline} on the same seed (below zero: fewer real runs)",
+                self._row("", ["mean", "95 %", "fewer", "as many", "more", "seeds"]),
+            ]
+            for name in others:
+                shared = sorted(columns[name].keys() & columns[baseline].keys())
+                if not shared:
+                    lines.append(self._row(name, ["no seed in common"]))
+                    continue
+                less = np.array([columns[name][s] - columns[baseline][s] for s in shared])
+                counts = [int(np.sum(less < 0)), int(np.sum(less == 0)), int(np.sum(less > 0))]
+                cells = [f"{less.mean():.2f}", _span(less, np.mean), *map(str, counts)]
+                lines.append(self._row(name, [*cells, str(len(shared))]))
+            lines.append("")
+        return lines
+
+    def _means(self) -> list[str]:
+        rows: tuple[tuple[str, Callable[[Outcome], float], str], ...] = (
+            ("queries", lambda one: one.queries, ".1f"),
+            ("real runs", lambda one: len(one.regret), ".1f"),
+            ("twin runs", lambda one: one.twin_runs, ".1f"),
+            ("corrected", lambda one: one.corrected_runs, ".1f"),
+            ("cost", lambda one: one.cost[-1], ".1f"),
+            ("regret", lambda one: one.regret[-1], ".4f"),
+        )
+        return [
+            self._row("", list(self.by_method)),
+            *(self._row(label, self._each(field, np.mean, form)) for label, field, form in rows),
+        ]
+
+    def _times(self) -> list[str]:
+        def iteration(one: Outcome) -> float:
+            return float(np.median(one.seconds)) if one.seconds else np.nan
+
+        return [
+            self._row("", list(self.by_method)),
+            self._row("s a query", self._each(iteration, np.median, ".2f")),
+            self._row("s before", self._each(lambda one: one.seconds_before, np.median, ".1f")),
+            self._row("s in all", self._each(_all_seconds, np.mean, ".0f")),
+        ]
+
+    def _each(
+        self,
+        field: Callable[[Outcome], float],
+        statistic: Callable[[list[float]], object],
+        form: str,
+    ) -> list[str]:
+        return [
+            format(statistic([field(one) for one in outcomes]), form)
+            for outcomes in self.by_method.values()
+        ]
+
+    def _row(self, label: str, cells: Sequence[str]) -> str:
+        wide = max(14, *(len(name) + 2 for name in self.by_method))
+        return (f"{label:>14}" + "".join(f"{cell:>{wide}}" for cell in cells)).rstrip()
+
+
+def _n_star(one: Outcome) -> int | None:
+    return one.n_star
+
+
+def _n_star_paper(one: Outcome) -> int | None:
+    return one.n_star_paper
+
+
+def _all_seconds(one: Outcome) -> float:
+    return one.seconds_before + sum(one.seconds)
+
+
+def _column(outcomes: Sequence[Outcome], field: Callable[[Outcome], int | None]) -> Column:
+    arrived = {one.seed: field(one) for one in outcomes}
+    never = {one.seed: one.never for one in outcomes}
+    return {seed: float(never[seed] if n is None else n) for seed, n in arrived.items()}
+
+
+def _whole(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0f}"
+
+
+def _span(sample: NDArray[np.float64], statistic: Callable[..., NDArray[np.float64]]) -> str:
+    interval = Interval.of(sample, statistic)
+    return f"[{interval.low:.1f}, {interval.high:.1f}]"
+
+
+def _late(sample: NDArray[np.float64]) -> str:
+    """Real runs within which nine of ten seeds arrived: an order statistic, not interpolated."""
+    return f"{np.quantile(sample, 0.9, method='higher'):.0f}"

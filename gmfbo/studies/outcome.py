@@ -1,0 +1,108 @@
+"""What one method came to on one seed, kept as a small text."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Self
+
+from gmfbo.errors import StoreError
+from gmfbo.recordings.durable import write_whole
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One finished study of a comparison.
+
+    Attributes
+    ----------
+    study : str
+        Hash of all that two studies must share to be compared: study file, twins, grid.
+    method : str
+        Its name.
+    seed : int
+        Of the study.
+    n_star : int or None
+        Real runs, initial ones counted, until the best is within 2 % of the way from the optimum
+        to the median; None where it never arrived.
+    n_star_paper : int or None
+        The same within 20 queries of either source after the initial data.
+    most_real_runs : int
+        Real runs that the budget allows; a run that never arrived counts as one more.
+    least, median : float
+        True optimum and median cost over the box, of the plant at the end.
+    best, regret : tuple of float
+        After each real run: least true cost g, and its share of the way to the median.
+    cost : tuple of float
+        After the initial data and after each query: all runs so far in units of a real run.
+    seconds : tuple of float
+        [s] Wall clock of each query, with all that it entailed.
+    seconds_before : float
+        [s] Wall clock of the initial data.
+    twin_runs, corrected_runs : int
+        Runs of IS2 and IS3 in all, initial ones and surveys counted.
+    version : str
+        Of gmfbo.
+    """
+
+    study: str
+    method: str
+    seed: int
+    n_star: int | None
+    n_star_paper: int | None
+    most_real_runs: int
+    least: float
+    median: float
+    best: tuple[float, ...]
+    regret: tuple[float, ...]
+    cost: tuple[float, ...]
+    seconds: tuple[float, ...]
+    seconds_before: float
+    twin_runs: int
+    corrected_runs: int
+    version: str
+
+    @property
+    def queries(self) -> int:
+        """Queries of either source after the initial data."""
+        return len(self.seconds)
+
+    @property
+    def never(self) -> int:
+        """What stands for n* where the method never arrived."""
+        return self.most_real_runs + 1
+
+    def save(self, path: Path) -> None:
+        """Write it; there whole or not at all.
+
+        Parameters
+        ----------
+        path : Path
+            A `.json`.
+        """
+        write_whole(path, (json.dumps(asdict(self)) + "\n").encode())
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read what `save` wrote.
+
+        Parameters
+        ----------
+        path : Path
+            A `.json`.
+
+        Raises
+        ------
+        StoreError
+            It is none of these texts.
+        """
+        try:
+            raw = json.loads(path.read_text(encoding="utf-8"))
+            values = {field.name: raw[field.name] for field in fields(cls)}
+        except (OSError, ValueError, KeyError, TypeError):
+            raise StoreError(
+                f"{path}: expected the text of a finished run; remove it to have the run made again"
+            ) from None
+        lists = {name: tuple(v) for name, v in values.items() if isinstance(v, list)}
+        return cls(**{**values, **lists})

@@ -1,0 +1,173 @@
+"""The truth about a plant: what every gain of the box comes to, simulated once and kept."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from gmfbo.errors import StudyFileError
+from gmfbo.recordings.durable import write_whole
+from gmfbo.sources.source import Source
+from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.gain_choice import GainChoice
+from gmfbo.tuning.study import Study
+from gmfbo.tuning.study_sources import StudySources, run_source
+
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class PlantGrid:
+    """Metrics of one source over the box; m points, d gains.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Tuned gains, in order.
+    points : ndarray, shape (m, d)
+        [unit of each gain]
+    metrics : dict of str to ndarray, shape (m,)
+        Each metric [% or s]; the worst case where a run failed.
+    """
+
+    names: tuple[str, ...]
+    points: NDArray[np.float64]
+    metrics: dict[str, NDArray[np.float64]]
+
+
+def grid_points(gains: int, side: int) -> NDArray[np.float64]:
+    """Cover the unit cube: a regular grid in one and two gains, a Sobol set in more.
+
+    Parameters
+    ----------
+    gains : int
+        d.
+    side : int
+        Points along a side in two gains; side^2 in all, at least, for every d.
+
+    Returns
+    -------
+    ndarray, shape (m, d)
+        The last gain changes fastest.
+    """
+    if gains == 1:
+        return np.linspace(0.0, 1.0, side * side)[:, None]
+    if gains == 2:
+        axis = np.linspace(0.0, 1.0, side)
+        return np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
+    power = int(np.ceil(2.0 * np.log2(side)))
+    sobol = qmc.Sobol(gains, scramble=False)
+    return np.asarray(sobol.random_base2(power), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class TrueSources:
+    """The sources of a study, opened to be run all over the box.
+
+    Attributes
+    ----------
+    sources : StudySources
+        Opened for the study's seed; whoever opened them closes them.
+    gains : GainChoice
+        What is tuned.
+    experiment : StepExperiment
+        What every source repeats.
+    """
+
+    sources: StudySources
+    gains: GainChoice
+    experiment: StepExperiment
+
+    @classmethod
+    def open(cls, study: Study) -> TrueSources:
+        """Open the sources of a study whose plant can be simulated.
+
+        Parameters
+        ----------
+        study : Study
+            With a plant that is an FMU.
+
+        Raises
+        ------
+        StudyFileError
+            The plant is none that can be run all over the box.
+        """
+        file = study.file
+        if file.is1.twin is None:
+            raise StudyFileError(
+                f"{file.name}: [is1]: expected twin = FILE, the FMU that plays the plant; methods "
+                "are compared against its true optimum, for which it runs all over the box"
+            )
+        sources = StudySources.open(file, study.origin)
+        try:
+            gains = GainChoice.combine(sources.gains, file.gains, sources.parameters)
+            experiment = StepExperiment.from_section(
+                file.reference,
+                file.objective.signal,
+                folder=study.origin,
+                unit=sources.reference_unit,
+            )
+        except BaseException:
+            sources.close()
+            raise
+        return cls(sources, gains, experiment)
+
+    @property
+    def plants(self) -> tuple[Source, ...]:
+        """The plant, and the changed plant where it changes."""
+        both = (self.sources.is1, self.sources.changed_is1)
+        return tuple(plant for plant in both if plant is not None)
+
+    def grid(self, source: Source, side: int, folder: Path, told: Told | None = None) -> PlantGrid:
+        """Run a source all over the box, or read what that came to before.
+
+        Parameters
+        ----------
+        source : Source
+            One of the study's.
+        side : int
+            Points along a side.
+        folder : Path
+            Where grids are kept, one text each.
+        told : callable, optional
+            Told of a grid that has to be simulated.
+        """
+        space = self.gains.space
+        points = space.from_unit(grid_points(len(space), side))
+        kept = folder / f"{self._key(source, side)}.csv"
+        if not kept.exists():
+            if told is not None:
+                told(f"{source.name}: {len(points)} runs over the box, once")
+            rows = [self._metrics(source, point) for point in points]
+            folder.mkdir(parents=True, exist_ok=True)
+            text = io.StringIO()
+            table = np.array([list(row.values()) for row in rows])
+            np.savetxt(
+                text, table, fmt="%.12g", delimiter=",", header=",".join(rows[0]), comments=""
+            )
+            write_whole(kept, text.getvalue().encode())
+        names = kept.read_text(encoding="utf-8").partition("\n")[0].split(",")
+        columns = np.loadtxt(kept, delimiter=",", skiprows=1, ndmin=2).T
+        return PlantGrid(space.names, points, dict(zip(names, columns, strict=True)))
+
+    def _metrics(self, source: Source, point: NDArray[np.float64]) -> dict[str, float]:
+        run = run_source(source, self.gains.values(point), self.experiment.reference)
+        return self.experiment.metrics(run)
+
+    def _key(self, source: Source, side: int) -> str:
+        """Hash of all that decides the grid; two seeds share it where the plant has no seed."""
+        reference = self.experiment.reference
+        decisive: list[Any] = [source.content_hash, side, self.experiment.signal]
+        decisive += [repr(self.gains), self.experiment.horizon]
+        decisive += [sorted(reference.signals), reference.time.tobytes().hex()]
+        decisive += [reference.signals[name].tobytes().hex() for name in sorted(reference.signals)]
+        return hashlib.sha256(json.dumps(decisive).encode()).hexdigest()[:16]
