@@ -68,6 +68,17 @@ def check_clock(
     )
 
 
+def is_steady(time: NDArray[np.float64]) -> bool:
+    """Whether steps are positive and within 10 % of their mean.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    """
+    return bool(np.all(np.diff(time) > 0.0)) and _worst_step(time) is None
+
+
 def _worst_step(time: NDArray[np.float64]) -> int | None:
     """Row after the step that differs most from the mean; None where all are near enough."""
     if time.size < 3:

@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
+from gmfbo.recordings.channels import RecordedChannels
 from gmfbo.recordings.columns import Column, RecordedColumns
 from gmfbo.recordings.csv_head import head_lines, read_head
 from gmfbo.recordings.csv_header import header_cell, read_header, read_units_row
 from gmfbo.recordings.recording import Recording
+from gmfbo.recordings.scope_csv import is_scope_export, read_scope
 
 _BLANK = {"", "nan", "NaN", "NAN"}
 _POINT = re.compile(r"\d\.|\.\d")
@@ -54,8 +56,15 @@ def _cells(values: NDArray[np.float64]) -> list[str]:
     return ["" if value != value else repr(value) for value in values.tolist()]
 
 
-def read_csv(path: Path) -> RecordedColumns:
+def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedChannels:
     """Read the columns of a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    dialect : str
+        One of `gmfbo.recordings.column_mapping.DIALECTS`; `auto` finds out.
 
     Raises
     ------
@@ -66,6 +75,15 @@ def read_csv(path: Path) -> RecordedColumns:
     """
     label = path.name
     lines = re.split(r"\r\n|\n|\r", _text(path.read_bytes(), label))
+    top = next((line for line in lines if line.strip()), "")
+    if dialect == "twincat_scope" or (
+        dialect == "auto" and is_scope_export(lines, _delimiter(top))
+    ):
+        return read_scope(lines, _delimiter(top), label)
+    return _read_table(lines, label, dialect)
+
+
+def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
     head = read_head([line for line in lines if line.lstrip().startswith("#")], label)
     places = [
         number

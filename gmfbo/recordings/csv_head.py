@@ -51,7 +51,9 @@ def head_lines(recording: Recording, version: str) -> list[str]:
     if not is_ours(recording):
         lines.append(f"# {OWN}logger = {json.dumps('other')}")
     if recording.use is not None:
-        lines.append(f"# use = {recording.use[0]!r}:{recording.use[1]!r}")
+        # A NumPy number would write its type along.
+        first, last = map(float, recording.use)
+        lines.append(f"# use = {first!r}:{last!r}")
     if recording.start_time:
         lines.append(f"# start_time = {recording.start_time}")
     if isinstance(recording, Trajectory):

@@ -70,8 +70,10 @@ def recording_from(file: RecordedColumns, twin: SignalReading | None) -> Recordi
         # A schedule of a parameter that this twin has not is a column like others.
         _read_all(kept, reading, schedules=frozenset())
         reading.parameters.update(_known_scalars(file, tunable))
-    columns = (*reading.signals.values(), *reading.schedules.values())
-    check_clock(file.label, time, [np.isfinite(values) for values in columns], file.row_name)
+    # A schedule keeps its value between its entries, so it has no instants of its own.
+    columns = reading.signals or reading.schedules
+    sampled = [np.isfinite(values) for values in columns.values()]
+    check_clock(file.label, time, sampled, file.row_name)
     content: dict[str, Any] = {
         "time": time,
         "signals": reading.signals,

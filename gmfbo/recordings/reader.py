@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from gmfbo.errors import RecordingError, did_you_mean
+from gmfbo.recordings.column_mapping import ColumnMapping, MappedReading, rename_columns
+from gmfbo.recordings.columns import RecordedColumns
 from gmfbo.recordings.durable import cause
 from gmfbo.recordings.interpretation import recording_from
+from gmfbo.recordings.signal import SignalSpec
 
 if TYPE_CHECKING:
-    from gmfbo.recordings.columns import RecordedColumns
+    from gmfbo.recordings.channels import RecordedChannels
     from gmfbo.recordings.recording import Recording
     from gmfbo.recordings.signal import SignalReading
 
@@ -23,19 +27,33 @@ _READERS = {
     ".h5": ("hdf5_file", "read_hdf5"),
     ".hdf5": ("hdf5_file", "read_hdf5"),
     ".mat": ("mat_file", "read_mat"),
+    ".mdf": ("mdf_file", "read_mdf"),
+    ".mf4": ("mdf_file", "read_mdf"),
+    ".parquet": ("parquet_file", "read_parquet"),
+    ".tdms": ("tdms_file", "read_tdms"),
 }
 
 
-def read_recording(path: str | Path, twin: SignalReading | None = None) -> Recording:
+_TEXT = (".csv", ".txt")
+
+
+def read_recording(
+    path: str | Path,
+    twin: SignalReading | None = None,
+    *,
+    mapping: ColumnMapping | None = None,
+) -> Recording:
     """Read a recording from a file.
 
     Parameters
     ----------
     path : str or Path
-        `.csv` (`.txt`), `.h5` (`.hdf5`) or `.mat`.
+        `.csv` (`.txt`), `.h5` (`.hdf5`), `.mat`, `.parquet`, `.mf4` (`.mdf`) or `.tdms`.
     twin : SignalReading or None
         Says which columns are signals, with scale, offset and unit, and which names are FMU
         parameters. Without it each column is a signal and each single value a parameter.
+    mapping : ColumnMapping or None
+        Says how this logger names the columns; that of the twin unless given.
 
     Returns
     -------
@@ -47,8 +65,37 @@ def read_recording(path: str | Path, twin: SignalReading | None = None) -> Recor
     RecordingError
         The file is missing, unreadable or not a recording, or does not fit the twin.
     """
+    words = _Words() if twin is None else _Words(twin.signal_specs(), twin.parameter_tunable())
+    if mapping is None:
+        mapping = twin.column_mapping() if isinstance(twin, MappedReading) else ColumnMapping()
+    wanted = mapping.names() | words.names()
+    file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
+    file, specs = rename_columns(file, mapping, words.specs)
+    return recording_from(file, None if twin is None else _Words(specs, words.tunable))
+
+
+def read_columns(
+    path: str | Path, dialect: str = "auto", wanted: Iterable[str] | None = None
+) -> RecordedColumns:
+    """Read the columns of a file, before a twin gives them a meaning.
+
+    Parameters
+    ----------
+    path : str or Path
+        As for `read_recording`.
+    dialect : str
+        How a text file is written: one of `gmfbo.recordings.column_mapping.DIALECTS`.
+    wanted : iterable of str, optional
+        Names that are needed; decides on whose clock a file of channels is read.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing, unreadable or not a recording.
+    """
     path = Path(path)
-    if path.suffix.lower() not in _READERS:
+    ending = path.suffix.lower()
+    if ending not in _READERS:
         endings = ", ".join(sorted(_READERS))
         raise RecordingError(
             f"{path}: expected a recording that ends in {endings}, got '{path.suffix}'; export it "
@@ -59,13 +106,32 @@ def read_recording(path: str | Path, twin: SignalReading | None = None) -> Recor
         raise RecordingError(f"{path}: no such file" + did_you_mean(path.name, siblings))
     if path.is_dir():
         raise RecordingError(f"{path}: expected a recording, got a folder; name a file in it")
-    module, function = _READERS[path.suffix.lower()]
+    module, function = _READERS[ending]
     reader = cast(
-        "Callable[[Path], RecordedColumns]",
+        "Callable[..., RecordedColumns | RecordedChannels]",
         getattr(import_module(f"gmfbo.recordings.{module}"), function),
     )
     try:
-        columns = reader(path)
+        read = reader(path, dialect) if ending in _TEXT else reader(path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {cause(error)}") from error
-    return recording_from(columns, twin)
+    return read if isinstance(read, RecordedColumns) else read.columns(wanted)
+
+
+@dataclass(frozen=True)
+class _Words:
+    """What a reader asks of a twin, after its column mapping."""
+
+    specs: Mapping[str, SignalSpec] = field(default_factory=dict)
+    tunable: Mapping[str, bool] = field(default_factory=dict)
+
+    def signal_specs(self) -> Mapping[str, SignalSpec]:
+        return self.specs
+
+    def parameter_tunable(self) -> Mapping[str, bool]:
+        return self.tunable
+
+    def names(self) -> frozenset[str]:
+        """Names that a file may use for what the twin knows."""
+        columns = (spec.column for spec in self.specs.values())
+        return frozenset((*self.specs, *columns, *self.tunable))
