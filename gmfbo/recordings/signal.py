@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class SignalSpec:
     required: bool = False
 
 
+@runtime_checkable
 class SignalReading(Protocol):
     """What a reader must know of a twin."""
 

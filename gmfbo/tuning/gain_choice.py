@@ -79,13 +79,15 @@ class GainChoice:
         """Point of the box, shape (d,), from all gains by name."""
         return self.space.point({name: gains[name] for name in self.space.names})
 
-    def check_fixed(self, fixed: Mapping[str, float]) -> None:
+    def check_fixed(self, fixed: Mapping[str, float], *, label: str = "fixed") -> None:
         """Refuse values that the box does not hold.
 
         Parameters
         ----------
         fixed : mapping of str to float
             Gains to be held in the next proposals.
+        label : str
+            What is checked, for messages.
 
         Raises
         ------
@@ -95,9 +97,9 @@ class GainChoice:
         ranges = {gain.name: gain for gain in self.space.gains}
         for name, value in fixed.items():
             if name not in ranges:
-                raise InputError(f"fixed: no tuned gain '{name}'" + did_you_mean(name, ranges))
+                raise InputError(f"{label}: no tuned gain '{name}'" + did_you_mean(name, ranges))
             low, high = ranges[name].low, ranges[name].high
             if not low <= value <= high:
                 raise InputError(
-                    f"fixed: expected '{name}' within [{low:g}, {high:g}], got {value:g}"
+                    f"{label}: expected '{name}' within [{low:g}, {high:g}], got {value:g}"
                 )

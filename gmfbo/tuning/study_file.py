@@ -21,9 +21,6 @@ from gmfbo.tuning.study_sections import (
     TwinSection,
 )
 
-_LATER = {}
-"""Keys that the format reserves and this version does not offer, with what to do instead."""
-
 _SECTIONS: dict[str, type[Section]] = {
     "": StudyFile,
     "is1": PlantSection,
@@ -58,7 +55,6 @@ def parse_study(text: str, *, label: str, default_name: str) -> StudyFile:
         raw = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise StudyFileError(f"{label}: not a TOML file: {error}") from None
-    _refuse_later(raw, label)
     try:
         return StudyFile.model_validate({"name": default_name, **raw})
     except ValidationError as error:
@@ -85,19 +81,6 @@ def read_study_file(path: Path) -> tuple[StudyFile, str]:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise StudyFileError(f"{path}: cannot read the study file: {reason}") from None
     return parse_study(text, label=path.name, default_name=path.stem), text
-
-
-def _refuse_later(raw: dict[str, Any], label: str) -> None:
-    for key, instead in _LATER.items():
-        section, _, name = key.partition(".")
-        found = raw.get(section) if not name else _table(raw.get(section)).get(name)
-        if found is not None:
-            shown = f"[{section}] {name}" if name else f"[{section}]"
-            raise StudyFileError(f"{label}: {shown} is not offered by this version; {instead}")
-
-
-def _table(value: object) -> dict[str, Any]:
-    return value if isinstance(value, dict) else {}
 
 
 def _finding(detail: dict[str, Any]) -> str:

@@ -11,9 +11,13 @@ from typing import TYPE_CHECKING, Literal
 
 from gmfbo.errors import InputError, SimulationError, StudyFileError
 from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.signal import SignalReading
+from gmfbo.sources.plant_call import PlantFunction, PythonPlant
+from gmfbo.sources.plant_command import CommandPlant
+from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
 from gmfbo.space import GainSpace
-from gmfbo.tuning.study_sections import StudyFile
+from gmfbo.tuning.study_sections import PlantSection, StudyFile
 
 if TYPE_CHECKING:
     from gmfbo.sources.twin import FmuTwin
@@ -41,6 +45,9 @@ class StudySources:
         All FMU parameters of the twin; empty where it is the user's own source.
     reference_unit : str
         SI unit of the reference; empty where unknown.
+    reading : SignalReading or None
+        Twin file of IS2, which says what the columns of a recording are; None where the twin is
+        the user's own source.
     """
 
     is1: Source | None
@@ -51,6 +58,7 @@ class StudySources:
     gains: GainSpace | None = None
     parameters: tuple[str, ...] = ()
     reference_unit: str = ""
+    reading: SignalReading | None = None
 
     @classmethod
     def open(
@@ -60,6 +68,7 @@ class StudySources:
         *,
         is1: Source | None = None,
         is2: Source | None = None,
+        plant: PlantFunction | None = None,
     ) -> StudySources:
         """Open the twins that a study names.
 
@@ -71,6 +80,8 @@ class StudySources:
             Where its paths begin.
         is1, is2 : Source, optional
             Used instead of what the file names: a test bench, a simulator of the user's own.
+        plant : callable, optional
+            Called with gains and reference instead of the IS1 that the file names.
 
         Raises
         ------
@@ -79,22 +90,28 @@ class StudySources:
         TwinFileError, FmuFileError
             A twin cannot be opened.
         """
-        plant, change = study.is1, study.is1.change
-        if is1 is not None and change is not None:
+        change = study.is1.change
+        if is1 is not None and plant is not None:
+            raise InputError("expected one of is1 and plant, got both; they are the same axis")
+        if (is1 is not None or plant is not None) and change is not None:
             raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
         changed, gains, unit = None, None, ""
+        reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
         parameters: tuple[str, ...] = ()
         with ExitStack() as opened:
             opener = _Opener(study.seed, folder, opened)
-            if is1 is None and plant.twin is not None:
-                is1 = opener.twin(plant.twin, plant.parameters)
-                if change is not None:
-                    changed = opener.twin(plant.twin, {**plant.parameters, **change.parameters})
             if is2 is None:
-                is2 = twin = opener.twin(study.is2.twin, study.is2.parameters)
+                is2 = reading = twin = opener.twin(study.is2.twin, study.is2.parameters)
                 gains, parameters = twin.gains, tuple(twin.parameter_tunable())
                 signal = twin.signal_specs().get(study.reference.signal)
                 unit = signal.unit if signal else ""
+            if plant is not None:
+                is1 = PythonPlant(plant, reading)
+            if is1 is None:
+                is1 = opener.plant(study.is1, reading)
+                if study.is1.twin is not None and change is not None:
+                    after = {**study.is1.parameters, **change.parameters}
+                    changed = opener.twin(study.is1.twin, after)
             return cls(
                 is1=is1,
                 is2=is2,
@@ -104,6 +121,7 @@ class StudySources:
                 gains=gains,
                 parameters=parameters,
                 reference_unit=unit,
+                reading=reading,
             )
 
     def real(self, runs_before: int) -> Source | None:
@@ -120,7 +138,7 @@ class StudySources:
 
     @property
     def content_hashes(self) -> dict[str, str]:
-        """Content hash by source; empty for one that is no FMU."""
+        """Content hash by source; empty for one of which it is not known what it does."""
         real = self.is1.content_hash if self.is1 is not None else ""
         changed = {"IS1 changed": self.changed_is1.content_hash} if self.changed_is1 else {}
         return {"IS1": real, "IS2": self.is2.content_hash, **changed}
@@ -135,6 +153,24 @@ class _Opener:
     seed: int
     folder: Path
     opened: ExitStack
+
+    def plant(self, section: PlantSection, reading: SignalReading | None) -> Source | None:
+        """Source of the kind that the file names; None where somebody asks and tells."""
+        if section.twin is not None:
+            return self.twin(section.twin, section.parameters)
+        if section.command is not None:
+            plant = CommandPlant(
+                tuple(section.command),
+                self.folder,
+                time_limit_s=section.time_limit,
+                retries=section.retries,
+                reading=reading,
+            )
+            plant.check()
+            return plant
+        if section.recorded is not None:
+            return RecordedGrid.open(self.folder / section.recorded, reading)
+        return None
 
     def twin(self, path: str, parameters: Mapping[str, float | Literal["seed"]]) -> FmuTwin:
         from gmfbo.sources.twin import FmuTwin

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from pathlib import Path
 from typing import Self
 
-import numpy as np
-
-from gmfbo.errors import InputError, RecordingError
+from gmfbo.errors import InputError
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.trial import Trial
+from gmfbo.sources.plant_call import PlantFunction
+from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
 from gmfbo.tuning.experiment import StepExperiment
 from gmfbo.tuning.gain_choice import GainChoice
@@ -20,10 +21,14 @@ from gmfbo.tuning.initial_design import Stream, initial_points, stream
 from gmfbo.tuning.method import Method, Recommendation
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.progress import Phase, ProgressCallback
+from gmfbo.tuning.real_axis import RealAxis, scorable
+from gmfbo.tuning.recorded_choice import RecordedChoice
 from gmfbo.tuning.request import TrialRequest, TuningResult
 from gmfbo.tuning.state import TuningState
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.study_sources import StudySources, run_source
+from gmfbo.tuning.told_file import ToldRun
+from gmfbo.tuning.told_gains import told_gains
 from gmfbo.tuning.twin_runs import TwinRuns
 from gmfbo.tuning.watch import Watch
 
@@ -41,6 +46,9 @@ class Tuner:
         What `Study.read` returned for a study file or folder.
     is1, is2 : Source, optional
         Used instead of the sources that the file names.
+    plant : callable, optional
+        Is the real axis: called with gains and reference, it returns a `Recording`, the path of
+        one, or arrays by name with `time`. What it raises is a failed run.
     method : Method, optional
         Used instead of the method that the file names.
     resume : bool
@@ -58,13 +66,16 @@ class Tuner:
         *,
         is1: Source | None = None,
         is2: Source | None = None,
+        plant: PlantFunction | None = None,
         method: Method | None = None,
         resume: bool = True,
     ) -> None:
         self.study = study
         self.method = method or find_method(study.file.method)
         with ExitStack() as closing:
-            self._sources = StudySources.open(study.file, study.origin, is1=is1, is2=is2)
+            self._sources = StudySources.open(
+                study.file, study.origin, is1=is1, is2=is2, plant=plant
+            )
             closing.callback(self._sources.close)
             self.gains = GainChoice.combine(
                 self._sources.gains, study.file.gains, self._sources.parameters
@@ -74,6 +85,10 @@ class Tuner:
                 study.file.objective.signal,
                 folder=study.origin,
                 unit=self._sources.reference_unit,
+            )
+            real = self._sources.is1
+            self._recorded = (
+                RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
             self._store = closing.enter_context(study.open_for_writing(resume=resume))
             correction = self.method.correction
@@ -118,15 +133,27 @@ class Tuner:
             self._announce("query", trial)
         return request
 
-    def tell(self, trial: TrialRequest | int, recording: Recording) -> Trial:
+    def tell(
+        self,
+        trial: TrialRequest | int,
+        recording: Recording | str | Path,
+        *,
+        gains: Mapping[str, float] | None = None,
+        anyway: bool = False,
+    ) -> Trial:
         """Take the recording of the run that was asked for.
 
         Parameters
         ----------
         trial : TrialRequest or int
             What `ask` returned, or its number.
-        recording : Recording
-            What was measured. A `Trajectory` with a status other than `ok` is a failed run.
+        recording : Recording, str or Path
+            What was measured, or the file, whose columns are read as the twin file says. A
+            `Trajectory` with a status other than `ok` is a failed run.
+        gains : mapping of str to float, optional
+            Gains in force, where they are other than asked for or than the recording says.
+        anyway : bool
+            Take a recording that was made at other gains than asked for, or told before.
 
         Returns
         -------
@@ -136,7 +163,7 @@ class Tuner:
         Raises
         ------
         InputError
-            The run was not asked for, or told already; nothing is lost.
+            The run was not asked for, or told already, or a gain is none; nothing is lost.
         RecordingError
             The recording was made at other gains, lacks the signal or is too short.
         """
@@ -147,17 +174,15 @@ class Tuner:
             raise InputError(
                 f"trial {number} is not waited for: {wanted}; ask for the next gains first"
             )
-        for name, value in pending.gains.items():
-            used = recording.parameters.get(name, value)
-            if not np.isclose(used, value, rtol=1e-6):
-                raise RecordingError(
-                    f"{recording.name or 'recording'}: made with {name} = {used:g}, but trial "
-                    f"{number} asks for {value:g}; record again at the gains asked for"
-                )
+        run = ToldRun.read(recording, self._sources.reading, self.experiment.reference)
+        if not anyway:
+            run.refuse_repeated(self._store.events())
+        used = told_gains(pending, run.recording, self.gains, given=gains, anyway=anyway)
         source = self._sources.real(len(self.history.of("IS1")))
         twin = source.content_hash if source else ""
-        told = self.history.trial("IS1", pending.gains, recording, twin=twin)
+        told = self.history.trial("IS1", used, run.recording, twin=twin)
         self.history.write(told)
+        self._store.log("tell", number=number, gains=used, file=run.file, sha256=run.sha256)
         self._pending = None
         initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
         self._announce("initial" if initial else "query", told)
@@ -191,10 +216,8 @@ class Tuner:
         self._watch = Watch(self.history, progress)
         try:
             while (request := self.ask()) is not None:
-                plant = self._sources.real(len(self.history.of("IS1")))
-                assert plant is not None
-                run = run_source(plant, request.gains, self.experiment.reference)
-                self.tell(request, run)
+                run = run_source(self._plant(), request.gains, self.experiment.reference)
+                self.tell(request, scorable(run, self.experiment))
         except KeyboardInterrupt:
             self._store.log("interrupt", trials=len(self.history.trials))
             raise
@@ -242,7 +265,7 @@ class Tuner:
         self._twin.initial()
         self._twin.survey()
         self._twin.follow_up()
-        if self.history.used_up:
+        if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
             return None
         request = self._decide(held)
         self._store.log("ask", **asdict(request))
@@ -250,6 +273,14 @@ class Tuner:
         return request
 
     def _decide(self, held: Mapping[str, float]) -> TrialRequest:
+        request = self._propose(held)
+        if self._recorded is None or request.source != "IS1":
+            return request
+        proposed = self.history.unit_point(request.gains)
+        nearest = self._recorded.nearest(proposed, self._played, held)
+        return replace(request, gains=nearest)
+
+    def _propose(self, held: Mapping[str, float]) -> TrialRequest:
         state, number = self._state(held), self.history.next_number
         seed, budget = self.study.file.seed, self.study.file.budget
         real = len(self.history.of("IS1"))
@@ -261,6 +292,17 @@ class Tuner:
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
         gains = self.history.gains_at(proposal.point)
         return TrialRequest(number, proposal.source, gains, proposal.mismatch, proposal.note)
+
+    @property
+    def _played(self) -> list[Mapping[str, float]]:
+        return [trial.gains for trial in self.history.of("IS1")]
+
+    def _plant(self) -> Source:
+        if self._recorded is not None:
+            return RealAxis(self._recorded.grid.after(self._played))
+        plant = self._sources.real(len(self._played))
+        assert plant is not None
+        return RealAxis(plant)
 
     def _state(self, held: Mapping[str, float]) -> TuningState:
         return self.history.state(held)

@@ -112,7 +112,19 @@ def test_known_normalising_constants_are_taken() -> None:
         (SOURCES + '[reference]\nfile = "r.csv"\nstep = 2.0', "either file or step"),
         ('name = "a/b"\n' + SOURCES, "name: String should match pattern"),
         ("seed = -1\n" + SOURCES, "seed: Input should be greater than or equal to 0"),
-        ("[is1]\n[is2]\ntwin = 'b'", r"\[is1\]: expected exactly one of twin = FILE and ask_tell"),
+        ("[is1]\n[is2]\ntwin = 'b'", r"\[is1\]: expected exactly one of twin = FILE, command"),
+        (
+            '[is1]\ncommand = "python bench.py"\n[is2]\ntwin = "b"',
+            r"\[is1\] command: expected a list of words such as .*got 'python bench\.py'",
+        ),
+        (
+            '[is1]\nask_tell = true\nretries = 1\n[is2]\ntwin = "b"',
+            "time_limit and retries need a command",
+        ),
+        (
+            '[is1]\ncommand = ["x"]\nrecorded = "y"\n[is2]\ntwin = "b"',
+            "expected exactly one of twin",
+        ),
         (
             '[is1]\nask_tell = true\nparameters = { a = 1 }\n[is2]\ntwin = "b"',
             "parameters and change need a twin that plays the plant",
@@ -132,18 +144,6 @@ def test_a_wrong_study_is_refused_in_one_line(text: str, message: str) -> None:
 def test_everything_wrong_is_said_at_once() -> None:
     with pytest.raises(StudyFileError, match=r"unknown key 'a'.*; .*unknown key 'b'"):
         parse(SOURCES + "[budget]\na = 1\nb = 2")
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ('[is1]\ncommand = ["x"]\n[is2]\ntwin = "b"', r"\[is1\] command is not offered.*ask_tell"),
-        ('[is1]\nrecorded = "x"\n[is2]\ntwin = "b"', r"\[is1\] recorded is not offered"),
-    ],
-)
-def test_what_this_version_does_not_offer_is_said_with_what_to_do(text: str, message: str) -> None:
-    with pytest.raises(StudyFileError, match=message):
-        parse(text)
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
