@@ -64,11 +64,14 @@ class CorrectionOptions:
         back, so that they do not pile up there.
     survey : int
         Runs of the twin over the box, made once before the first query.
+    around_real : bool
+        Make corrected runs at all; otherwise the survey is all that is wanted.
     """
 
     memory: Literal["latest", "accumulate"] = "latest"
     at_border: Literal["project", "reflect"] = "project"
     survey: int = 0
+    around_real: bool = True
 
 
 class Method(Protocol):
@@ -95,8 +98,8 @@ class Method(Protocol):
     @property
     def correction(self) -> CorrectionOptions | None: ...
 
-    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
-        """Propose the next query.
+    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
+        """Propose the next query; None where the method has nothing more to ask.
 
         Parameters
         ----------

@@ -98,9 +98,8 @@ class Tuner:
             )
             study.log_begin(self._store, self._sources.content_hashes)
             self._closing = closing.pop_all()
-        self._twin = TwinRuns(
-            self._sources.is2, self.history, self.method.correction, self._announce
-        )
+        around_real = correction if correction and correction.around_real else None
+        self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
         self._pending = TrialRequest.unanswered(self._store.events(), self.history.next_number)
         self._last_request = self._pending
         self._watch = Watch(self.history)
@@ -118,7 +117,7 @@ class Tuner:
         Returns
         -------
         TrialRequest or None
-            None when the budget is used up.
+            None when the budget is used up, or the method has nothing more to ask.
 
         Raises
         ------
@@ -268,19 +267,21 @@ class Tuner:
         if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
             return None
         request = self._decide(held)
+        if request is None:
+            return None
         self._store.log("ask", **asdict(request))
         self._pending = self._last_request = request
         return request
 
-    def _decide(self, held: Mapping[str, float]) -> TrialRequest:
+    def _decide(self, held: Mapping[str, float]) -> TrialRequest | None:
         request = self._propose(held)
-        if self._recorded is None or request.source != "IS1":
+        if request is None or self._recorded is None or request.source != "IS1":
             return request
         proposed = self.history.unit_point(request.gains)
         nearest = self._recorded.nearest(proposed, self._played, held)
         return replace(request, gains=nearest)
 
-    def _propose(self, held: Mapping[str, float]) -> TrialRequest:
+    def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
         state, number = self._state(held), self.history.next_number
         seed, budget = self.study.file.seed, self.study.file.budget
         real = len(self.history.of("IS1"))
@@ -290,6 +291,8 @@ class Tuner:
         if len(held) == len(self.gains.space):
             return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+        if proposal is None:
+            return None
         gains = self.history.gains_at(proposal.point)
         return TrialRequest(number, proposal.source, gains, proposal.mismatch, proposal.note)
 
