@@ -30,6 +30,10 @@ class RecordingError(InputError):
     """A recording cannot be read or does not fit its twin."""
 
 
+class OwnMetricsError(RecordingError):
+    """A user's own metrics cannot be computed of a run."""
+
+
 class StudyFileError(InputError):
     """A study file cannot be used."""
 

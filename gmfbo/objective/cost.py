@@ -61,7 +61,12 @@ class Objective:
 
     @classmethod
     def from_samples(
-        cls, weights: Mapping[str, float], metrics_samples: MetricArrays, *, horizon: float
+        cls,
+        weights: Mapping[str, float],
+        metrics_samples: MetricArrays,
+        *,
+        horizon: float | None = None,
+        worst: Mapping[str, float] | None = None,
     ) -> Self:
         """Take mean and standard deviation from runs that succeeded.
 
@@ -72,9 +77,11 @@ class Objective:
         metrics_samples : mapping of str to array_like, shape (m,)
             Metrics of the runs [% or s], and a user's own. With m < 2 the worst case is the
             scale, mean zero.
-        horizon : float
-            [s] Length after the step; sets the price of a failed run. Of a user's own metric
-            the worst case is as far above the largest sample as the samples are apart.
+        horizon : float, optional
+            [s] Length after the step; sets the price of a failed run.
+        worst : mapping of str to float, optional
+            Step metrics of a failed run instead. Of a user's own metric the worst case is as
+            far above the largest sample as the samples are apart.
 
         Returns
         -------
@@ -83,7 +90,11 @@ class Objective:
         """
         samples = {name: np.asarray(values, float) for name, values in metrics_samples.items()}
         own = {name: _own_worst(samples[name]) for name in samples if name not in METRICS}
-        worst = {**worst_metrics(horizon), **own}
+        if worst is None:
+            if horizon is None:
+                raise InputError("expected the horizon of the step, or the worst metrics")
+            worst = worst_metrics(horizon)
+        worst = {**worst, **own}
         mean, std = {}, {}
         for name in worst:
             sample = samples[name]

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from gmfbo.errors import InputError, SimulationError, did_you_mean
+from gmfbo.errors import InputError, OwnMetricsError, did_you_mean
 from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.recording import Recording
 
@@ -91,13 +91,13 @@ class OwnMetrics:
 
         Raises
         ------
-        SimulationError
+        OwnMetricsError
             The function raised, or returned something else than finite numbers by name.
         """
         try:
             returned = self.function(run)
         except Exception as error:
-            raise SimulationError(f"metrics {self.label}: {_one_line(error)}") from error
+            raise OwnMetricsError(f"metrics {self.label}: {_one_line(error)}") from error
         values = (
             dict(returned)
             if isinstance(returned, Mapping)
@@ -105,15 +105,15 @@ class OwnMetrics:
         )
         for name, value in values.items():
             if name in METRICS or "[" in str(name):
-                raise SimulationError(
+                raise OwnMetricsError(
                     f"metrics {self.label}: expected names of its own, got '{name}'"
                 )
             if not np.isscalar(value) or not np.isfinite(np.float64(value)):
-                raise SimulationError(
+                raise OwnMetricsError(
                     f"metrics {self.label}: expected a finite number for '{name}', got {value!r}"
                 )
         for name in sorted(self.required - set(values)):
-            raise SimulationError(
+            raise OwnMetricsError(
                 f"metrics {self.label}: expected '{name}' in what it returns, "
                 f"got {', '.join(values) or 'nothing'}"
             )

@@ -15,7 +15,7 @@ from gmfbo.sources.source import Source
 from gmfbo.tuning.history import History
 from gmfbo.tuning.initial_design import Stream, stream
 from gmfbo.tuning.method import CorrectionOptions
-from gmfbo.tuning.study_sources import run_source
+from gmfbo.tuning.playing import play
 
 if TYPE_CHECKING:
     from gmfbo.correction.local_samples import LocalSample
@@ -69,7 +69,7 @@ class CorrectedRuns:
             point: NDArray[np.float64],
         ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
             gains = history.gains_at(point)
-            run = run_source(self.source, gains, history.experiment.reference)
+            run = play(self.source, gains, history.experiment)
             runs.append((gains, run))
             if isinstance(run, Trajectory) and run.status != "ok":
                 return None

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gmfbo.errors import RecordingError, SimulationError
+from gmfbo.errors import OwnMetricsError, RecordingError
 from gmfbo.objective.metrics import worst_metrics
 from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording, Trajectory
@@ -197,7 +197,7 @@ class ExperimentSeries:
         ------
         RecordingError, InputError
             The run succeeded but lacks the signal or ends before the horizon.
-        SimulationError
+        OwnMetricsError
             The user's own function refused the run.
         """
         each = []
@@ -274,7 +274,7 @@ class ExperimentSeries:
             run = Recording(time=time, signals={**commands, part.signal: flat[row]})
             try:
                 values = self.own.of(run)
-            except SimulationError:
+            except OwnMetricsError:
                 continue
             for name in names:
                 found[name][row] = values[name]

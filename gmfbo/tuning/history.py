@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.errors import SimulationError
+from gmfbo.errors import OwnMetricsError, SimulationError
 from gmfbo.objective.cost import Objective
+from gmfbo.objective.limits import Limits
 from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.trial import SourceName, Trial
-from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
+from gmfbo.tuning.incumbent import best_run
+from gmfbo.tuning.joined_runs import ended_by
+from gmfbo.tuning.keep_out import KeepOut
 from gmfbo.tuning.state import Observation, TuningState
 from gmfbo.tuning.study_sections import StudyFile
 
@@ -41,7 +46,7 @@ class History:
         Open for writing.
     study : StudyFile
         The validated file.
-    experiment : StepExperiment
+    experiment : ExperimentSeries
         What every source repeats.
     gains : GainChoice
         What is tuned.
@@ -53,16 +58,18 @@ class History:
         self,
         store: StudyStore,
         study: StudyFile,
-        experiment: StepExperiment,
+        experiment: ExperimentSeries,
         gains: GainChoice,
         *,
         survey: int = 0,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
         self.survey = survey
+        self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
         self._observations: list[Observation] = []
         self._seen = 0
+        self._leaves: dict[int, bool] = {}
         self._objective: Objective | None = None
         if len(self.of("IS2")) >= study.budget.initial_is2:
             self.normalise(self.of("IS2")[: study.budget.initial_is2])
@@ -116,9 +123,8 @@ class History:
 
     @property
     def best(self) -> Trial | None:
-        """Real run with the least cost; None while none has succeeded."""
-        finished = [trial for trial in self.of("IS1") if trial.status == "ok"]
-        return min(finished, key=lambda trial: trial.objective, default=None)
+        """Real run with the least cost, those that meet the limits first; None without any."""
+        return best_run(self.trials, self.limits)
 
     @property
     def objective(self) -> Objective:
@@ -156,8 +162,11 @@ class History:
         sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
         constants = Objective.from_samples(
             section.weights,
-            {name: np.array([trial.metrics[name] for trial in sampled]) for name in METRICS},
-            horizon=self.experiment.horizon,
+            {
+                name: np.array([trial.metrics[name] for trial in sampled])
+                for name in (*METRICS, *sorted(self.study.own_metrics))
+            },
+            worst=self.experiment.worst,
         )
         if section.normalise.points is None:
             constants = Objective(
@@ -194,17 +203,17 @@ class History:
         number : int or None
             The next one unless given.
         """
-        metrics = self.experiment.metrics(run)
+        run, metrics = self._measured(run, source)
         status, seconds = (
             (run.status, run.seconds) if isinstance(run, Trajectory) else ("ok", run.duration)
         )
         started = datetime.now(UTC) - timedelta(seconds=seconds)
-        return Trial(
+        trial = Trial(
             number=self.next_number if number is None else number,
             source=source,
             gains=dict(gains),
             recording=run,
-            objective=float(self.objective.value(metrics)) if self.normalised else np.nan,
+            objective=np.nan,
             metrics=metrics,
             status=status,
             started=run.start_time or started.isoformat(timespec="milliseconds"),
@@ -213,6 +222,29 @@ class History:
             twin=twin,
             parent=parent,
         )
+        return self.priced(trial) if self.normalised else trial
+
+    def _measured(self, run: Recording, source: SourceName) -> tuple[Recording, dict[str, float]]:
+        """A run with its metrics; a twin's that the user's own function refuses has failed."""
+        try:
+            return run, self.experiment.metrics(run)
+        except OwnMetricsError as refused:
+            if source == "IS1":
+                raise
+            failed = ended_by(run, "failed", str(refused))
+            return failed, self.experiment.metrics(failed)
+
+    def priced(self, trial: Trial) -> Trial:
+        """A trial with its cost, once the initial twin runs are done; always finite."""
+        metrics = {name: self._finite(name, value) for name, value in trial.metrics.items()}
+        return replace(trial, metrics=metrics, objective=float(self.objective.value(metrics)))
+
+    def _finite(self, name: str, value: float) -> float:
+        """A metric as it is charged: a user's own has no worst case but that of the initial runs.
+
+        A metric of one reference, `NAME[2]`, is charged as the metric.
+        """
+        return value if np.isfinite(value) else self.objective.worst[name.partition("[")[0]]
 
     def write(self, trial: Trial) -> Trial:
         """Put a trial on disk, and only then into the history."""
@@ -235,7 +267,31 @@ class History:
             trials=tuple(self.trials),
             experiment=self.experiment,
             objective=self.objective,
+            limits=self.limits,
+            keep_out=self.keep_out(),
         )
+
+    def keep_out(self) -> KeepOut:
+        """Gains that a real run is kept away from."""
+        if not self.envelope:
+            return KeepOut()
+        safe, unsafe = [], []
+        for trial in self.trials:
+            if trial.source == "IS1" and trial.status != "unsafe":
+                # A run that broke down shows neither.
+                if trial.status == "ok":
+                    safe.append(self.unit_point(trial.gains))
+            elif trial.source == "IS1" or self._twin_leaves(trial):
+                unsafe.append(self.unit_point(trial.gains))
+        width = len(self.gains.space)
+        return KeepOut(np.reshape(unsafe, (-1, width)), np.reshape(safe, (-1, width)))
+
+    def _twin_leaves(self, trial: Trial) -> bool:
+        """Whether the twin left the envelope there; what it does not compute is passed over."""
+        if trial.number not in self._leaves:
+            left = self.envelope.first_exit(trial.recording, all_signals=False)
+            self._leaves[trial.number] = left is not None
+        return self._leaves[trial.number]
 
     def observations(self) -> tuple[Observation, ...]:
         """All runs as the surrogate sees them; draws of IS3 that were not accepted are left out."""
@@ -262,4 +318,6 @@ class History:
             parent=trial.parent,
             uncorrected=uncorrected,
             uncorrected_scaled=uncorrected_scaled,
+            limited=self.limits.limited(trial.metrics),
+            feasible=trial.status == "ok" and self.limits.met(trial.metrics),
         )

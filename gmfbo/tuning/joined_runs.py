@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.recording import Recording, Status, Trajectory
 
 
 def join_runs(
@@ -59,6 +59,31 @@ def join_runs(
     if not any(isinstance(run, Trajectory) for run in runs):
         return Recording(**what)
     return Trajectory(**what, **_ending(runs, offsets))
+
+
+def ended_by(run: Recording, status: Status, message: str) -> Trajectory:
+    """Mark a run that does not count, with all that it holds.
+
+    Parameters
+    ----------
+    run : Recording
+        That came to its end.
+    status : str
+        Such as `failed` or `unsafe`.
+    message : str
+        Why it does not count, in one line.
+    """
+    return Trajectory(
+        time=run.time,
+        signals=run.signals,
+        units=run.units,
+        name=run.name,
+        parameters=run.parameters,
+        start_time=run.start_time,
+        status=status,
+        message=message,
+        seconds=run.seconds if isinstance(run, Trajectory) else run.duration,
+    )
 
 
 def _ending(runs: Sequence[Recording], offsets: Sequence[float] | NDArray[np.float64]) -> Any:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from gmfbo.errors import RecordingError
 from gmfbo.objective.envelope import Envelope
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.source import Source
 from gmfbo.tuning.experiment_series import ExperimentSeries
+from gmfbo.tuning.joined_runs import ended_by
 from gmfbo.tuning.study_sources import run_source
 
 
@@ -43,7 +45,15 @@ def play(
     runs: list[Recording] = []
     for reference in experiment.references:
         run = run_source(source, gains, reference)
-        runs.append(envelope.judge(run) if envelope else run)
+        runs.append(_judged(run, envelope) if envelope else run)
         if isinstance(runs[-1], Trajectory) and runs[-1].status != "ok":
             break
     return experiment.join(runs)
+
+
+def _judged(run: Recording, envelope: Envelope) -> Recording:
+    """A run as the envelope sees it; what cannot be judged is not safe, but ends no study."""
+    try:
+        return envelope.judge(run)
+    except RecordingError as error:
+        return ended_by(run, "unsafe", f"safety cannot be judged: {error}")

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.objective.cost import Objective
+from gmfbo.objective.limits import Limits
 from gmfbo.recordings.trial import SourceName, Trial
 from gmfbo.space import GainSpace
-from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.experiment_series import ExperimentSeries
+from gmfbo.tuning.keep_out import KeepOut
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +38,10 @@ class Observation:
         IS1 trial beside which an IS2 run was made, or about which an IS3 sample was drawn.
     uncorrected, uncorrected_scaled : float or None
         IS3: g and G of the twin's trajectory before correction.
+    limited : mapping of str to float
+        Each limited metric, the largest over the references [unit of the metric].
+    feasible : bool
+        The run succeeded and meets all limits.
     """
 
     number: int
@@ -47,6 +53,8 @@ class Observation:
     parent: int | None = None
     uncorrected: float | None = None
     uncorrected_scaled: float | None = None
+    limited: Mapping[str, float] = field(default_factory=dict)
+    feasible: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,18 +71,40 @@ class TuningState:
         Gains to be held at a value in this proposal.
     trials : tuple of Trial
         The runs themselves, for methods that look at trajectories.
-    experiment : StepExperiment
+    experiment : ExperimentSeries
         What every source repeats.
     objective : Objective
         From metrics to cost.
+    limits : Limits
+        On metrics.
+    keep_out : KeepOut
+        Gains that the real axis must not be run at.
     """
 
     space: GainSpace
     observations: tuple[Observation, ...]
     fixed: Mapping[str, float]
     trials: tuple[Trial, ...]
-    experiment: StepExperiment
+    experiment: ExperimentSeries
     objective: Objective
+    limits: Limits = field(default_factory=Limits)
+    keep_out: KeepOut = field(default_factory=KeepOut)
+
+    def incumbent(self, *sources: SourceName) -> float:
+        """Least cost g of runs that meet the limits, the bar of an improvement.
+
+        While there is none, any run that meets the limits improves on a failed one: then the
+        bar is its price. Without limits a failed run counts with that price, too.
+
+        Parameters
+        ----------
+        *sources : str
+            Of the runs; `IS1` unless given.
+        """
+        seen = self.of(*(sources or ("IS1",)))
+        if not self.limits:
+            return min(one.objective for one in seen)
+        return min((one.objective for one in seen if one.feasible), default=self.objective.failed)
 
     def of(self, *sources: SourceName) -> tuple[Observation, ...]:
         """Observations of some sources, in order."""

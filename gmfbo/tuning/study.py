@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, Self
 
 from gmfbo.errors import StoreError, StudyFileError
 from gmfbo.objective.cost import Objective
+from gmfbo.objective.limits import Limits
 from gmfbo.objective.metrics import worst_metrics
 from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.incumbent import best_run
 from gmfbo.tuning.method import Recommendation
 from gmfbo.tuning.study_file import parse_study, read_study_file
 from gmfbo.tuning.study_sections import StudyFile
@@ -86,9 +88,8 @@ class Study:
 
     @property
     def best(self) -> Trial | None:
-        """Real run with the least cost; None while none has succeeded."""
-        finished = [t for t in self.trials if t.source == "IS1" and t.status == "ok"]
-        return min(finished, key=lambda trial: trial.objective, default=None)
+        """Real run with the least cost, those that meet the limits first; None without any."""
+        return best_run(self.trials, Limits(self.file.constraints))
 
     @property
     def recommendation(self) -> Recommendation | None:
@@ -108,7 +109,8 @@ class Study:
             self.file.objective.weights,
             logged["mean"],
             logged["std"],
-            worst_metrics(self.file.reference.horizon),
+            # Studies of one reference and no metrics of the user's own did not log it.
+            logged.get("worst") or worst_metrics(self.file.reference.horizon),
         )
 
     def open_for_writing(self, *, resume: bool) -> StudyStore:
@@ -172,9 +174,10 @@ class Study:
         for source, content in twins.items():
             before = begun[-1]["twins"].get(source, content) if begun else content
             if content != before:
+                what = "[objective] metrics" if source == "metrics" else f"the twin of {source}"
                 raise StudyFileError(
-                    f"{self.location}: the twin of {source} has changed since the study was "
-                    "begun; bring it back, or give another 'out'"
+                    f"{self.location}: {what} has changed since the study was begun; bring it "
+                    "back, or give another 'out'"
                 )
         origin = os.path.relpath(self.origin.resolve(), self.location.resolve())
         store.log("begin", origin=Path(origin).as_posix(), twins=twins)
@@ -206,6 +209,8 @@ def _differing(one: StudyFile, other: StudyFile) -> list[str]:
         parts = study.model_dump(exclude={"name", "out"})
         for end in ("iterations", "is1_runs"):
             del parts["budget"][end]
+        for patience in ("time_limit", "retries"):
+            del parts["is1"][patience]
         return parts
 
     first, second = decisive(one), decisive(other)

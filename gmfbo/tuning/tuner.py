@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gmfbo.errors import InputError
-from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.trial import Trial
 from gmfbo.sources.plant_call import PlantFunction
 from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
-from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
 from gmfbo.tuning.history import History
 from gmfbo.tuning.initial_design import Stream, initial_points, stream
 from gmfbo.tuning.method import Method, Recommendation
 from gmfbo.tuning.methods import find_method
+from gmfbo.tuning.playing import play
 from gmfbo.tuning.progress import Phase, ProgressCallback
 from gmfbo.tuning.real_axis import RealAxis, scorable
 from gmfbo.tuning.recorded_choice import RecordedChoice
 from gmfbo.tuning.request import TrialRequest, TuningResult
 from gmfbo.tuning.state import TuningState
 from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sources import StudySources, run_source
-from gmfbo.tuning.told_file import ToldRun
+from gmfbo.tuning.study_sources import StudySources
+from gmfbo.tuning.study_terms import check_signals, known_safe, own_metrics
 from gmfbo.tuning.told_gains import told_gains
+from gmfbo.tuning.told_series import Told, read_told
 from gmfbo.tuning.twin_runs import TwinRuns
 from gmfbo.tuning.watch import Watch
 
@@ -80,12 +83,16 @@ class Tuner:
             self.gains = GainChoice.combine(
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
-            self.experiment = StepExperiment.from_section(
-                study.file.reference,
+            own = own_metrics(study)
+            self.experiment = ExperimentSeries.from_sections(
+                study.file.references,
                 study.file.objective.signal,
                 folder=study.origin,
                 unit=self._sources.reference_unit,
+                own=own,
             )
+            self._starts = known_safe(study.file.safety, self.gains)
+            check_signals(study.file.safety, self._sources)
             real = self._sources.is1
             self._recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
@@ -96,7 +103,10 @@ class Tuner:
             self.history = History(
                 self._store, study.file, self.experiment, self.gains, survey=survey
             )
-            study.log_begin(self._store, self._sources.content_hashes)
+            study.log_begin(
+                self._store,
+                self._sources.content_hashes | ({"metrics": own.content_hash} if own else {}),
+            )
             self._closing = closing.pop_all()
         around_real = correction if correction and correction.around_real else None
         self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
@@ -135,7 +145,7 @@ class Tuner:
     def tell(
         self,
         trial: TrialRequest | int,
-        recording: Recording | str | Path,
+        recording: Told | Sequence[Told],
         *,
         gains: Mapping[str, float] | None = None,
         anyway: bool = False,
@@ -146,9 +156,10 @@ class Tuner:
         ----------
         trial : TrialRequest or int
             What `ask` returned, or its number.
-        recording : Recording, str or Path
-            What was measured, or the file, whose columns are read as the twin file says. A
-            `Trajectory` with a status other than `ok` is a failed run.
+        recording : Recording, str or Path, or a sequence of them
+            What was measured, or the file, whose columns are read as the twin file says; of
+            several references one each. A `Trajectory` with a status other than `ok` is a failed
+            run.
         gains : mapping of str to float, optional
             Gains in force, where they are other than asked for or than the recording says.
         anyway : bool
@@ -173,13 +184,14 @@ class Tuner:
             raise InputError(
                 f"trial {number} is not waited for: {wanted}; ask for the next gains first"
             )
-        run = ToldRun.read(recording, self._sources.reading, self.experiment.reference)
+        run = read_told(recording, self._sources.reading, self.experiment)
         if not anyway:
             run.refuse_repeated(self._store.events())
         used = told_gains(pending, run.recording, self.gains, given=gains, anyway=anyway)
         source = self._sources.real(len(self.history.of("IS1")))
         twin = source.content_hash if source else ""
-        told = self.history.trial("IS1", used, run.recording, twin=twin)
+        judged = self.history.envelope.judge(run.recording)
+        told = self.history.trial("IS1", used, judged, twin=twin)
         self.history.write(told)
         self._store.log("tell", number=number, gains=used, file=run.file, sha256=run.sha256)
         self._pending = None
@@ -215,7 +227,7 @@ class Tuner:
         self._watch = Watch(self.history, progress)
         try:
             while (request := self.ask()) is not None:
-                run = run_source(self._plant(), request.gains, self.experiment.reference)
+                run = play(self._plant(), request.gains, self.experiment, self.history.envelope)
                 self.tell(request, scorable(run, self.experiment))
         except KeyboardInterrupt:
             self._store.log("interrupt", trials=len(self.history.trials))
@@ -285,16 +297,26 @@ class Tuner:
         state, number = self._state(held), self.history.next_number
         seed, budget = self.study.file.seed, self.study.file.budget
         real = len(self.history.of("IS1"))
-        if real < budget.initial_is1:
+        if real < max(budget.initial_is1, len(self._starts)):
             points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
-            return TrialRequest(number, "IS1", self.history.gains_at(state.hold(points[real])))
+            # Gains that are known to be safe replace the first of the Latin hypercube.
+            points = np.vstack([self._starts, points[len(self._starts) :]])
+            return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
         if len(held) == len(self.gains.space):
             return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
         if proposal is None:
             return None
-        gains = self.history.gains_at(proposal.point)
-        return TrialRequest(number, proposal.source, gains, proposal.mismatch, proposal.note)
+        gains, note = self.history.gains_at(proposal.point), proposal.note
+        if proposal.source == "IS1":
+            allowed = self._allowed(state, proposal.point)
+            note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
+            gains = allowed
+        return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+
+    def _allowed(self, state: TuningState, point: NDArray[np.float64]) -> dict[str, float]:
+        """Gains at a point, or the nearest that are not beside unsafe ones; for all methods."""
+        return self.history.gains_at(state.keep_out.nearest_admitted(point, state.fixed_unit))
 
     @property
     def _played(self) -> list[Mapping[str, float]]:

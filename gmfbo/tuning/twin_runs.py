@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from gmfbo.recordings.trial import Trial
 from gmfbo.sources.source import Source
@@ -11,8 +11,8 @@ from gmfbo.tuning.corrected_runs import CorrectedRuns
 from gmfbo.tuning.history import History
 from gmfbo.tuning.initial_design import Stream, initial_points
 from gmfbo.tuning.method import CorrectionOptions
+from gmfbo.tuning.playing import play
 from gmfbo.tuning.progress import Phase
-from gmfbo.tuning.study_sources import run_source
 
 Announce = Callable[[Phase, Trial], None]
 
@@ -60,10 +60,14 @@ class TwinRuns:
             runs.append(self._run(history.gains_at(point), number=number))
         history.normalise(runs)
         constants = history.objective
-        history.store.log("normalise", mean=dict(constants.mean), std=dict(constants.std))
+        history.store.log(
+            "normalise",
+            mean=dict(constants.mean),
+            std=dict(constants.std),
+            worst=dict(constants.worst),
+        )
         for run in runs[done:]:
-            priced = float(constants.value(run.metrics))
-            self.announce("initial", history.write(replace(run, objective=priced)))
+            self.announce("initial", history.write(history.priced(run)))
 
     def survey(self) -> None:
         """Run the twin over the box, once, where the method wants it; after a kill, the rest."""
@@ -98,7 +102,7 @@ class TwinRuns:
     def _run(
         self, gains: Mapping[str, float], *, parent: int | None = None, number: int | None = None
     ) -> Trial:
-        run = run_source(self.source, gains, self.history.experiment.reference)
+        run = play(self.source, gains, self.history.experiment)
         return self.history.trial(
             "IS2", gains, run, twin=self.source.content_hash, parent=parent, number=number
         )

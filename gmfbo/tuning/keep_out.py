@@ -1,0 +1,107 @@
+"""Gains that a real run is kept away from, because a run nearby left the safety envelope."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+from scipy.stats import qmc
+
+KEEP_OUT_RADIUS = 0.1
+"""RMS distance over the gains, as a share of their ranges: a tenth of each range."""
+
+_CANDIDATES = 1024
+_HALVINGS = 20
+
+
+def _no_points() -> NDArray[np.float64]:
+    return np.empty((0, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class KeepOut:
+    """Neighbourhoods of unsafe runs, less what real runs have shown to be safe.
+
+    A point is kept out if an unsafe run lies within the radius and no safe real run is nearer.
+    So a twin that is too cautious is overruled by the axis, step by step from safe gains on.
+
+    Attributes
+    ----------
+    unsafe : ndarray, shape (m, d)
+        Points of the unit cube at which the axis, or the twin, left the envelope.
+    safe : ndarray, shape (n, d)
+        Points at which the axis stayed inside.
+    """
+
+    unsafe: NDArray[np.float64] = field(default_factory=_no_points)
+    safe: NDArray[np.float64] = field(default_factory=_no_points)
+
+    def __bool__(self) -> bool:
+        return len(self.unsafe) > 0
+
+    def admits(
+        self, points: NDArray[np.float64], radius: float = KEEP_OUT_RADIUS
+    ) -> NDArray[np.bool_]:
+        """Which points may be run on the axis.
+
+        Parameters
+        ----------
+        points : ndarray, shape (q, d)
+            In the unit cube.
+        radius : float
+            RMS distance over the gains.
+
+        Returns
+        -------
+        ndarray of bool, shape (q,)
+            True where a real run is allowed.
+        """
+        if not self or len(points) == 0:
+            return np.ones(len(points), dtype=bool)
+        to_unsafe = _nearest(points, self.unsafe)
+        to_safe = _nearest(points, self.safe) if len(self.safe) else np.full(len(points), np.inf)
+        return np.asarray((to_unsafe > radius) | (to_safe < to_unsafe))
+
+    def admitted(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """As `admits`, with a radius that is halved until some point is allowed.
+
+        A box that is unsafe all over must not end a study: then the points farthest from the
+        unsafe ones are left. All False only where each point is an unsafe run itself.
+        """
+        radius = KEEP_OUT_RADIUS
+        for _ in range(_HALVINGS):
+            allowed = self.admits(points, radius)
+            if allowed.any():
+                return allowed
+            radius *= 0.5
+        return self.admits(points, 0.0)
+
+    def nearest_admitted(
+        self, point: NDArray[np.float64], held: dict[int, float]
+    ) -> NDArray[np.float64]:
+        """The point itself if it is allowed, or the nearest of many that are.
+
+        Parameters
+        ----------
+        point : ndarray, shape (d,)
+            In the unit cube.
+        held : dict of int to float
+            Columns that must keep their values.
+        """
+        if self.admits(point[None, :])[0] or len(held) == len(point):
+            return point
+        # The same points at each call: a proposal follows from the runs on disk alone.
+        cover = qmc.Sobol(d=len(point), rng=0).random(_CANDIDATES)
+        for column, value in held.items():
+            cover[:, column] = value
+        allowed = cover[self.admitted(cover)]
+        if len(allowed) == 0:
+            return point
+        return np.asarray(allowed[int(np.argmin(_nearest(allowed, point[None, :])))])
+
+
+def _nearest(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    """RMS distance over the gains to the nearest of others, shape (q,)."""
+    return np.asarray(cdist(points, others).min(axis=1) / np.sqrt(points.shape[1]))
