@@ -14,8 +14,10 @@ from typer.exceptions import TyperException
 
 from gmfbo import __version__
 from gmfbo.cli import (
+    ask,
     build,
     check,
+    columns,
     compare,
     compensate,
     demo,
@@ -25,6 +27,7 @@ from gmfbo.cli import (
     inspect,
     methods,
     simulate,
+    tell,
     tune,
 )
 from gmfbo.cli.many_values import ManyValuesCommand
@@ -44,7 +47,10 @@ app.command("demo")(demo.demo)
 app.command("inspect")(inspect.inspect)
 app.command("simulate")(simulate.simulate)
 app.command("tune")(tune.tune)
+app.command("ask")(ask.ask)
+app.command("tell")(tell.tell)
 app.command("check")(check.check)
+app.command("columns")(columns.columns)
 app.command("diagnose", cls=ManyValuesCommand)(diagnose.diagnose)
 app.command("experiment")(experiment.experiment)
 app.command("compensate")(compensate.compensate)

@@ -12,8 +12,15 @@ from gmfbo.errors import InputError
 console = Console(soft_wrap=True, highlight=False)
 
 
-def parse_settings(settings: list[str]) -> dict[str, float]:
+def parse_settings(settings: list[str], *, option: str = "--set") -> dict[str, float]:
     """Values by name from `NAME=VALUE` arguments.
+
+    Parameters
+    ----------
+    settings : list of str
+        The arguments.
+    option : str
+        Option that they were given to, for messages.
 
     Raises
     ------
@@ -22,13 +29,14 @@ def parse_settings(settings: list[str]) -> dict[str, float]:
     """
     values: dict[str, float] = {}
     for setting in settings:
-        name, equals, text = setting.partition("=")
+        # A quoted FMI name may itself hold an equals sign; a number cannot.
+        name, equals, text = setting.rpartition("=")
         if not equals or not name:
-            raise InputError(f"--set: expected NAME=VALUE, got '{setting}'")
+            raise InputError(f"{option}: expected NAME=VALUE, got '{setting}'")
         try:
             values[name.strip()] = float(text)
         except ValueError:
-            raise InputError(f"--set {name}: expected a number, got '{text}'") from None
+            raise InputError(f"{option} {name}: expected a number, got '{text}'") from None
     return values
 
 

@@ -47,11 +47,12 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
     display = StudyDisplay(console, study.file.budget.is1_runs)
     with Tuner(study, resume=resume) as tuner, display:
         result = tuner.run(display.show)
-    _print_result(study, result)
+    print_result(study, result)
     return result
 
 
-def _print_result(study: Study, result: TuningResult) -> None:
+def print_result(study: Study, result: TuningResult) -> None:
+    """Print the gains that a study came to."""
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
         f"{result.queries} queries after the initial data, "
@@ -63,7 +64,9 @@ def _print_result(study: Study, result: TuningResult) -> None:
         console.print(f"best observed      {gains_text(result.best.gains)}")
         console.print(f"                   objective {result.best.objective:.4f}")
         for name, value in result.best.metrics.items():
-            console.print(f"                   {name.replace('_', ' '):<15} {_metric(name, value)}")
+            console.print(
+                f"                   {name.replace('_', ' '):<15} {metric_text(name, value)}"
+            )
     if result.recommendation is not None:
         advised = result.recommendation
         console.print(f"model recommends   {gains_text(advised.gains)}")
@@ -71,5 +74,6 @@ def _print_result(study: Study, result: TuningResult) -> None:
     console.print(f"study folder       {study.location}")
 
 
-def _metric(name: str, value: float) -> str:
+def metric_text(name: str, value: float) -> str:
+    """A metric with its unit."""
     return f"{value:.2f} %" if name == "overshoot" else f"{value:.4f} s"

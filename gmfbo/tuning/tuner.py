@@ -179,7 +179,7 @@ class Tuner:
         """
         number = trial if isinstance(trial, int) else trial.number
         pending = self._pending
-        if pending is None or pending.number != number:
+        if pending is None or pending.number != number or pending.source != "IS1":
             wanted = f"trial {pending.number} is" if pending else "none is"
             raise InputError(
                 f"trial {number} is not waited for: {wanted}; ask for the next gains first"
@@ -222,9 +222,9 @@ class Tuner:
         if self._sources.is1 is None:
             raise InputError(
                 "[is1] ask_tell: somebody else runs this plant; use 'gmfbo ask' and 'gmfbo tell', "
-                "or Tuner.ask and Tuner.tell"
+                "Tuner.ask and Tuner.tell, or Tuner(study, plant=FUNCTION)"
             )
-        self._watch = Watch(self.history, progress)
+        self.watch(progress)
         try:
             while (request := self.ask()) is not None:
                 run = play(self._plant(), request.gains, self.experiment, self.history.envelope)
@@ -235,6 +235,16 @@ class Tuner:
         result = self.result()
         self._announce("done", self.history.trials[-1])
         return result
+
+    def watch(self, progress: ProgressCallback | None) -> None:
+        """Report each finished run from now on.
+
+        Parameters
+        ----------
+        progress : callable or None
+            Called with a `Progress`.
+        """
+        self._watch = Watch(self.history, progress)
 
     def result(self) -> TuningResult:
         """Best and recommended gains as of now; the recommendation is also logged."""

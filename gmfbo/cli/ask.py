@@ -1,0 +1,72 @@
+"""`gmfbo ask`: the next gains, for whoever runs the axis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gmfbo.cli.console import console, parse_settings
+from gmfbo.cli.tune import print_result
+
+if TYPE_CHECKING:
+    from gmfbo.tuning.request import TrialRequest
+    from gmfbo.tuning.tuner import Tuner
+
+
+def ask(
+    study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
+    fix: Annotated[
+        list[str] | None, typer.Option("--fix", help="Hold a gain in this proposal, NAME=VALUE.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print it as JSON, for a script.")] = False,
+) -> None:
+    """Print the next gains to try; asking again before telling prints the same ones."""
+    from gmfbo.cli.study_display import StudyDisplay
+    from gmfbo.tuning.next_run import next_run_text, remove_next_run, write_next_run
+    from gmfbo.tuning.study import Study
+    from gmfbo.tuning.tuner import Tuner
+
+    asked = Study.read(study)
+    display = StudyDisplay(console, asked.file.budget.is1_runs)
+    with Tuner(asked) as tuner:
+        with display:
+            tuner.watch(None if json else display.show)
+            request = tuner.ask(parse_settings(fix or [], option="--fix"))
+        if request is None:
+            remove_next_run(asked.location)
+            if json:
+                typer.echo("null")
+            else:
+                typer.echo("the budget is used up: nothing more to try")
+                print_result(asked, tuner.result())
+            return
+        write_next_run(asked.location, request, tuner.experiment.reference)
+        if json:
+            typer.echo(next_run_text(request))
+        else:
+            _print_request(tuner, request, study)
+
+
+def _print_request(tuner: Tuner, request: TrialRequest, study: Path) -> None:
+    from gmfbo.tuning.next_run import NEXT, REFERENCE
+
+    budget, made = tuner.study.file.budget, len(tuner.history.of("IS1"))
+    most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
+    typer.echo(f"trial {request.number}, real run {made + 1}{most}")
+    for name, value in request.gains.items():
+        typer.echo(f"set          {name} = {value:.6g}")
+    experiment, folder = tuner.experiment, tuner.study.location
+    (signal,) = experiment.reference.signals
+    unit = experiment.reference.units.get(signal, "")
+    to = f"{experiment.initial:g} to {experiment.initial + experiment.step_size:g} {unit}".strip()
+    typer.echo(
+        f"play         {folder / REFERENCE}: {signal} from {to} at {experiment.step_time:g} s"
+    )
+    end = experiment.step_time + experiment.horizon
+    typer.echo(f"record       {experiment.signal}, until {end:g} s or longer")
+    typer.echo(f"written      {folder / NEXT}, with all digits")
+    typer.echo(f"then         gmfbo tell {study} RECORDING")
+    if request.note:
+        typer.echo(f"note         {request.note}")

@@ -1,0 +1,74 @@
+"""`gmfbo tell`: take the recording of the run that was asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gmfbo.cli.console import gains_text, parse_settings
+from gmfbo.cli.tune import metric_text
+from gmfbo.errors import InputError
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.trial import Trial
+    from gmfbo.tuning.request import TrialRequest
+    from gmfbo.tuning.tuner import Tuner
+
+
+def tell(
+    study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
+    recording: Annotated[
+        Path | None, typer.Argument(help="What was measured; none with --failed.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Gain in force, NAME=VALUE, whatever the recording says."),
+    ] = None,
+    anyway: Annotated[
+        bool,
+        typer.Option("--anyway", help="Take it though its gains differ, or a second time."),
+    ] = False,
+    failed: Annotated[
+        str | None, typer.Option("--failed", help="The run failed; say why in a few words.")
+    ] = None,
+) -> None:
+    """Take back the recording of the run that `gmfbo ask` wanted."""
+    from gmfbo.sources.failed_run import failed_run
+    from gmfbo.tuning.next_run import remove_next_run
+    from gmfbo.tuning.study import Study
+    from gmfbo.tuning.tuner import Tuner
+
+    if (recording is None) == (failed is None):
+        raise InputError("expected either a recording or --failed WHY; give one of them")
+    told = Study.read(study)
+    if not told.begun:
+        raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
+    given = parse_settings(set_ or [])
+    with Tuner(told) as tuner:
+        request = tuner.pending
+        if request is None or request.source != "IS1":
+            raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
+        run = recording or failed_run(tuner.experiment.reference, failed or "failed")
+        trial = tuner.tell(request, run, gains=given, anyway=anyway)
+        remove_next_run(told.location)
+        _print_told(tuner, request, trial, named=bool(given) or recording is None)
+    typer.echo(f"then         gmfbo ask {study}")
+
+
+def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
+    budget, made = tuner.study.file.budget, len(tuner.history.of("IS1"))
+    most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
+    how = "" if trial.status == "ok" else f" ({trial.status})"
+    typer.echo(f"trial {trial.number}, real run {made}{most}: objective {trial.objective:.4f}{how}")
+    if trial.gains != request.gains:
+        typer.echo(f"taken at     {gains_text(trial.gains)}")
+        typer.echo(f"instead of   {gains_text(request.gains)}")
+    elif not named and not any(name in trial.recording.parameters for name in trial.gains):
+        typer.echo("gains        as asked for: the recording does not name its own")
+    for name, value in trial.metrics.items() if trial.status == "ok" else ():
+        typer.echo(f"{name.replace('_', ' '):<12} {metric_text(name, value)}")
+    if (best := tuner.history.best) is not None:
+        typer.echo(f"best so far  trial {best.number}: {gains_text(best.gains)}")
+        typer.echo(f"             objective {best.objective:.4f}")
