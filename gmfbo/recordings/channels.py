@@ -74,7 +74,9 @@ class RecordedChannels:
     scalars: Mapping[str, float] = field(default_factory=dict)
     notes: FileNotes = field(default_factory=FileNotes)
 
-    def columns(self, wanted: Iterable[str] | None = None) -> RecordedColumns:
+    def columns(
+        self, wanted: Iterable[str] | None = None, *, every: bool = False
+    ) -> RecordedColumns:
         """Put channels on one clock.
 
         Parameters
@@ -83,6 +85,8 @@ class RecordedChannels:
             Names that a twin needs. With them the rows are the instants of those channels, and of
             the others only such are kept as were sampled together with one of them. Without them,
             or where none is found, all channels with a steady clock are kept.
+        every : bool
+            Keep all channels.
 
         Returns
         -------
@@ -94,14 +98,15 @@ class RecordedChannels:
         RecordingError
             There is no channel with samples.
         """
-        named = _named(self.channels, list(wanted or ()))
+        wanted = set(wanted or ())
+        named = _named(self.channels, wanted)
         if not any(channel.time.size for channel in named):
             raise RecordingError(
                 f"{self.label}: expected channels with samples, got "
                 f"{len(self.channels) or 'none'}{' without any' if self.channels else ''}; "
                 "record again"
             )
-        chosen = _chosen(named, set(wanted or ()))
+        chosen = [c for c in named if c.time.size] if every else _chosen(named, wanted)
         grid = _grid([channel.time for channel in chosen])
         columns = [_on_grid(self.label, channel, grid) for channel in chosen]
         return RecordedColumns(
@@ -112,7 +117,7 @@ class RecordedChannels:
         )
 
 
-def _named(channels: Sequence[Channel], wanted: Sequence[str]) -> list[Channel]:
+def _named(channels: Sequence[Channel], wanted: set[str]) -> list[Channel]:
     """Give each channel a name of its own: what is wanted, or its name, or group and name."""
     count = Counter(channel.name for channel in channels)
     seen: Counter[str] = Counter()
@@ -125,7 +130,7 @@ def _named(channels: Sequence[Channel], wanted: Sequence[str]) -> list[Channel]:
             name = f"{name} ({seen[name]})"
         named.append(replace(channel, name=name, alias=channel.alias or qualified))
     known = {channel.name for channel in named}
-    for want in wanted:
+    for want in sorted(wanted):
         if want in known:
             continue
         places = [

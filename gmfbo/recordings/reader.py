@@ -75,7 +75,11 @@ def read_recording(
 
 
 def read_columns(
-    path: str | Path, dialect: str = "auto", wanted: Iterable[str] | None = None
+    path: str | Path,
+    dialect: str = "auto",
+    wanted: Iterable[str] | None = None,
+    *,
+    every: bool = False,
 ) -> RecordedColumns:
     """Read the columns of a file, before a twin gives them a meaning.
 
@@ -87,6 +91,8 @@ def read_columns(
         How a text file is written: one of `gmfbo.recordings.column_mapping.DIALECTS`.
     wanted : iterable of str, optional
         Names that are needed; decides on whose clock a file of channels is read.
+    every : bool
+        Keep all channels of such a file.
 
     Raises
     ------
@@ -115,7 +121,7 @@ def read_columns(
         read = reader(path, dialect) if ending in _TEXT else reader(path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {cause(error)}") from error
-    return read if isinstance(read, RecordedColumns) else read.columns(wanted)
+    return read if isinstance(read, RecordedColumns) else read.columns(wanted, every=every)
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,8 @@ def augmented_twin_file(
     lines.append(f"step = {_value(step)}")
     if (warmup := given.pop("warmup", None)) is not None:
         lines.append(f"warmup = {_value(warmup)}")
+    if (dialect := given.pop("dialect", None)) is not None:
+        lines.append(f"dialect = {_value(dialect)}")
     for table, entries in given.items():
         if entries:
             lines += ["", f"[{table}]"]
@@ -61,6 +63,8 @@ def _entry(entry: object) -> str:
         return _value(entry)
     if set(entry) == {"variable"}:
         return _value(entry["variable"])
+    if set(entry) == {"column"}:
+        return _value(entry["column"])
     if set(entry) == {"low", "high"}:
         low, high = entry["low"], entry["high"]
         return _value(low) if low == high else _value([low, high])

@@ -21,7 +21,9 @@ def content_hash(binding: Binding, parameters: Mapping[str, float], step: float)
     step : float
         [s] Communication step in force.
     """
-    file = binding.file.model_dump(mode="json", exclude={"name", "fmu", "fmus", "step"})
+    # How a logger names its columns changes no run.
+    apart = {"name", "fmu", "fmus", "step", "columns", "dialect"}
+    file = binding.file.model_dump(mode="json", exclude=apart)
     meaning = {
         "file": file,
         "fmus": list(zip(binding.file.fmus or [""], binding.content, strict=True)),

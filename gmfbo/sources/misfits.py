@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from gmfbo.errors import InputError, did_you_mean
@@ -57,6 +58,7 @@ def find_misfits(binding: Binding) -> Iterator[str]:
     ):
         for key, name in names.items():
             yield from _misfit(binding, f"[{table}] '{key}'", name, part)
+    yield from _column_slips(binding)
     yield from _controller_problems(binding)
     yield from _value_problems(binding)
     yield from _initial_problems(binding)
@@ -78,6 +80,18 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
         yield f"{where}: expected {words} of the FMU, {is_a}{valid}"
+
+
+def _column_slips(binding: Binding) -> Iterator[str]:
+    """A mapping may name what other twins use, but not almost what this one does."""
+    file = binding.file
+    known = {*file.inputs, *file.outputs, *binding.parameters, "time"}
+    for name in sorted(file.columns.keys() - known):
+        plain = name.lower()
+        nearest = get_close_matches(plain, [n.lower() for n in known], n=1, cutoff=0.85)
+        # position_2 beside position is another sensor.
+        if nearest and plain.rstrip("_0123456789") != nearest[0].rstrip("_0123456789"):
+            yield f"[columns] '{name}': no such signal or parameter{did_you_mean(name, known)}"
 
 
 def _scale_problem(binding: Binding, where: str, entry: SignalEntry) -> Iterator[str]:

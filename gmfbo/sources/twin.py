@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from gmfbo.errors import FmuFileError, InputError
+from gmfbo.recordings.column_mapping import ColumnMapping
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.signal import SignalSpec
 from gmfbo.sources.binding import Binding, bind
+from gmfbo.sources.column_file import column_mapping
 from gmfbo.sources.content import content_hash
 from gmfbo.sources.experiment import Experiment
 from gmfbo.sources.job import Outcome
@@ -135,6 +137,10 @@ class FmuTwin:
     def signal_specs(self) -> Mapping[str, SignalSpec]:
         """Return the signals that the twin file names, by name."""
         return signal_specs(self._binding, self._parameters)
+
+    def column_mapping(self) -> ColumnMapping:
+        """Return how the logger names the columns, as the twin file's `columns` says."""
+        return column_mapping(self.file.columns, self.file.dialect)
 
     def parameter_tunable(self) -> Mapping[str, bool]:
         """Return each FMU parameter, and whether it may change during a run."""

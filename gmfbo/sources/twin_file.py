@@ -9,6 +9,7 @@ from typing import Any, Self
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError, did_you_mean
+from gmfbo.sources.column_file import ColumnEntry, ColumnFile, Dialect
 from gmfbo.sources.twin_entries import (
     CONTROLLER_KINDS,
     ControllerEntry,
@@ -77,6 +78,11 @@ class TwinFile(Table):
         FMU inputs where physics may act, outputs it may depend on, parameters with a meaning.
     initial : dict of str to str or float
         FMU parameter = recorded signal, number, or "fit".
+    columns : dict of str to ColumnEntry
+        Signal, FMU parameter or `time` = column of the logger's files; in the file a table, or
+        the path of a file that holds it.
+    dialect : str
+        How the logger's text files are written.
     """
 
     name: Text
@@ -94,6 +100,8 @@ class TwinFile(Table):
     states: dict[str, Text] = Field(default_factory=dict)
     roles: dict[str, Text] = Field(default_factory=dict)
     initial: dict[str, Number | Text] = Field(default_factory=dict)
+    columns: dict[str, ColumnEntry] = Field(default_factory=dict)
+    dialect: Dialect = "auto"
 
     @field_validator("fmus", mode="before")
     @classmethod
@@ -133,7 +141,7 @@ class TwinFile(Table):
         return self
 
     @classmethod
-    def parse(cls, text: str, label: str) -> TwinFile:
+    def parse(cls, text: str, label: str, folder: Path | None = None) -> TwinFile:
         """Read and validate the text of a twin file.
 
         Parameters
@@ -142,6 +150,8 @@ class TwinFile(Table):
             TOML.
         label : str
             Name of the file, for messages.
+        folder : Path, optional
+            Where the file lies, and so the column mapping that it may name.
 
         Raises
         ------
@@ -152,6 +162,10 @@ class TwinFile(Table):
             raw: dict[str, Any] = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise TwinFileError(f"{label}: not valid TOML: {error}") from None
+        if isinstance(raw.get("columns"), str):
+            shared = ColumnFile.read((folder or Path()) / raw["columns"])
+            raw["columns"] = shared.columns
+            raw.setdefault("dialect", shared.dialect)
         try:
             return cls.model_validate(raw)
         except ValidationError as error:
@@ -182,4 +196,4 @@ class TwinFile(Table):
             raise TwinFileError(
                 f"no twin file at '{path}' ({error.strerror or error}); check the path"
             ) from None
-        return cls.parse(text, path.name)
+        return cls.parse(text, path.name, path.parent)
