@@ -23,6 +23,7 @@ from botorch.acquisition.acquisition import AcquisitionFunction
 from botorch.acquisition.analytic import PosteriorMean
 from botorch.exceptions.warnings import OptimizationWarning
 from botorch.generation.gen import gen_candidates_scipy
+from botorch.models.model import Model
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
@@ -151,7 +152,7 @@ def maximise(
 
 
 def recommend(
-    model: SourceModel, search: Search, source: str = "IS1"
+    model: Model, search: Search, source: str = "IS1"
 ) -> tuple[NDArray[np.float64], float]:
     """Gains with the least posterior mean: point of shape (d,), and that mean [g]."""
     points, values = _candidates(PosteriorMean(model, maximize=False), search, source)

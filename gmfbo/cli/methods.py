@@ -7,8 +7,8 @@ from gmfbo.cli.console import console
 
 def methods() -> None:
     """List the tuning methods."""
-    from gmfbo.tuning.methods import METHODS
+    from gmfbo.tuning.methods import all_methods
 
-    for name, method in METHODS.items():
-        console.print(f"{name:<14} {method.summary}")
-        console.print(f"{'':<14} source: {method.reference}")
+    for name, method in all_methods().items():
+        console.print(f"{name:<16} {method.summary}")
+        console.print(f"{'':<16} source: {method.reference}")

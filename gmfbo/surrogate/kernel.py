@@ -121,8 +121,8 @@ class AdaptiveSourceKernel(Kernel):
         if last_dim_is_batch:
             raise NotImplementedError("gains and source cannot be split into single columns")
         s1, s2 = self._place(x1[..., -1:]), self._place(x2[..., -1:])
-        gains = _squared_differences(x1[..., :-1], x2[..., :-1], diag)
-        sources = _squared_differences(s1, s2, diag)
+        gains = squared_differences(x1[..., :-1], x2[..., :-1], diag)
+        sources = squared_differences(s1, s2, diag)
         first, second = (s1[..., 0], s2[..., 0]) if diag else (s1, s2.transpose(-1, -2))
         gamma_0 = matern52((sources / self.source_lengthscale.square()).sum(dim=-1))
         gamma_1 = (1.0 - first) * (1.0 - second) * (1.0 + first * second).pow(POLYNOMIAL_DEGREE)
@@ -155,7 +155,7 @@ def matern52(squared: Tensor) -> Tensor:
     return _Matern52.apply(squared)
 
 
-def _squared_differences(one: Tensor, other: Tensor, diag: bool) -> Tensor:
+def squared_differences(one: Tensor, other: Tensor, diag: bool) -> Tensor:
     """Per column, shape (..., n, m, d), or (..., n, d) with `diag`."""
     if diag:
         return (one - other).square()

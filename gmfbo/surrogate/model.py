@@ -29,10 +29,10 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from gmfbo.correction.fitting import fit_by_map
-from gmfbo.correction.torch_setup import DTYPE, exact_algebra
+from gmfbo.correction.torch_setup import exact_algebra
 from gmfbo.surrogate.kernel import AdaptiveSourceKernel
 from gmfbo.surrogate.noise import SourceNoiseLikelihood
-from gmfbo.surrogate.observations import Observations, source_column
+from gmfbo.surrogate.observations import Observations, with_source
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class SourceModel(SingleTaskGP):
             [g^2]
         """
         with exact_algebra(), torch.no_grad():
-            inputs = _with_source(points, source)
+            inputs = with_source(points, source)
             mean, half = self._project(inputs)
             prior = self.covar_module.forward(inputs, inputs, diag=True)
             variance = (prior - half.square().sum(dim=0)).clamp_min(0.0)
@@ -162,7 +162,7 @@ class SourceModel(SingleTaskGP):
     def covariance(self, points: ArrayLike, first: str, second: str) -> NDArray[np.float64]:
         """Posterior covariance [g^2] of two sources at the same points, shape (m,)."""
         with exact_algebra(), torch.no_grad():
-            one, two = _with_source(points, first), _with_source(points, second)
+            one, two = with_source(points, first), with_source(points, second)
             prior = self.covar_module.forward(one, two, diag=True)
             both = prior - (self._project(one)[1] * self._project(two)[1]).sum(dim=0)
             return (self._scale()[1] ** 2 * both).numpy()
@@ -187,6 +187,17 @@ class SourceModel(SingleTaskGP):
         numbers.update({f"noise.{n}": float(v) for n, v in zip(names, noise, strict=True)})
         return {**numbers, "source_correlation": kernel.source_correlation}
 
+    def observed_covariance(self) -> Tensor:
+        """Prior covariance of the standardised observations, noise included, shape (n, n)."""
+        train = self.train_inputs[0]
+        noise = self.likelihood.noise_covar(train).diagonal()
+        return self.covar_module.forward(train, train) + torch.diag(noise)
+
+    @property
+    def standard_deviation(self) -> float:
+        """Of the observations, by which they are standardised [g]."""
+        return float(self._scale()[1])
+
     def _scale(self) -> tuple[Tensor, Tensor]:
         transform: Any = self.outcome_transform
         return transform.means.flatten()[0], transform.stdvs.flatten()[0]
@@ -194,18 +205,10 @@ class SourceModel(SingleTaskGP):
     def _project(self, inputs: Tensor) -> tuple[Tensor, Tensor]:
         """Standardised mean at inputs, and L^-1 k(X, inputs) with L L^T = K + noise."""
         train = self.train_inputs[0]
-        covariance = self.covar_module.forward(train, train)
-        noise = self.likelihood.noise_covar(train).diagonal()
-        factor = torch.linalg.cholesky(covariance + torch.diag(noise))
+        factor = torch.linalg.cholesky(self.observed_covariance())
         half = torch.linalg.solve_triangular(
             factor, self.covar_module.forward(train, inputs), upper=False
         )
         residual = (self.train_targets - self.mean_module(train))[:, None]
         white = torch.linalg.solve_triangular(factor, residual, upper=False)
         return self.mean_module(inputs) + (half.T @ white)[:, 0], half
-
-
-def _with_source(points: ArrayLike, source: str) -> Tensor:
-    array = np.atleast_2d(np.asarray(points, dtype=float))
-    column = np.full((len(array), 1), source_column(source))
-    return torch.tensor(np.hstack([array, column]), dtype=DTYPE)

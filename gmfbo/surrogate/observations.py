@@ -39,6 +39,13 @@ def source_column(name: str) -> float:
     return SOURCE_COLUMN[name]
 
 
+def with_source(points: ArrayLike, source: str) -> torch.Tensor:
+    """Inputs of the surrogate, shape (m, d + 1): points of shape (m, d) and the source column."""
+    array = np.atleast_2d(np.asarray(points, dtype=float))
+    column = np.full((len(array), 1), source_column(source))
+    return torch.tensor(np.hstack([array, column]), dtype=DTYPE)
+
+
 @dataclass(frozen=True, eq=False)
 class Observations:
     """Objective values at points of the unit cube, each from one source.

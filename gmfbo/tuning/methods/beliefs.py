@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.recordings.trial import SourceName
+from gmfbo.tuning.method import Proposal
 from gmfbo.tuning.state import TuningState
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from gmfbo.acquisition.maximise import Search
     from gmfbo.surrogate.model import SourceModel
     from gmfbo.surrogate.observations import Observations
+    from gmfbo.surrogate.truncated import TruncatedModel
 
 
 def observations_of(state: TuningState, *sources: SourceName) -> Observations:
@@ -31,6 +33,27 @@ def observations_of(state: TuningState, *sources: SourceName) -> Observations:
 
     return Observations.gather(
         [(seen.point, seen.source, seen.objective) for seen in state.of(*sources)]
+    )
+
+
+def unprompted_observations(state: TuningState, *sources: SourceName) -> Observations:
+    """As `observations_of`, without the twin's runs beside real ones, which serve a correction.
+
+    Parameters
+    ----------
+    state : TuningState
+        With at least one run of these sources.
+    *sources : str
+        `IS1`, `IS2`, `IS3`.
+    """
+    from gmfbo.surrogate.observations import Observations
+
+    return Observations.gather(
+        [
+            (seen.point, seen.source, seen.objective)
+            for seen in state.of(*sources)
+            if seen.source != "IS2" or seen.parent is None
+        ]
     )
 
 
@@ -79,14 +102,48 @@ def single_source_model(state: TuningState) -> SourceModel:
     return SourceModel.fit(observations_of(state, "IS1"), SurrogateSettings(ard=True))
 
 
+def improve_each_source(
+    model: SourceModel | TruncatedModel,
+    data: Observations,
+    state: TuningState,
+    twin_cost: float,
+    mismatch: float | None = None,
+) -> Proposal:
+    """Maximise EI / H over gains and source, each with the incumbent of its source.
+
+    Parameters
+    ----------
+    model : SourceModel or TruncatedModel
+        Fitted to `data`.
+    data : Observations
+        Runs of the axis and of the twin.
+    state : TuningState
+        Where a proposal may lie.
+    twin_cost : float
+        H of the twin [runs of the axis].
+    mismatch : float or None
+        Mismatch that the cost follows from, for the log.
+    """
+    from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
+    from gmfbo.acquisition.maximise import maximise
+
+    acquisition = CostAwareExpectedImprovement(
+        model,
+        {name: float(data.values[data.of(name)].min()) for name in ("IS1", "IS2")},
+        {"IS1": 1.0, "IS2": twin_cost},
+    )
+    found = maximise(acquisition, search_of(state), ["IS1", "IS2"], data)
+    return Proposal(source_of(found), found.point, mismatch, model.note)
+
+
 def least_expected(
-    model: SourceModel, state: TuningState
+    model: SourceModel | TruncatedModel, state: TuningState
 ) -> tuple[NDArray[np.float64], float, float]:
     """Point of the unit cube with the least posterior mean of the real axis.
 
     Parameters
     ----------
-    model : SourceModel
+    model : SourceModel or TruncatedModel
         Fitted surrogate.
     state : TuningState
         What it was fitted to.

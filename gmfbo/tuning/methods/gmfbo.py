@@ -21,7 +21,7 @@ from gmfbo.tuning.methods.beliefs import corrected_and_twin
 from gmfbo.tuning.state import TuningState
 
 if TYPE_CHECKING:
-    from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
+    from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel, CostOf
 
 SURVEY = 400
 """Runs of the twin over the box; a region of one percent of two gains then holds about four."""
@@ -80,9 +80,8 @@ def _belief(
     from gmfbo.correction.residual_process import ResidualProcess
     from gmfbo.surrogate.corrected_twin import likeliest_lengthscale
 
-    experiment = state.experiment
-    times = experiment.step_time + np.linspace(0.0, experiment.horizon, MOST_SAMPLES)
-    points, simulated = _twin_runs(state, times)
+    times = sample_times(state)
+    points, simulated = twin_runs(state, times)
     if not len(points):
         return points, np.empty(0), np.empty(0)
     if state.fixed:
@@ -91,12 +90,35 @@ def _belief(
         emulator = ResidualProcess.fit(points, simulated, lengthscale=length, centred=True)
         points = state.hold(points)
         simulated = emulator.mean(points)
-    mean, variance = _model(state, times).predict(points, simulated)
+    mean, variance = corrected_model(state, times).predict(points, simulated)
     return points, mean, variance
 
 
-def _model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
-    from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel
+def sample_times(state: TuningState) -> NDArray[np.float64]:
+    """Times at which trajectories are compared [s], shape (m,)."""
+    experiment = state.experiment
+    return experiment.step_time + np.linspace(0.0, experiment.horizon, MOST_SAMPLES)
+
+
+def corrected_model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
+    """Fit the corrected twin to all real runs."""
+    from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
+
+    runs, cost_of = axis_runs(state, times)
+    return CorrectedTwinModel.fit(runs, cost_of)
+
+
+def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns, CostOf]:
+    """All real runs with the twin's beside them, and the cost of a trajectory.
+
+    Parameters
+    ----------
+    state : TuningState
+        With at least one real run.
+    times : ndarray, shape (m,)
+        [s] See `sample_times`.
+    """
+    from gmfbo.surrogate.corrected_twin import AxisRuns
 
     signal = state.experiment.signal
     beside = {
@@ -115,10 +137,10 @@ def _model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel
     def cost_of(trajectories: NDArray[np.float64]) -> NDArray[np.float64]:
         return state.objective.value(state.experiment.metrics_of(times, trajectories))
 
-    return CorrectedTwinModel.fit(runs, cost_of)
+    return runs, cost_of
 
 
-def _twin_runs(
+def twin_runs(
     state: TuningState, times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points (q, d) and trajectories (q, m) of all that the twin was run for, IS3 included."""

@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.tuning.method import CorrectionOptions, Proposal
-from gmfbo.tuning.methods.beliefs import corrected_and_twin, least_expected, search_of, source_of
+from gmfbo.tuning.methods.beliefs import (
+    corrected_and_twin,
+    least_expected,
+    search_of,
+    source_of,
+    unprompted_observations,
+)
 from gmfbo.tuning.state import TuningState
 
 if TYPE_CHECKING:
@@ -36,7 +42,7 @@ class PrintedGmfbo:
         from gmfbo.acquisition.maximise import maximise
         from gmfbo.correction.mismatch import query_cost
 
-        data, mismatch = _data(state), _mismatch(state)
+        data, mismatch = _data(state), printed_mismatch(state)
         model = fit_surrogate(data, mismatch)
         twin = data.values[data.of("IS2") | data.of("IS3")]
         acquisition = CostAwareExpectedImprovement(
@@ -50,23 +56,15 @@ class PrintedGmfbo:
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least posterior mean of the real axis over the box."""
-        return least_expected(fit_surrogate(_data(state), _mismatch(state)), state)
+        return least_expected(fit_surrogate(_data(state), printed_mismatch(state)), state)
 
 
 def _data(state: TuningState) -> Observations:
-    """Real, twin and corrected runs; the twin runs beside real ones serve the correction only."""
-    from gmfbo.surrogate.observations import Observations
-
-    return Observations.gather(
-        [
-            (seen.point, seen.source, seen.objective)
-            for seen in state.observations
-            if seen.source != "IS2" or seen.parent is None
-        ]
-    )
+    return unprompted_observations(state, "IS1", "IS2", "IS3")
 
 
-def _mismatch(state: TuningState) -> float:
+def printed_mismatch(state: TuningState) -> float:
+    """Mean of |g_c - g_2| / |g_c| over the corrected runs; 1 without any."""
     from gmfbo.correction.mismatch import relative_mismatch
 
     return relative_mismatch(*corrected_and_twin(state, scaled=False))
