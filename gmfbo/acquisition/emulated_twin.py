@@ -51,6 +51,7 @@ def next_axis_run(
     emulator: ResidualProcess,
     search: Search,
     rng: np.random.Generator,
+    incumbent: float | None = None,
 ) -> tuple[NDArray[np.float64], float]:
     """Gains in the unit cube, shape (d,), with the largest log EI of the axis, and that value.
 
@@ -61,20 +62,22 @@ def next_axis_run(
     emulator : ResidualProcess
         See `emulate`.
     search : Search
-        Fixed and snapped gains.
+        Fixed and snapped gains, limits, and where the axis must not be run.
     rng : numpy.random.Generator
         The only source of chance.
+    incumbent : float, optional
+        [g] Bar of an improvement, instead of the least observed.
 
     Raises
     ------
     InputError
         All candidates were run already.
     """
-    incumbent = float(model.runs.values.min())
+    bar = float(model.runs.values.min()) if incumbent is None else incumbent
 
     def score(points: NDArray[np.float64]) -> NDArray[np.float64]:
         mean, variance = model.predict(points, emulator.mean(points))
-        return log_improvement(mean, variance, incumbent)
+        return log_improvement(mean, variance, bar) + search.log_weights(points)
 
     points, values = _candidates(score, model, search, rng)
     apart = np.abs(points[:, None, :] - model.runs.points[None, :, :]).max(axis=2).min(axis=1)
@@ -94,7 +97,8 @@ def expected_best(
     """Gains with the least posterior mean of g, shape (d,), and that mean."""
 
     def score(points: NDArray[np.float64]) -> NDArray[np.float64]:
-        return -model.predict(points, emulator.mean(points))[0]
+        improbable = search.log_weights(points) < np.log(0.5)
+        return np.where(improbable, -np.inf, -model.predict(points, emulator.mean(points))[0])
 
     points, values = _candidates(score, model, search, rng)
     best = int(np.argmax(values))

@@ -27,12 +27,14 @@ from botorch.models.model import Model
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from gmfbo.acquisition.feasibility import LogWeight, WeightedAcquisition
 from gmfbo.correction.torch_setup import DTYPE, exact_algebra
 from gmfbo.errors import InputError
 from gmfbo.surrogate.model import SourceModel
 from gmfbo.surrogate.observations import Observations, source_column
 
 Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Admits = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 GRID_SIDE = {1: 401, 2: 41}
 SOBOL_POINTS = 1024
@@ -55,12 +57,19 @@ class Search:
         Moves points of shape (m, d) to the nearest ones that can be run, such as integer gains.
     seed : int
         Decides the Sobol points; without effect for one or two free gains.
+    log_weight : callable, optional
+        Log probability, shape (m,), that gains, shape (m, d), meet all limits: added to a log
+        acquisition, and to be at least a half where gains are recommended.
+    admits : callable, optional
+        Which points, shape (m, d), the axis may be run at.
     """
 
     dimension: int
     fixed: Mapping[int, float] = field(default_factory=dict)
     snap: Snap | None = None
     seed: int = 0
+    log_weight: LogWeight | None = None
+    admits: Admits | None = None
 
     def __post_init__(self) -> None:
         for column, value in self.fixed.items():
@@ -71,6 +80,16 @@ class Search:
                 )
         if len(self.fixed) >= self.dimension:
             raise InputError(f"all {self.dimension} gains are fixed; leave one free")
+
+    def log_weights(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Log weight of points, shape (m, d); minus infinity where the axis must not be run."""
+        weights = np.zeros(len(points))
+        if self.log_weight is not None:
+            with torch.no_grad():
+                weights += self.log_weight(torch.tensor(points, dtype=DTYPE)).numpy()
+        if self.admits is not None:
+            weights = np.where(self.admits(points), weights, -np.inf)
+        return weights
 
     def pool(self) -> NDArray[np.float64]:
         """Points that cover the free gains, shape (m, d)."""
@@ -134,9 +153,14 @@ def maximise(
     InputError
         All candidates of all sources were run already.
     """
+    if search.log_weight is not None:
+        acquisition = WeightedAcquisition(acquisition, search.log_weight)
     found = {}
     for source in sources:
         points, values = _candidates(acquisition, search, source)
+        if source == "IS1" and search.admits is not None:
+            allowed = search.admits(points)
+            points, values = points[allowed], values[allowed]
         done = np.empty((0, search.dimension)) if taken is None else taken.points[taken.of(source)]
         for index in np.argsort(-values, kind="stable"):
             if len(done) == 0 or np.abs(done - points[index]).max(axis=1).min() > SAME_POINT:
@@ -154,9 +178,14 @@ def maximise(
 def recommend(
     model: Model, search: Search, source: str = "IS1"
 ) -> tuple[NDArray[np.float64], float]:
-    """Gains with the least posterior mean: point of shape (d,), and that mean [g]."""
+    """Gains with the least posterior mean: point of shape (d,), and that mean [g].
+
+    Of gains that more probably than not meet the limits; without any, the most probable.
+    """
     points, values = _candidates(PosteriorMean(model, maximize=False), search, source)
-    best = int(np.argmax(values))
+    weights = search.log_weights(points)
+    probable = weights >= min(np.log(0.5), float(weights.max()))
+    best = int(np.argmax(np.where(probable, values, -np.inf)))
     return points[best], -float(values[best])
 
 

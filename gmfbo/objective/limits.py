@@ -36,22 +36,25 @@ class Limits:
     def __bool__(self) -> bool:
         return bool(self.most)
 
-    def limited(self, metrics: Mapping[str, float]) -> dict[str, float]:
+    def limited(self, metrics: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
         """Value of each limited metric that its limit is held against.
 
         Parameters
         ----------
-        metrics : mapping of str to float
-            Of one run. With several references `overshoot` is their mean, which would hide a bad
-            one, and `overshoot[2]` that of the second: then the largest counts.
+        metrics : mapping of str to array_like, shape (...)
+            Of one run or many. With several references `overshoot` is their mean, which would
+            hide a bad one, and `overshoot[2]` that of the second: then the largest counts.
 
         Returns
         -------
-        dict of str to float
+        dict of str to ndarray, shape (...)
             By limited metric [unit of the metric].
         """
         return {
-            name: max(value for key, value in metrics.items() if _is_of(key, name))
+            name: np.max(
+                [np.asarray(value, float) for key, value in metrics.items() if _is_of(key, name)],
+                axis=0,
+            )
             for name in self.most
         }
 
@@ -64,7 +67,7 @@ class Limits:
             Of one run.
         """
         return sum(
-            max(value - self.most[name], 0.0) / (abs(self.most[name]) or 1.0)
+            max(float(value) - self.most[name], 0.0) / (abs(self.most[name]) or 1.0)
             for name, value in self.limited(metrics).items()
         )
 

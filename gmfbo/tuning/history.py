@@ -318,6 +318,6 @@ class History:
             parent=trial.parent,
             uncorrected=uncorrected,
             uncorrected_scaled=uncorrected_scaled,
-            limited=self.limits.limited(trial.metrics),
+            limited={n: float(v) for n, v in self.limits.limited(trial.metrics).items()},
             feasible=trial.status == "ok" and self.limits.met(trial.metrics),
         )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.stats import qmc
+
+Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 KEEP_OUT_RADIUS = 0.1
 """RMS distance over the gains, as a share of their ranges: a tenth of each range."""
@@ -79,7 +82,7 @@ class KeepOut:
         return self.admits(points, 0.0)
 
     def nearest_admitted(
-        self, point: NDArray[np.float64], held: dict[int, float]
+        self, point: NDArray[np.float64], held: Mapping[int, float], snap: Snap = np.asarray
     ) -> NDArray[np.float64]:
         """The point itself if it is allowed, or the nearest of many that are.
 
@@ -87,8 +90,10 @@ class KeepOut:
         ----------
         point : ndarray, shape (d,)
             In the unit cube.
-        held : dict of int to float
+        held : mapping of int to float
             Columns that must keep their values.
+        snap : callable, optional
+            Moves points of shape (m, d) to those that can be run, such as integer gains.
         """
         if self.admits(point[None, :])[0] or len(held) == len(point):
             return point
@@ -96,6 +101,7 @@ class KeepOut:
         cover = qmc.Sobol(d=len(point), rng=0).random(_CANDIDATES)
         for column, value in held.items():
             cover[:, column] = value
+        cover = snap(cover)
         allowed = cover[self.admitted(cover)]
         if len(allowed) == 0:
             return point

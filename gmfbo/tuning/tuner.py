@@ -326,7 +326,11 @@ class Tuner:
 
     def _allowed(self, state: TuningState, point: NDArray[np.float64]) -> dict[str, float]:
         """Gains at a point, or the nearest that are not beside unsafe ones; for all methods."""
-        return self.history.gains_at(state.keep_out.nearest_admitted(point, state.fixed_unit))
+        space = self.gains.space
+        nearest = state.keep_out.nearest_admitted(
+            point, state.fixed_unit, lambda points: space.to_unit(space.from_unit(points))
+        )
+        return self.history.gains_at(nearest)
 
     @property
     def _played(self) -> list[Mapping[str, float]]:

@@ -12,6 +12,7 @@ from gmfbo.tuning.method import Proposal
 from gmfbo.tuning.state import TuningState
 
 if TYPE_CHECKING:
+    from gmfbo.acquisition.feasibility import FeasibilityWeight
     from gmfbo.acquisition.maximise import Proposal as Found
     from gmfbo.acquisition.maximise import Search
     from gmfbo.surrogate.model import SourceModel
@@ -78,7 +79,11 @@ def corrected_and_twin(
 
 
 def search_of(state: TuningState) -> Search:
-    """Where a proposal may lie: held gains and integers are respected."""
+    """Where a proposal may lie: held gains, integers, limits and unsafe gains are respected.
+
+    All methods that search by it weigh what they seek by the probability that the limits are
+    met, and leave out gains that the axis must not be run at.
+    """
     from gmfbo.acquisition.maximise import Search
 
     space = state.space
@@ -87,7 +92,46 @@ def search_of(state: TuningState) -> Search:
         dimension=len(space),
         fixed=state.fixed_unit,
         snap=(lambda points: space.to_unit(space.from_unit(points))) if rounded else None,
+        log_weight=feasibility_of(state) if state.limits else None,
+        admits=state.keep_out.admitted if state.keep_out else None,
     )
+
+
+def feasibility_of(state: TuningState) -> FeasibilityWeight:
+    """Probability that gains meet the limits, by a Gaussian process on each limited metric.
+
+    It knows real runs alone: what the twin says of a metric it says through the cost already,
+    and a limit that the axis breaks must not be talked away by a twin.
+    """
+    from gmfbo.acquisition.feasibility import FeasibilityWeight
+    from gmfbo.surrogate.model import SourceModel, SurrogateSettings
+    from gmfbo.surrogate.observations import Observations
+
+    limited = []
+    for name, most in state.limits.most.items():
+        seen = [(one.point, one.source, one.limited[name]) for one in state.of("IS1")]
+        # A metric that no run moved has no scale, and tells nothing of where it is met.
+        if len({value for *_, value in seen}) > 1:
+            model = SourceModel.fit(Observations.gather(seen), SurrogateSettings(ard=True))
+            limited.append((model, most))
+    return FeasibilityWeight(limited)
+
+
+def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -> float:
+    """Bar of an improvement: least cost g of the data, or of runs that meet the limits.
+
+    Parameters
+    ----------
+    state : TuningState
+        With the limits.
+    data : Observations
+        What the surrogate is fitted to.
+    *sources : str
+        Of the runs.
+    """
+    if state.limits:
+        return state.incumbent(*sources)
+    return min(float(data.values[rows].min()) for name in sources if (rows := data.of(name)).any())
 
 
 def source_of(found: Found) -> Literal["IS1", "IS2"]:
@@ -129,7 +173,7 @@ def improve_each_source(
 
     acquisition = CostAwareExpectedImprovement(
         model,
-        {name: float(data.values[data.of(name)].min()) for name in ("IS1", "IS2")},
+        {name: incumbent_of(state, data, name) for name in ("IS1", "IS2")},
         {"IS1": 1.0, "IS2": twin_cost},
     )
     found = maximise(acquisition, search_of(state), ["IS1", "IS2"], data)

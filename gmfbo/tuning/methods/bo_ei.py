@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gmfbo.tuning.method import Proposal
 from gmfbo.tuning.methods.beliefs import (
+    incumbent_of,
     least_expected,
     observations_of,
     search_of,
@@ -33,7 +34,7 @@ class SingleSourceImprovement:
 
         model, real = single_source_model(state), observations_of(state, "IS1")
         acquisition = CostAwareExpectedImprovement(
-            model, {"IS1": float(real.values.min())}, {"IS1": 1.0}
+            model, {"IS1": incumbent_of(state, real, "IS1")}, {"IS1": 1.0}
         )
         found = maximise(acquisition, search_of(state), ["IS1"], real)
         return Proposal("IS1", found.point, note=model.note)

@@ -9,7 +9,7 @@ over the whole box once, and around each real run for the corrected runs (IS3).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,37 +53,40 @@ class Gmfbo:
         from gmfbo.correction.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        points, mean, variance = _belief(state)
+        points, mean, variance, log_weight = _belief(state)
         new = _is_new(points, state)
         if not new.any():
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere new")
-        incumbent = min(seen.objective for seen in state.of("IS1"))
         # A repeat of a real run has no variance left, and is no candidate.
-        score = log_improvement(mean[new], variance[new], incumbent)
+        score = log_improvement(mean[new], variance[new], state.incumbent()) + log_weight[new]
         return Proposal("IS1", points[new][int(np.argmax(score))], mismatch)
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""
-        points, mean, variance = _belief(state)
+        points, mean, variance, log_weight = _belief(state)
         if not len(points):
             best = min(state.of("IS1"), key=lambda seen: seen.objective)
             return best.point, best.objective, 0.0
-        row = int(np.argmin(mean))
+        probable = log_weight >= min(np.log(0.5), float(log_weight.max()))
+        row = int(np.argmin(np.where(probable, mean, np.inf)))
         return points[row], float(mean[row]), float(np.sqrt(variance[row]))
 
 
 def _belief(
     state: TuningState,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Points where the twin was run, shape (q, d), and mean and variance of the real cost there."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Points where the twin was run, shape (q, d), and what is believed of the axis there.
+
+    Mean and variance of the cost, and the log probability that the limits are met.
+    """
     from gmfbo.correction.residual_process import ResidualProcess
     from gmfbo.surrogate.corrected_twin import likeliest_lengthscale
 
     times = sample_times(state)
     points, simulated = twin_runs(state, times)
     if not len(points):
-        return points, np.empty(0), np.empty(0)
+        return points, np.empty(0), np.empty(0), np.empty(0)
     if state.fixed:
         # Held gains lie off the simulated points: the twin is interpolated there.
         length = likeliest_lengthscale(points, simulated - simulated.mean(axis=0))
@@ -91,13 +94,40 @@ def _belief(
         points = state.hold(points)
         simulated = emulator.mean(points)
     mean, variance = corrected_model(state, times).predict(points, simulated)
-    return points, mean, variance
+    return points, mean, variance, _log_weight(state, times, points, simulated)
+
+
+def _log_weight(
+    state: TuningState,
+    times: NDArray[np.float64],
+    points: NDArray[np.float64],
+    simulated: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Log probability, shape (q,), that the corrected twin meets each limit."""
+    from gmfbo.objective.limits import log_feasibility
+    from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
+
+    total = np.zeros(len(points))
+    for name, most in state.limits.most.items():
+        runs, _ = axis_runs(state, times)
+        values = np.array([seen.limited[name] for seen in state.of("IS1")])
+
+        def limited_of(
+            trajectories: NDArray[np.float64], name: str = name, middle: float = values.mean()
+        ) -> NDArray[np.float64]:
+            metrics = state.experiment.metrics_of(times, trajectories)
+            found = state.limits.limited(metrics)[name]
+            # What needs other signals than the scored one is known from real runs alone.
+            return np.where(np.isnan(found), middle, found)
+
+        model = CorrectedTwinModel.fit(replace(runs, values=values), limited_of)
+        total += log_feasibility(*model.predict(points, simulated), most)
+    return total
 
 
 def sample_times(state: TuningState) -> NDArray[np.float64]:
     """Times at which trajectories are compared [s], shape (m,)."""
-    experiment = state.experiment
-    return experiment.step_time + np.linspace(0.0, experiment.horizon, MOST_SAMPLES)
+    return state.experiment.scored_times(MOST_SAMPLES)
 
 
 def corrected_model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
@@ -180,4 +210,5 @@ def _is_new(points: NDArray[np.float64], state: TuningState) -> NDArray[np.bool_
     for seen in state.of("IS1"):
         distance = np.linalg.norm(points - seen.point, axis=1)
         new &= distance > (FAILED_RADIUS if seen.failed else REPEAT_RADIUS)
+    new[new] = state.keep_out.admitted(points[new])
     return new

@@ -45,7 +45,7 @@ class EmulatedGmfbo:
         if fitted is None:
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere")
-        point, _ = next_axis_run(*fitted, search_of(state), rng)
+        point, _ = next_axis_run(*fitted, search_of(state), rng, state.incumbent())
         return Proposal("IS1", point, mismatch)
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.tuning.method import CorrectionOptions, Proposal
 from gmfbo.tuning.methods.beliefs import (
     corrected_and_twin,
+    incumbent_of,
     least_expected,
     observations_of,
     search_of,
@@ -48,7 +49,7 @@ class KernelGmfbo:
         model = fit_surrogate(data)
         acquisition = CostAwareExpectedImprovement(
             model,
-            {"IS1": float(data.values[data.of("IS1")].min())},
+            {"IS1": incumbent_of(state, data, "IS1")},
             {"IS1": 1.0, "IS2": query_cost(mismatch)},
             value="axis",
         )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.tuning.method import CorrectionOptions, Proposal
 from gmfbo.tuning.methods.beliefs import (
     corrected_and_twin,
+    incumbent_of,
     least_expected,
     search_of,
     source_of,
@@ -44,10 +45,12 @@ class PrintedGmfbo:
 
         data, mismatch = _data(state), printed_mismatch(state)
         model = fit_surrogate(data, mismatch)
-        twin = data.values[data.of("IS2") | data.of("IS3")]
         acquisition = CostAwareExpectedImprovement(
             model,
-            {"IS1": float(data.values[data.of("IS1")].min()), "IS2": float(twin.min())},
+            {
+                "IS1": incumbent_of(state, data, "IS1"),
+                "IS2": incumbent_of(state, data, "IS2", "IS3"),
+            },
             {"IS1": 1.0, "IS2": query_cost(mismatch)},
             value="source",
         )

@@ -11,6 +11,9 @@ from gmfbo.tuning.method import Proposal
 from gmfbo.tuning.methods.beliefs import least_expected, single_source_model
 from gmfbo.tuning.state import TuningState
 
+MOST_DRAWS = 256
+"""Draws among which one that is not beside unsafe gains is sought."""
+
 
 @dataclass(frozen=True)
 class RandomSearch:
@@ -23,7 +26,9 @@ class RandomSearch:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Draw a point of the box."""
-        return Proposal("IS1", state.hold(rng.random(len(state.space))))
+        drawn = state.hold(rng.random((MOST_DRAWS, len(state.space))))
+        allowed = state.keep_out.admitted(drawn)
+        return Proposal("IS1", drawn[int(np.argmax(allowed))])
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Best point of the box by a Gaussian process on the real runs."""
