@@ -99,7 +99,7 @@ class RecordedColumns:
 
 
 def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
-    """Column `time`, `t` or `timestamp`, or else the first whose unit is one of time.
+    """Column `time`, `t`, `timestamp` or `Zeit`, or else the first whose unit is one of time.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     RecordingError
         There is none; names the columns that there are.
     """
-    for name in ("time", "t", "timestamp"):
+    for name in ("time", "t", "timestamp", "zeit"):
         for column in columns:
             # T is a temperature.
             if column.name == name or (name != "t" and column.name.lower() == name):

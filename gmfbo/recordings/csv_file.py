@@ -9,6 +9,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +20,13 @@ from gmfbo.recordings.channels import RecordedChannels
 from gmfbo.recordings.columns import Column, RecordedColumns
 from gmfbo.recordings.csv_head import head_lines, read_head
 from gmfbo.recordings.csv_header import header_cell, read_header, read_units_row
+from gmfbo.recordings.csv_numbers import with_point
+from gmfbo.recordings.csv_preamble import header_row, stated_delimiter
+from gmfbo.recordings.csv_times import read_times
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.scope_csv import is_scope_export, read_scope
 
 _BLANK = {"", "nan", "NaN", "NAN"}
-_POINT = re.compile(r"\d\.|\.\d")
 _QUOTED = re.compile(r'"[^"]*"')
 
 
@@ -95,9 +98,12 @@ def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
             f"{label}: expected a header such as 'time [s],position [rad]' and rows, got an empty "
             "file; record again"
         )
-    delimiter = _delimiter(lines[places[0] - 1])
+    stated = stated_delimiter(lines[places[0] - 1])
+    places = places[1:] if stated and len(places) > 1 else places
+    delimiter = stated or _table_delimiter([lines[place - 1] for place in places])
     table = _cells_of([lines[place - 1] for place in places], delimiter, label)
-    header, rows = table[0], table[1:]
+    above = 0 if head.notes.own else header_row(table)
+    header, rows, places = table[above], table[above + 1 :], places[above:]
     if (
         len(header) > 1
         and not header[-1].strip()
@@ -110,18 +116,20 @@ def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
     if below is not None:
         units = [unit or other for unit, other in zip(units, below, strict=False)]
         rows, places = rows[1:], places[1:]
-    table_rows = _Rows(label, rows, places, delimiter)
+    table_rows = _Rows(label, rows, places, delimiter, dialect)
     table_rows.check_width(len(names))
+    columns = [
+        table_rows.column(index, name, unit, infinite=head.notes.own)
+        for index, (name, unit) in enumerate(zip(names, units, strict=True))
+    ]
+    start = "" if head.notes.own else table_rows.write_out_times(columns)
     return RecordedColumns(
         label=label,
-        columns=tuple(
-            table_rows.column(index, name, unit, infinite=head.notes.own)
-            for index, (name, unit) in enumerate(zip(names, units, strict=True))
-        ),
+        columns=tuple(columns),
         scalars=head.parameters,
         declared=True,
         unreadable=head.unreadable,
-        notes=head.notes,
+        notes=replace(head.notes, start_time=head.notes.start_time or start),
         row_name=lambda row: f"line {table_rows.places[row]}",
     )
 
@@ -141,9 +149,15 @@ class _Rows:
     """Cells below the header, with the lines on which they stand."""
 
     def __init__(
-        self, label: str, rows: list[list[str]], places: list[int], delimiter: str
+        self,
+        label: str,
+        rows: list[list[str]],
+        places: list[int],
+        delimiter: str,
+        dialect: str,
     ) -> None:
         self.label = label
+        self.dialect = dialect
         self.delimiter = delimiter
         # A row of delimiters alone is what a spreadsheet makes of an empty line.
         keep = [k for k, row in enumerate(rows) if any(cell.strip() for cell in row)]
@@ -167,9 +181,7 @@ class _Rows:
         """Numbers of one column; `infinite` lets infinity pass, as a diverged run may hold it."""
         cells = [row[index].strip() for row in self.rows]
         texts = ["nan" if cell in _BLANK else cell for cell in cells]
-        # A comma beside points may separate thousands: that cell is no number.
-        if self.delimiter != "," and not any(map(_POINT.search, texts)):
-            texts = [text.replace(",", ".") for text in texts]
+        texts = with_point(texts, self.delimiter, self.dialect)
         try:
             values = np.array(texts, dtype=np.float64) if texts else np.empty(0)
             # NumPy reads 1_000 as a thousand and 1e999 as infinity.
@@ -179,6 +191,18 @@ class _Rows:
         except ValueError:
             pass
         return self._faulty(name, unit, cells, texts)
+
+    def write_out_times(self, columns: list[Column]) -> str:
+        """Turn columns of written times into seconds; returns when the first of them began."""
+        start = ""
+        for index, column in enumerate(columns):
+            if not column.fault or np.isfinite(column.values).any():
+                continue
+            read = read_times([row[index].strip() for row in self.rows])
+            if read is not None:
+                columns[index] = Column(column.name, read[0], "s")
+                start = start or read[1]
+        return start
 
     def _faulty(self, name: str, unit: str, cells: list[str], texts: list[str]) -> Column:
         values = np.full(len(cells), np.nan)
@@ -206,6 +230,15 @@ def _number(text: str) -> float | None:
 def _delimiter(header: str) -> str:
     bare = _QUOTED.sub("", header)
     return next((mark for mark in (";", "\t", ",") if mark in bare), ",")
+
+
+def _table_delimiter(lines: list[str]) -> str:
+    """That of the rows, where they agree: above a table may stand lines with others or none."""
+    tail = [_QUOTED.sub("", line) for line in lines[-20:]]
+    for mark in (";", "\t"):
+        if all(mark in line for line in tail):
+            return mark
+    return _delimiter(lines[0])
 
 
 def _text(content: bytes, label: str) -> str:

@@ -56,7 +56,7 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
         # Spreadsheets and data frames leave the name of a row number blank.
         names.append(name or f"column {index + 1}")
         units.append(unit)
-    if all(_is_number(cell) for cell in cells if cell.strip()):
+    if all(is_number(cell) for cell in cells if cell.strip()):
         raise RecordingError(
             f"{label}: expected a header such as 'time [s],position [rad]', got numbers; add a "
             "line with the names of the columns"
@@ -73,7 +73,7 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
 def read_units_row(cells: list[str]) -> list[str] | None:
     """Units of the row below the header; None where it is no row of units."""
     bare = [_bare(cell) for cell in cells]
-    if _is_number(bare[0]) or all(_is_number(cell) for cell in bare if cell):
+    if is_number(bare[0]) or all(is_number(cell) for cell in bare if cell):
         return None
     return bare if all(not cell or parse_unit(cell) is not None for cell in bare) else None
 
@@ -84,7 +84,14 @@ def _bare(cell: str) -> str:
     return cell[1:-1].strip() if cell and pairs.get(cell[0]) == cell[-1] else cell
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell of text is a number, with a point or a comma.
+
+    Parameters
+    ----------
+    cell : str
+        As it stands in the file.
+    """
     try:
         float(cell.replace(",", "."))
     except ValueError:

@@ -85,7 +85,7 @@ class ColumnFile(Table):
         except OSError as error:
             raise TwinFileError(
                 f"no column mapping at '{path}' ({error.strerror or error}); check the path, or "
-                "make it with 'gmfbo columns TWIN.toml REC --save FILE'"
+                "leave 'columns' out and make one with 'gmfbo columns TWIN.toml REC --save FILE'"
             ) from None
         except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
             raise TwinFileError(f"{path.name}: not valid TOML: {error}") from None

@@ -1,0 +1,82 @@
+"""Times written out in a column: 00:00:01,250, 2026-01-02T03:04:05.250Z, 02.01.2026 03:04:05."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from datetime import date
+
+import numpy as np
+from numpy.typing import NDArray
+
+_CLOCK = r"(?P<h>\d{1,3}):(?P<m>[0-5]?\d):(?P<s>[0-5]?\d)(?:[.,](?P<f>\d{1,12}))?"
+_SHORT = re.compile(r"(?P<h>)(?P<m>\d{1,4}):(?P<s>[0-5]?\d)[.,](?P<f>\d{1,12})")
+_ZONE = r"\s*(?:Z|[+-]\d\d:?\d\d)?"
+_ISO = re.compile(rf"(?P<Y>\d{{4}})-(?P<M>\d\d)-(?P<D>\d\d)[T ]\s*{_CLOCK}{_ZONE}")
+_DOTS = re.compile(rf"(?P<D>\d{{1,2}})\.(?P<M>\d{{1,2}})\.(?P<Y>\d{{4}})\s+{_CLOCK}")
+_FORMS = (re.compile(_CLOCK), _SHORT, _ISO, _DOTS)
+_TICKS_PER_S = 10**12
+
+
+def is_time(text: str) -> bool:
+    """Whether a cell is a time of day or a date with a time.
+
+    Parameters
+    ----------
+    text : str
+        Without blanks around.
+    """
+    return any(form.fullmatch(text) for form in _FORMS)
+
+
+def read_times(texts: Sequence[str]) -> tuple[NDArray[np.float64], str] | None:
+    """Read a column of times, all written in one way.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        Cells; blank is not sampled.
+
+    Returns
+    -------
+    tuple or None
+        Seconds, shape (n,): since midnight, or where dates are written since the first row; and
+        that row's date and time (ISO 8601), empty without dates. None where a cell is no time.
+    """
+    filled = [text for text in texts if text]
+    form = next((form for form in _FORMS if filled and form.fullmatch(filled[0])), None)
+    if form is None:
+        return None
+    ticks: list[int | None] = []
+    for text in texts:
+        found = form.fullmatch(text)
+        if text and found is None:
+            return None
+        try:
+            ticks.append(None if found is None else _ticks(found))
+        except ValueError:
+            return None  # the 31st of April
+    dated = "Y" in form.groupindex
+    # In whole picoseconds, since seconds since the year 1 would lose their decimals.
+    zero = next(tick for tick in ticks if tick is not None) if dated else 0
+    seconds = [np.nan if tick is None else (tick - zero) / _TICKS_PER_S for tick in ticks]
+    return np.array(seconds, dtype=np.float64), _iso(form, filled[0]) if dated else ""
+
+
+def _ticks(found: re.Match[str]) -> int:
+    parts = found.groupdict()
+    whole = int(parts["h"] or 0) * 3600 + int(parts["m"]) * 60 + int(parts["s"])
+    if parts.get("Y"):
+        whole += date(int(parts["Y"]), int(parts["M"]), int(parts["D"])).toordinal() * 86400
+    return whole * _TICKS_PER_S + int((parts["f"] or "").ljust(12, "0"))
+
+
+def _iso(form: re.Pattern[str], text: str) -> str:
+    found = form.fullmatch(text)
+    assert found is not None  # it was matched before
+    p = found.groupdict()
+    fraction = f".{p['f']}" if p["f"] else ""
+    zone = re.search(r"(?:Z|[+-]\d\d:?\d\d)$", text.strip()[10:])
+    clock = f"{int(p['h']):02d}:{int(p['m']):02d}:{int(p['s']):02d}{fraction}"
+    day = f"{p['Y']}-{int(p['M']):02d}-{int(p['D']):02d}"
+    return f"{day}T{clock}{zone.group() if zone else ''}"
