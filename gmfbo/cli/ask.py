@@ -35,38 +35,38 @@ def ask(
             tuner.watch(None if json else display.show)
             request = tuner.ask(parse_settings(fix or [], option="--fix"))
         if request is None:
-            remove_next_run(asked.location)
+            remove_next_run(asked.location, len(tuner.experiment.parts))
             if json:
                 typer.echo("null")
             else:
                 typer.echo("the budget is used up: nothing more to try")
                 print_result(asked, tuner.result())
             return
-        write_next_run(asked.location, request, tuner.experiment.reference)
+        write_next_run(asked.location, request, tuner.experiment.references)
         if json:
-            typer.echo(next_run_text(request))
+            typer.echo(next_run_text(request, len(tuner.experiment.parts)))
         else:
             _print_request(tuner, request, study)
 
 
 def _print_request(tuner: Tuner, request: TrialRequest, study: Path) -> None:
-    from gmfbo.tuning.next_run import NEXT, REFERENCE
+    from gmfbo.tuning.next_run import NEXT, reference_files
 
     budget, made = tuner.study.file.budget, len(tuner.history.of("IS1"))
     most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
     typer.echo(f"trial {request.number}, real run {made + 1}{most}")
     for name, value in request.gains.items():
         typer.echo(f"set          {name} = {value:.6g}")
-    experiment, folder = tuner.experiment, tuner.study.location
-    (signal,) = experiment.reference.signals
-    unit = experiment.reference.units.get(signal, "")
-    to = f"{experiment.initial:g} to {experiment.initial + experiment.step_size:g} {unit}".strip()
-    typer.echo(
-        f"play         {folder / REFERENCE}: {signal} from {to} at {experiment.step_time:g} s"
-    )
-    end = experiment.step_time + experiment.horizon
-    typer.echo(f"record       {experiment.signal}, until {end:g} s or longer")
+    parts, folder = tuner.experiment.parts, tuner.study.location
+    for name, part in zip(reference_files(len(parts)), parts, strict=True):
+        (signal,) = part.reference.signals
+        unit = part.reference.units.get(signal, "")
+        to = f"{part.initial:g} to {part.initial + part.step_size:g} {unit}".strip()
+        typer.echo(f"play         {folder / name}: {signal} from {to} at {part.step_time:g} s")
+        end = part.step_time + part.horizon
+        typer.echo(f"record       {part.signal}, until {end:g} s or longer")
     typer.echo(f"written      {folder / NEXT}, with all digits")
-    typer.echo(f"then         gmfbo tell {study} RECORDING")
+    wanted = " ".join(["RECORDING"] * len(parts))
+    typer.echo(f"then         gmfbo tell {study} {wanted}")
     if request.note:
         typer.echo(f"note         {request.note}")

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 
 def tell(
     study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
-    recording: Annotated[
-        Path | None, typer.Argument(help="What was measured; none with --failed.")
+    recordings: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[REC]...", help="What was measured, a file a reference; none with --failed."
+        ),
     ] = None,
     set_: Annotated[
         list[str] | None,
@@ -40,7 +43,7 @@ def tell(
     from gmfbo.tuning.study import Study
     from gmfbo.tuning.tuner import Tuner
 
-    if (recording is None) == (failed is None):
+    if bool(recordings) == (failed is not None):
         raise InputError("expected either a recording or --failed WHY; give one of them")
     told = Study.read(study)
     if not told.begun:
@@ -50,10 +53,10 @@ def tell(
         request = tuner.pending
         if request is None or request.source != "IS1":
             raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
-        run = recording or failed_run(tuner.experiment.reference, failed or "failed")
+        run = recordings or failed_run(tuner.experiment.reference, failed or "failed")
         trial = tuner.tell(request, run, gains=given, anyway=anyway)
-        remove_next_run(told.location)
-        _print_told(tuner, request, trial, named=bool(given) or recording is None)
+        remove_next_run(told.location, len(tuner.experiment.parts))
+        _print_told(tuner, request, trial, named=bool(given) or not recordings)
     typer.echo(f"then         gmfbo ask {study}")
 
 

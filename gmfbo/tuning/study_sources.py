@@ -93,6 +93,10 @@ class StudySources:
         change = study.is1.change
         if is1 is not None and plant is not None:
             raise InputError("expected one of is1 and plant, got both; they are the same axis")
+        if study.is1.recorded is not None and len(study.references) > 1:
+            raise StudyFileError(
+                "[is1] recorded: a grid holds one run for each gains; give one [reference]"
+            )
         if (is1 is not None or plant is not None) and change is not None:
             raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
         changed, gains, unit = None, None, ""
