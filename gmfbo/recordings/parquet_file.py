@@ -32,8 +32,8 @@ def read_parquet(path: Path) -> RecordedColumns:
     OSError
         The file cannot be read.
     """
-    parquet = load_package("pyarrow.parquet", "parquet", path.name)
     arrow = load_package("pyarrow", "parquet", path.name)
+    parquet = load_package("pyarrow.parquet", "parquet", path.name)
     with path.open("rb"):  # a missing right to read is an error of its own
         pass
     try:
