@@ -51,7 +51,7 @@ def compare(
             seeds,
             first_seed=first_seed,
             out=out,
-            jobs=jobs or os.cpu_count() or 1,
+            jobs=(os.cpu_count() or 1) if jobs is None else jobs,
             grid=grid,
             progress=lambda line: console.print(line, markup=False),
         )

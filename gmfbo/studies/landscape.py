@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.errors import StoreError
 from gmfbo.objective.cost import Objective
@@ -117,10 +116,15 @@ def read_landscape(path: Path) -> Landscape | None:
         x, y, objective, error = np.array([row.split() for row in rows], dtype=float).T
         names = head.split()[:2]
         seed = int(first.removeprefix("# seed ").partition(";")[0])
-        axes: list[NDArray[np.float64]] = [np.unique(x), np.unique(y)]
-        shape = (axes[0].size, axes[1].size)
+        across, along = np.unique(x), np.unique(y)
+        shape = (across.size, along.size)
         return Landscape(
-            (names[0], names[1]), *axes, objective.reshape(shape), error.reshape(shape), seed
+            names=(names[0], names[1]),
+            x=across,
+            y=along,
+            objective=objective.reshape(shape),
+            error=error.reshape(shape),
+            seed=seed,
         )
     except (OSError, ValueError, IndexError):
         raise StoreError(

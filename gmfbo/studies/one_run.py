@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from gmfbo import __version__
 from gmfbo.recordings.trial import Trial
@@ -84,7 +87,7 @@ class OneRun:
         real = history.of("IS1")
         descent = Descent.of(
             # A plant that is an FMU repeats exactly: what is observed is the noise-free cost.
-            [trial.objective for trial in real],
+            [float(true_costs(history, trial.metrics)) for trial in real],
             goals,
             change.after_runs if change else None,
         )
@@ -170,7 +173,24 @@ def true_goals(study: Study, history: History, side: int, folder: Path) -> list[
     opened = TrueSources.open(study)
     with closing(opened.sources):
         grids = [opened.grid(plant, side, folder / "truth") for plant in opened.plants]
-    return [Goal.over(history.objective.value(grid.metrics)) for grid in grids]
+    return [Goal.over(true_costs(history, grid.metrics)) for grid in grids]
+
+
+def true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+    """Cost by which runs are judged; breaking a limit counts as failing.
+
+    Parameters
+    ----------
+    history : History
+        With its cost's constants and limits.
+    metrics : mapping of str to array_like, shape (...)
+        Of runs [% or s].
+    """
+    costs, limits = history.objective.value(metrics), history.limits
+    met = np.ones(costs.shape, dtype=bool)
+    for name, values in limits.limited(metrics).items():
+        met &= values <= limits.most[name]
+    return np.where(met, costs, history.objective.failed)
 
 
 def cost_by_query(trials: Sequence[Trial], queries: Sequence[int]) -> tuple[float, ...]:

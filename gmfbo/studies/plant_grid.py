@@ -17,10 +17,13 @@ from scipy.stats import qmc
 from gmfbo.errors import StudyFileError
 from gmfbo.recordings.durable import write_whole
 from gmfbo.sources.source import Source
-from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
+from gmfbo.tuning.playing import play
+from gmfbo.tuning.safety_section import SafetySection
 from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sources import StudySources, run_source
+from gmfbo.tuning.study_sources import StudySources
+from gmfbo.tuning.study_terms import own_metrics
 
 Told = Callable[[str], None]
 
@@ -79,13 +82,16 @@ class TrueSources:
         Opened for the study's seed; whoever opened them closes them.
     gains : GainChoice
         What is tuned.
-    experiment : StepExperiment
+    experiment : ExperimentSeries
         What every source repeats.
+    safety : SafetySection
+        What the plant must stay within.
     """
 
     sources: StudySources
     gains: GainChoice
-    experiment: StepExperiment
+    experiment: ExperimentSeries
+    safety: SafetySection
 
     @classmethod
     def open(cls, study: Study) -> TrueSources:
@@ -110,16 +116,17 @@ class TrueSources:
         sources = StudySources.open(file, study.origin)
         try:
             gains = GainChoice.combine(sources.gains, file.gains, sources.parameters)
-            experiment = StepExperiment.from_section(
-                file.reference,
+            experiment = ExperimentSeries.from_sections(
+                file.references,
                 file.objective.signal,
                 folder=study.origin,
                 unit=sources.reference_unit,
+                own=own_metrics(study),
             )
         except BaseException:
             sources.close()
             raise
-        return cls(sources, gains, experiment)
+        return cls(sources, gains, experiment, file.safety)
 
     @property
     def plants(self) -> tuple[Source, ...]:
@@ -160,14 +167,20 @@ class TrueSources:
         return PlantGrid(space.names, points, dict(zip(names, columns, strict=True)))
 
     def _metrics(self, source: Source, point: NDArray[np.float64]) -> dict[str, float]:
-        run = run_source(source, self.gains.values(point), self.experiment.reference)
+        envelope = self.safety.envelope if source in self.plants else None
+        run = play(source, self.gains.values(point), self.experiment, envelope)
         return self.experiment.metrics(run)
 
     def _key(self, source: Source, side: int) -> str:
         """Hash of all that decides the grid; two seeds share it where the plant has no seed."""
-        reference = self.experiment.reference
-        decisive: list[Any] = [source.content_hash, side, self.experiment.signal]
-        decisive += [repr(self.gains), self.experiment.horizon]
-        decisive += [sorted(reference.signals), reference.time.tobytes().hex()]
-        decisive += [reference.signals[name].tobytes().hex() for name in sorted(reference.signals)]
+        own = self.experiment.own
+        decisive: list[Any] = [source.content_hash, side, self.experiment.signal, repr(self.gains)]
+        decisive += [
+            own.content_hash if own else "",
+            source in self.plants and self.safety.model_dump_json(),
+        ]
+        for part, share in zip(self.experiment.parts, self.experiment.shares, strict=True):
+            columns = [part.reference.time, *part.reference.signals.values()]
+            decisive += [share, part.horizon, list(part.reference.signals)]
+            decisive += [column.tobytes().hex() for column in columns]
         return hashlib.sha256(json.dumps(decisive).encode()).hexdigest()[:16]

@@ -1,0 +1,67 @@
+"""Tables against numbers worked out by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from gmfbo.studies.comparison_folder import by_method
+from gmfbo.studies.comparison_table import Table
+from tests.studies.small_study import outcome
+
+
+def cells(text: str, label: str, part: int = 0) -> list[str]:
+    """Entries of the n-th row with a label."""
+    rows = [line[14:].split() for line in text.splitlines() if line[:14].strip() == label]
+    return rows[part]
+
+
+OUTCOMES = [
+    outcome("random", 0, None),
+    outcome("bo_ei", 0, 3, n_star_paper=3),
+    outcome("random", 1, 4, n_star_paper=4),
+    outcome("bo_ei", 1, 5),
+    outcome("bo_ei", 2, 2, n_star_paper=2),
+]
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    return Table(by_method(OUTCOMES)).text()
+
+
+def test_every_seed_is_shown_and_a_miss_counts_one_more_than_the_budget(text: str) -> None:
+    assert cells(text, "seed") == ["bo_ei", "random"]
+    assert cells(text, "0") == ["3", "6"]
+    assert cells(text, "1") == ["5", "4"]
+    assert cells(text, "2") == ["2", "-"]
+    assert cells(text, "seeds") == ["3", "2"]
+
+
+def test_median_mean_and_share_that_never_arrived(text: str) -> None:
+    assert cells(text, "median") == ["3.0", "5.0"]
+    assert cells(text, "mean") == ["3.33", "5.00"]
+    assert cells(text, "never") == ["0", "%", "50", "%"]
+    assert cells(text, "90 % within") == ["5", "6"]
+
+
+def test_second_table_counts_as_the_publication_does(text: str) -> None:
+    assert cells(text, "1", 1) == ["6", "4"]
+    assert cells(text, "never", 1) == ["33", "%", "50", "%"]
+
+
+def test_differences_are_taken_on_shared_seeds_alone(text: str) -> None:
+    below = text.split("less that of bo_ei")[1]
+    # Seeds 0 and 1: 6 - 3 and 4 - 5.
+    row = cells(below, "random")
+    assert row[0] == "1.00"
+    assert row[-4:] == ["1", "0", "1", "2"]
+
+
+def test_methods_without_a_common_seed_are_said_to_have_none() -> None:
+    table = Table(by_method([outcome("bo_ei", 0, 3), outcome("random", 1, 4)]))
+    assert "no seed in common" in table.text()
+
+
+def test_order_in_which_runs_finished_does_not_show() -> None:
+    turned = Table(by_method(OUTCOMES[::-1])).text()
+    assert turned == Table(by_method(OUTCOMES)).text()
