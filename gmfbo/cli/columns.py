@@ -56,8 +56,8 @@ def columns(
         _check_columns(settings, file)
         found = _found(source, mapping, file)
         guesses = _guesses(source, found, file)
-        _print_columns(file, found, guesses)
-        _print_missing(source, found)
+        _print_columns(file, {_clock_name(file): "time", **_by_column(found)}, guesses)
+        _print_missing(source, found, file)
         if save is not None:
             read_recording(recording, source, mapping=mapping)  # refuse what would not be read
             _save(save, twin, recording, mapping, found, guesses)
@@ -108,9 +108,7 @@ def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> di
 
 def _guesses(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> dict[str, str]:
     """Columns whose last word is like the signal's name, and which are not taken."""
-    from gmfbo.recordings.columns import find_clock
-
-    taken = {*found.values(), find_clock(file.label, file.columns).name}
+    taken = {*found.values(), _clock_name(file)}
     free = [c.name for c in file.columns if c.name not in taken and not c.fault]
     guesses: dict[str, str] = {}
     for name in source.signal_specs():
@@ -133,11 +131,24 @@ def _alike(name: str, column: str) -> bool:
     return name.lower()[:3] in _last_word(column).lower() and not _REFERENCE.search(column)
 
 
+def _clock_name(file: RecordedColumns) -> str:
+    from gmfbo.errors import RecordingError
+    from gmfbo.recordings.columns import find_clock
+
+    try:
+        return find_clock(file.label, file.columns).name
+    except RecordingError:
+        return ""  # to be named with --set time=COLUMN
+
+
+def _by_column(found: Mapping[str, str]) -> dict[str, str]:
+    return {column: name for name, column in found.items()}
+
+
 def _print_columns(
-    file: RecordedColumns, found: Mapping[str, str], guesses: Mapping[str, str]
+    file: RecordedColumns, names: Mapping[str, str], guesses: Mapping[str, str]
 ) -> None:
-    names = {column: name for name, column in found.items()}
-    maybe = {column: name for name, column in guesses.items()}
+    maybe = _by_column(guesses)
     rows = len(file.columns[0].values) if file.columns else 0
     typer.echo(f"{file.label}: {len(file.columns)} columns, {rows} rows")
     width = min(max([len(c.name) for c in file.columns] + [6]), 48)
@@ -159,7 +170,9 @@ def _row(column: Column, width: int) -> str:
     return f"{column.name:<{width}}  {column.unit:<8}  {known.size:>8}  {low:>11}  {high:>11}"
 
 
-def _print_missing(source: FmuTwin, found: Mapping[str, str]) -> None:
+def _print_missing(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> None:
+    if "time" not in found and not _clock_name(file):
+        typer.echo("not found: the clock; say where with --set 'time=COLUMN [ms]'")
     missing = [name for name in source.signal_specs() if name not in found]
     if missing:
         typer.echo(f"not found: {', '.join(missing)}; say where with --set {missing[0]}=COLUMN")

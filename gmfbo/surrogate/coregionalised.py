@@ -7,8 +7,8 @@ c(z, z') = B[s, s'] Matern-5/2(|k - k'|, l),  B = [[a^2, rho a b], [rho a b, b^2
 
 Each source has a mean of its own, so that a twin which is merely too low or too high by a
 constant still correlates with the axis. The logit of rho has a normal prior, median rho 2/3 and
-quartiles 0.47 and 0.82, near the Beta(2.5, 1.5) of BoTorch's `MultiTaskGP`: two or three runs of
-the axis cannot tell rho.
+quartiles 0.39 and 0.86 (BoTorch's `MultiTaskGP` takes Beta(2.5, 1.5), of the same mean and a
+little narrower): two or three runs of the axis cannot tell rho.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class CoregionalisedKernel(Kernel):
             "raw_correlation", Interval(0.0, MOST_CORRELATION, initial_value=2.0 / 3.0)
         )
         self.register_prior(
-            "correlation_prior", NormalPrior(0.69, 1.2), lambda kernel: kernel.raw_correlation
+            "correlation_prior", NormalPrior(0.69, 1.7), lambda kernel: kernel.raw_correlation
         )
 
     @property
