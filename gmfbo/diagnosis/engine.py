@@ -23,7 +23,7 @@ from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.opening import open_case, open_unseen
-from gmfbo.diagnosis.outside import MISMATCH, Outside, look_outside, unexplained
+from gmfbo.diagnosis.outside import MISMATCH, Outside, is_no_noise, look_outside, unexplained
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
@@ -37,6 +37,7 @@ from gmfbo.diagnosis.reporting import (
     not_testable,
     units_of,
 )
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.residual_tests import residual_tests
 from gmfbo.diagnosis.simulations import Point
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
@@ -229,7 +230,8 @@ class _Search:
         self.progress("locating", 0.95)
         named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects
-        verdict = self._verdict(decision, outside)
+        tests = residual_tests(unseen or case, result.curves, result.fit.held_out)
+        verdict = self._verdict(decision, outside, tests)
         location = Location(None)
         if verdict in ("missing_physics", "outside_library"):
             location = locate(
@@ -263,7 +265,7 @@ class _Search:
             notes=tuple(case.notes),
             predictions=predictions_of(case, decision, augmented, self.units),
             latent=self._latent(outside, decision),
-            residual_tests=residual_tests(unseen or case, result.curves, result.fit.held_out),
+            residual_tests=tests,
             curves=result.curves,
             augmentation=augmentation_of(case, augmented, self.units),
         )
@@ -379,13 +381,15 @@ class _Search:
         at_torque = [r for r in decision.rounds if r.winner.effect.law.port == "torque"]
         return self._shape(outside) if at_torque else None
 
-    def _verdict(self, decision: Decision, outside: Outside | None) -> Verdict:
+    def _verdict(
+        self, decision: Decision, outside: Outside | None, tests: Sequence[ResidualTest]
+    ) -> Verdict:
         case = self.case
         if outside is not None and outside.is_better and decision.in_doubt is None:
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
-        if decision.in_doubt is None and unexplained(case) > MISMATCH:
+        if decision.in_doubt is None and unexplained(case) > MISMATCH and is_no_noise(tests):
             return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from gmfbo.diagnosis.case import Case, chi2_per_dof
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.port_response import PortResponse
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.shape import Unnamed, unnamed
 
+_FOLLOWS = 1.2  # times what chance and tolerance allow
 _BETTER = 0.7  # a name that explains less than this share of what a free function does is none
 _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
 _BESIDE_SHARE = 0.015  # of the names' gain, which a function beside them may gain: laws are inexact
@@ -19,10 +22,11 @@ _VISIBLE = 1.2  # chi2 per degree of freedom, from which it counts
 _EXCESS_SHARE = 0.3  # of what is left beyond noise, which it has to take away
 
 
-MISMATCH = 10.0
+MISMATCH = 2.5
 """chi2 per degree of freedom from which a misfit is real although nothing explains it.
 
-Nulls of the blind benchmark leave 0.4 to 1.3, and up to 5 under coloured noise.
+Nulls of the blind benchmark leave 0.4 to 1.3; coloured noise leaves more, but follows no
+reference.
 """
 
 
@@ -94,3 +98,14 @@ def unexplained(case: Case) -> float:
     """
     plain = Misfit(case.simulations, case.budget.whiteners())
     return chi2_per_dof(case.base.measured_by(plain), plain)
+
+
+def is_no_noise(tests: Sequence[ResidualTest]) -> bool:
+    """Whether what is left follows the reference, as noise of no colour does.
+
+    Parameters
+    ----------
+    tests : sequence of ResidualTest
+        Of held-out recordings.
+    """
+    return any(t.follows > _FOLLOWS * max(t.bound, t.tolerance) for t in tests)
