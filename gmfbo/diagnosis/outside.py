@@ -16,10 +16,8 @@ _FOLLOWS = 1.2  # times what chance and tolerance allow
 _BETTER = 0.7  # a name that explains less than this share of what a free function does is none
 _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
 _BESIDE_SHARE = 0.015  # of the names' gain, which a function beside them may gain: laws are inexact
-_PERFECT = 0.6  # chi2 per degree of freedom that a right model leaves: the budget is generous
-_LEFT_SHARE = 0.25  # of the misfit beyond that, which names may leave
-_VISIBLE = 1.2  # chi2 per degree of freedom, from which it counts
-_EXCESS_SHARE = 0.3  # of what is left beyond noise, which it has to take away
+_EXCESS_SHARE = 0.3  # of the misfit beyond noise, which it has to take away
+_REST_SHARE = 0.5  # of what names leave beyond noise, which a function beside them takes away
 
 
 MISMATCH = 2.5
@@ -78,9 +76,9 @@ def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outs
     is_better = is_large and is_most and named < _BETTER * gain
     if decision.rounds and not is_better:
         beside = _best(unnamed(replace(case, misfit=plain, base=with_names), with_names, response))
+        left_over = with_names.chi2 - float(sum(case.budget.noise_squares))
         least = max(_THRESHOLDS * decision.threshold, _BESIDE_SHARE * named)
-        leaves_much = with_names.chi2 - _PERFECT * dof > _LEFT_SHARE * (base.chi2 - _PERFECT * dof)
-        is_better = beside > least or (leaves_much and with_names.chi2 > _VISIBLE * dof)
+        is_better = beside > max(least, _REST_SHARE * left_over)
     return Outside(model, gain, named, is_better)
 
 
