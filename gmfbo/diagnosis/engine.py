@@ -41,8 +41,8 @@ from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.residual_tests import residual_tests
 from gmfbo.diagnosis.simulations import Point
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
+from gmfbo.diagnosis.validation import Validated, validate_unseen
 from gmfbo.diagnosis.validation import validate as validated_on
-from gmfbo.diagnosis.validation import validate_unseen
 from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE, Excitation
@@ -51,6 +51,9 @@ from gmfbo.sources.twin import FmuTwin
 
 LEAST_PROBABILITY = 0.3
 """Below it an effect is not named: it is more likely wrong than right."""
+
+_LEAST_REMOVED = 0.2
+"""Share of the explainable error on held-out recordings, below which nothing is named."""
 
 Progress = Callable[[str, float], None]
 
@@ -214,17 +217,12 @@ class _Search:
             if outside.is_better and decision.in_doubt is None:
                 decision.model = case.base
                 decision.rounds.clear()
-        model = decision.model
-        assert model is not None
         self.progress("validating", 0.85)
-        shows = None
-        if decision.rounds:
-            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
-        if unseen is None:
-            split = split_of(case, shows)
-            result = validated_on(case, model, split, self._unnamed_change(outside, split))
-        else:
-            result = validate_unseen(case, unseen, model)
+        result = self._validated(decision, outside, unseen)
+        removed = result.fit.explainable_error_removed
+        if decision.rounds and removed is not None and removed < _LEAST_REMOVED:
+            self._take_names_back(decision, removed)
+            result = self._validated(decision, outside, unseen)
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)
@@ -349,6 +347,31 @@ class _Search:
                 return told, ""
             return told, (Path(folder) / told.reference).read_text(encoding="utf-8")
 
+    def _validated(
+        self, decision: Decision, outside: Outside | None, unseen: Case | None
+    ) -> Validated:
+        case, model = self.case, decision.model
+        assert model is not None
+        least = min(decision.left, unexplained(case, model))
+        if unseen is not None:
+            return validate_unseen(case, unseen, model, least)
+        shows = None
+        if decision.rounds:
+            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
+        split = split_of(case, shows)
+        return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
+
+    def _take_names_back(self, decision: Decision, removed: float) -> None:
+        """Name nothing where that would not help on recordings that no fit has seen."""
+        names = " and ".join(entry.winner.name.replace("_", " ") for entry in decision.rounds)
+        self.case.notes.append(
+            f"{names} would explain the recordings that were fitted, but removes {removed:.0%} of "
+            "the explainable error on the others: nothing is named"
+        )
+        decision.refused = [entry.winner for entry in decision.rounds]
+        decision.rounds.clear()
+        decision.model = self.case.base
+
     def _probabilities(self, decision: Decision) -> dict[str, float]:
         found, base = {}, self.case.base
         for entry in decision.rounds:
@@ -389,7 +412,11 @@ class _Search:
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
-        if decision.in_doubt is None and unexplained(case) > MISMATCH and is_no_noise(tests):
+        if (
+            decision.in_doubt is None
+            and unexplained(case, case.base) > MISMATCH
+            and is_no_noise(tests)
+        ):
             return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from gmfbo.diagnosis.case import Case, chi2_per_dof
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.port_response import PortResponse
 from gmfbo.diagnosis.residual_test import ResidualTest
@@ -86,16 +87,18 @@ def _best(model: Unnamed) -> float:
     return max((min(f.gain, f.fall) for f in model.families if f.family.shared), default=0.0)
 
 
-def unexplained(case: Case) -> float:
-    """chi2 per degree of freedom that the refitted twin leaves by the budget alone.
+def unexplained(case: Case, model: Fitted) -> float:
+    """chi2 per degree of freedom that a model leaves by the budget alone.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
+    model : Fitted
+        The twin refitted, with or without named effects.
     """
     plain = Misfit(case.simulations, case.budget.whiteners())
-    return chi2_per_dof(case.base.measured_by(plain), plain)
+    return chi2_per_dof(model.measured_by(plain), plain)
 
 
 def is_no_noise(tests: Sequence[ResidualTest]) -> bool:
