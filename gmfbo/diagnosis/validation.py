@@ -67,7 +67,7 @@ def validate(
     plain = _refitted(misfit, case.base)
     augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
     scored = split.held_out or chosen
-    return _scored(case, scored, plain, augmented, split, unnamed, least)
+    return _scored(case, scored, plain, augmented, model, split, unnamed, least)
 
 
 def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.inf) -> Validated:
@@ -91,7 +91,7 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         tuple(record.name for record in unseen.simulations.records),
     )
     there = [_refitted(unseen.misfit, fitted, iterations=1) for fitted in (case.base, model)]
-    result = _scored(unseen, split.held_out, there[0], there[1], split, None, least)
+    result = _scored(unseen, split.held_out, there[0], there[1], there[1], split, None, least)
     return replace(result, parameters_only=case.base, augmented=model)
 
 
@@ -100,13 +100,14 @@ def _scored(
     scored: Sequence[int],
     plain: Fitted,
     augmented: Fitted,
+    best: Fitted,
     split: Split,
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
     least: float,
 ) -> Validated:
-    removed = (
-        _removed(case, scored, plain, augmented, least) if augmented.hypothesis.effects else None
-    )
+    removed = None
+    if augmented.hypothesis.effects:
+        removed = _removed(case, scored, plain, augmented, best, least)
     shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
@@ -194,20 +195,29 @@ def _floor(case: Case, scored: Sequence[int], name: str) -> float:
 
 
 def _removed(
-    case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted, least: float
+    case: Case,
+    scored: Sequence[int],
+    plain: Fitted,
+    augmented: Fitted,
+    best: Fitted,
+    least: float,
 ) -> float | None:
-    """Share of the explainable whitened error that is gone; None where there is none."""
+    """Share of the explainable whitened error that is gone; None where there is none.
+
+    What noise leaves is known from above: by its budget, by what the whole library leaves in all
+    recordings, and by what the augmented twin leaves in these ones when fitted to all.
+    """
     whole = Misfit(case.simulations, case.budget.whiteners())
     misfit = restricted(whole, scored)
-    before, after = (
-        chi2(misfit.residual(plain.simulated)),
-        chi2(misfit.residual(augmented.simulated)),
+    before, after, fitted_to_all = (
+        chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented, best)
     )
     size = sum(w.n_residuals for w in misfit.whiteners)
-    floor = min(float(sum(case.budget.noise_squares[w] for w in scored)), least * size)
+    noise = float(sum(case.budget.noise_squares[w] for w in scored))
+    floor = min(noise, least * size, fitted_to_all)
     if before - floor < 2.0 * np.sqrt(2.0 * floor):
         return None
-    return float((before - after) / (before - floor))
+    return min(float((before - after) / (before - floor)), 1.0)
 
 
 def _curves(case: Case, plain: Fitted, augmented: Fitted) -> tuple[Curve, ...]:
