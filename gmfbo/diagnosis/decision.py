@@ -124,7 +124,9 @@ class Decision:
     refused : list of Evidence
         Effects of the last round, of which none was accepted.
     dispersion : float
-        chi2 per degree of freedom that the best model left by the budget alone.
+        chi2 per degree of freedom that the best model left by the budget alone, at least 1.
+    left : float
+        The same as it was: below 1 where the budget of noise is generous.
     silent : frozenset of str
         Effects that were not excited and cannot be named.
     in_doubt : Evidence or None
@@ -140,6 +142,7 @@ class Decision:
     groups: tuple[int, ...] = ()
     refused: list[Evidence] = field(default_factory=list)
     dispersion: float = 1.0
+    left: float = np.inf
     silent: frozenset[str] = frozenset()
     in_doubt: Evidence | None = None
 
@@ -176,15 +179,65 @@ def decide(
     decision.tried, decision.like_parameters = _apart_from_parameters(
         case, probes(case.misfit, case.base, candidates)
     )
-    for number in range(MOST_EFFECTS):
+    again = (progress, rng, look_again)
+    _add_effects(case, decision, *again)
+    if _take_back(case, decision):
+        _add_effects(case, decision, *again)
+    return decision
+
+
+def _add_effects(
+    case: Case,
+    decision: Decision,
+    progress: Callable[[str, float], None],
+    rng: np.random.Generator,
+    look_again: Callable[[Fitted], list[Candidate]],
+) -> None:
+    for number in range(len(decision.rounds), MOST_EFFECTS):
         progress(f"fitting effect {number + 1}", 0.4 + 0.15 * number)
         if number:
             assert decision.model is not None
             more = probes(case.misfit, decision.model, look_again(decision.model))
             decision.tried = [*decision.tried, *more]
         if not _next_round(case, decision, rng):
-            break
-    return decision
+            return
+
+
+def _take_back(case: Case, decision: Decision) -> bool:
+    """Put the first law's simpler limit in its place where that explains as much beside the others.
+
+    Alone, a law with more freedom makes up for effects that are only found after it. What was
+    found beside it is taken back as well.
+    """
+    if len(decision.rounds) < 2:
+        return False
+    assert decision.model is not None
+    first, *others = decision.rounds
+    named = {entry.winner.name for entry in others}
+    limits = set(first.winner.effect.law.contains) - named
+    simpler = [e for e in first.fitted if e.name in limits]
+    if not simpler:
+        return False
+    whole = decision.model.hypothesis
+    beside = replace(whole, effects=whole.effects[1:])
+    without = fit(case.misfit, beside, decision.model.parameters, parallel=True)
+    if without is None:
+        return False
+    fits = confirm(case.misfit, without, [whole.effects[0], *(e.effect for e in simpler)])
+    groups = decision.groups
+    evidence = [_evidence(case, without, fitted, groups) for fitted in fits]
+    large = [e for e in evidence if e.name == first.winner.name]
+    small = [e for e in evidence if e.name != first.winner.name]
+    if not large or not small:
+        return False
+    chosen = _simplest([*large, *small], decision.threshold, 0.0)
+    if chosen.name == first.winner.name:
+        return False
+    winner = next(e for e in simpler if e.name == chosen.name)
+    rivals = rivals_of(winner, [e for e in first.fitted if e.name not in decision.silent])
+    decision.rounds[:] = [replace(first, winner=winner, rivals=tuple(rivals))]
+    decision.model = winner.fitted
+    return True
 
 
 def _apart_from_parameters(
@@ -326,7 +379,8 @@ def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fi
             best = again
     left = _beyond_library(case.misfit, best, decision.tried)
     dof = sum(block.size for block in left)
-    decision.dispersion = max(1.0, chi2(left) / dof)
+    decision.left = chi2(left) / dof
+    decision.dispersion = max(1.0, decision.left)
     spread = dispersion_of(replace(best, residual=left), case.misfit.whiteners)
     wider = case.misfit.with_whiteners(case.budget.whiteners(spread))
     case.use(wider)

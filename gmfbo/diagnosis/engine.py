@@ -23,7 +23,7 @@ from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.opening import open_case, open_unseen
-from gmfbo.diagnosis.outside import MISMATCH, Outside, look_outside, unexplained
+from gmfbo.diagnosis.outside import MISMATCH, Outside, is_no_noise, look_outside, unexplained
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
@@ -37,11 +37,12 @@ from gmfbo.diagnosis.reporting import (
     not_testable,
     units_of,
 )
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.residual_tests import residual_tests
 from gmfbo.diagnosis.simulations import Point
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
+from gmfbo.diagnosis.validation import Validated, validate_unseen
 from gmfbo.diagnosis.validation import validate as validated_on
-from gmfbo.diagnosis.validation import validate_unseen
 from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE, Excitation
@@ -50,6 +51,9 @@ from gmfbo.sources.twin import FmuTwin
 
 LEAST_PROBABILITY = 0.3
 """Below it an effect is not named: it is more likely wrong than right."""
+
+_LEAST_REMOVED = 0.2
+"""Share of the explainable error on held-out recordings, below which nothing is named."""
 
 Progress = Callable[[str, float], None]
 
@@ -213,23 +217,19 @@ class _Search:
             if outside.is_better and decision.in_doubt is None:
                 decision.model = case.base
                 decision.rounds.clear()
-        model = decision.model
-        assert model is not None
         self.progress("validating", 0.85)
-        shows = None
-        if decision.rounds:
-            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
-        if unseen is None:
-            split = split_of(case, shows)
-            result = validated_on(case, model, split, self._unnamed_change(outside, split))
-        else:
-            result = validate_unseen(case, unseen, model)
+        result = self._validated(decision, outside, unseen)
+        removed = result.fit.explainable_error_removed
+        if decision.rounds and removed is not None and removed < _LEAST_REMOVED:
+            self._take_names_back(decision, removed)
+            result = self._validated(decision, outside, unseen)
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)
         named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects
-        verdict = self._verdict(decision, outside)
+        tests = residual_tests(unseen or case, result.curves, result.fit.held_out)
+        verdict = self._verdict(decision, outside, tests)
         location = Location(None)
         if verdict in ("missing_physics", "outside_library"):
             location = locate(
@@ -263,7 +263,7 @@ class _Search:
             notes=tuple(case.notes),
             predictions=predictions_of(case, decision, augmented, self.units),
             latent=self._latent(outside, decision),
-            residual_tests=residual_tests(unseen or case, result.curves, result.fit.held_out),
+            residual_tests=tests,
             curves=result.curves,
             augmentation=augmentation_of(case, augmented, self.units),
         )
@@ -347,6 +347,31 @@ class _Search:
                 return told, ""
             return told, (Path(folder) / told.reference).read_text(encoding="utf-8")
 
+    def _validated(
+        self, decision: Decision, outside: Outside | None, unseen: Case | None
+    ) -> Validated:
+        case, model = self.case, decision.model
+        assert model is not None
+        least = min(decision.left, unexplained(case, model))
+        if unseen is not None:
+            return validate_unseen(case, unseen, model, least)
+        shows = None
+        if decision.rounds:
+            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
+        split = split_of(case, shows)
+        return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
+
+    def _take_names_back(self, decision: Decision, removed: float) -> None:
+        """Name nothing where that would not help on recordings that no fit has seen."""
+        names = " and ".join(entry.winner.name.replace("_", " ") for entry in decision.rounds)
+        self.case.notes.append(
+            f"{names} would explain the recordings that were fitted, but removes {removed:.0%} of "
+            "the explainable error on the others: nothing is named"
+        )
+        decision.refused = [entry.winner for entry in decision.rounds]
+        decision.rounds.clear()
+        decision.model = self.case.base
+
     def _probabilities(self, decision: Decision) -> dict[str, float]:
         found, base = {}, self.case.base
         for entry in decision.rounds:
@@ -379,13 +404,19 @@ class _Search:
         at_torque = [r for r in decision.rounds if r.winner.effect.law.port == "torque"]
         return self._shape(outside) if at_torque else None
 
-    def _verdict(self, decision: Decision, outside: Outside | None) -> Verdict:
+    def _verdict(
+        self, decision: Decision, outside: Outside | None, tests: Sequence[ResidualTest]
+    ) -> Verdict:
         case = self.case
         if outside is not None and outside.is_better and decision.in_doubt is None:
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
-        if decision.in_doubt is None and unexplained(case) > MISMATCH:
+        if (
+            decision.in_doubt is None
+            and unexplained(case, case.base) > MISMATCH
+            and is_no_noise(tests)
+        ):
             return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 

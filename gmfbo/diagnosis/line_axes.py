@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 TOP_FREQUENCY = 100.0
 """[Hz] At which a line may pass by; a loop hides faster torques."""
 
-_LEAST_CYCLES = 0.7  # within the stroke or the longest recording
+_LEAST_CYCLES = 0.7  # within a stroke of less than a turn, or the longest recording
+_LEAST_REPEATS = 2.0  # within the stroke of a slide: fewer are an offset and a slope
 _SAMPLES_A_CYCLE = 3.0
 _SLOW_PART = 0.5  # of the motion
 _OVERSAMPLING = 4  # points of the scan within the resolution of one cycle in the range
@@ -83,7 +84,8 @@ def over_position(case: Case, base: Fitted, response: PortResponse) -> Axis | No
     records = case.simulations.records
     states = [states_of(run, record) for run, record in zip(base.simulated, records, strict=True)]
     speed = _slow_speed(states)
-    least = 2.0 * np.pi * _LEAST_CYCLES / excitation.stroke
+    cycles = _LEAST_CYCLES if excitation.angular else _LEAST_REPEATS
+    least = 2.0 * np.pi * cycles / excitation.stroke
     most = 2.0 * np.pi * min(TOP_FREQUENCY, 1.0 / (_SAMPLES_A_CYCLE * response.step)) / speed
     most = min(most, 2.0 * np.pi / (_SAMPLES_A_CYCLE * excitation.resolution))
     if not np.isfinite(most) or most <= least:

@@ -85,8 +85,8 @@ class LineSearch:
     @property
     def _lowest(self) -> float:
         """Place below which a line is an offset or a slope to these recordings."""
-        lowest = 0.5 * float(self._axis.places[0])
-        return min(lowest, 0.9) if self._axis.rounded else lowest
+        lowest = float(self._axis.places[0])
+        return min(0.5 * lowest, 0.9) if self._axis.rounded else lowest
 
     def strongest(self, own: Blocks, least: float) -> list[Line]:
         """Lines found one after the other, each beyond those before it and other columns."""

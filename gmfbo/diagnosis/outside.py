@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from gmfbo.diagnosis.case import Case, chi2_per_dof
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.port_response import PortResponse
+from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.shape import Unnamed, unnamed
 
+_FOLLOWS = 1.2  # times what chance and tolerance allow
 _BETTER = 0.7  # a name that explains less than this share of what a free function does is none
 _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
 _BESIDE_SHARE = 0.015  # of the names' gain, which a function beside them may gain: laws are inexact
-_PERFECT = 0.6  # chi2 per degree of freedom that a right model leaves: the budget is generous
-_LEFT_SHARE = 0.25  # of the misfit beyond that, which names may leave
-_VISIBLE = 1.2  # chi2 per degree of freedom, from which it counts
-_EXCESS_SHARE = 0.3  # of what is left beyond noise, which it has to take away
+_EXCESS_SHARE = 0.3  # of the misfit beyond noise, which it has to take away
+_REST_SHARE = 0.5  # of what names leave beyond noise, which a function beside them takes away
 
 
-MISMATCH = 10.0
+MISMATCH = 2.5
 """chi2 per degree of freedom from which a misfit is real although nothing explains it.
 
-Nulls of the blind benchmark leave 0.4 to 1.3, and up to 5 under coloured noise.
+Nulls of the blind benchmark leave 0.4 to 1.3; coloured noise leaves more, but follows no
+reference.
 """
 
 
@@ -74,9 +77,9 @@ def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outs
     is_better = is_large and is_most and named < _BETTER * gain
     if decision.rounds and not is_better:
         beside = _best(unnamed(replace(case, misfit=plain, base=with_names), with_names, response))
+        left_over = with_names.chi2 - float(sum(case.budget.noise_squares))
         least = max(_THRESHOLDS * decision.threshold, _BESIDE_SHARE * named)
-        leaves_much = with_names.chi2 - _PERFECT * dof > _LEFT_SHARE * (base.chi2 - _PERFECT * dof)
-        is_better = beside > least or (leaves_much and with_names.chi2 > _VISIBLE * dof)
+        is_better = beside > max(least, _REST_SHARE * left_over)
     return Outside(model, gain, named, is_better)
 
 
@@ -84,13 +87,26 @@ def _best(model: Unnamed) -> float:
     return max((min(f.gain, f.fall) for f in model.families if f.family.shared), default=0.0)
 
 
-def unexplained(case: Case) -> float:
-    """chi2 per degree of freedom that the refitted twin leaves by the budget alone.
+def unexplained(case: Case, model: Fitted) -> float:
+    """chi2 per degree of freedom that a model leaves by the budget alone.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
+    model : Fitted
+        The twin refitted, with or without named effects.
     """
     plain = Misfit(case.simulations, case.budget.whiteners())
-    return chi2_per_dof(case.base.measured_by(plain), plain)
+    return chi2_per_dof(model.measured_by(plain), plain)
+
+
+def is_no_noise(tests: Sequence[ResidualTest]) -> bool:
+    """Whether what is left follows the reference, as noise of no colour does.
+
+    Parameters
+    ----------
+    tests : sequence of ResidualTest
+        Of held-out recordings.
+    """
+    return any(t.follows > _FOLLOWS * max(t.bound, t.tolerance) for t in tests)

@@ -26,9 +26,9 @@ Array = NDArray[np.float64]
 
 _CORNERS = (30.0, 45.0, 65.0, 95.0, 140.0, 200.0)  # [Hz] above which noise is played
 _WHITE = 1.6  # times the level near the Nyquist frequency: more is motion
-_ORDER = 8
+_SMEARED = 0.97  # of the corner: a window's taper spreads it
 _ROUNDS = 7  # of reading the noise at most, each beside what the axis makes of the last
-_SETTLED = 0.02  # of the noise, by which a further round changes it
+_SETTLED = 0.01  # of the noise, by which a further round changes it
 _CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
 _END = 0.02  # of a recording, at each end
 _TRANSIENT = 4.0  # times the level, which noise at the ends does not reach
@@ -97,11 +97,11 @@ def above(column: Array, step: float, corner: float) -> Array:
     step : float
         [s] Between samples.
     corner : float
-        [Hz] At which half of the amplitude is kept.
+        [Hz] A sharp one: what is taken twice is taken once, so that no model gains by having had
+        its noise read more often.
     """
     line = np.linspace(column[0], column[-1], column.size)
-    frequency = np.maximum(np.fft.rfftfreq(column.size, step), 1e-9)
-    kept = 1.0 / (1.0 + (corner / frequency) ** _ORDER)
+    kept = np.fft.rfftfreq(column.size, step) >= corner
     fast: Array = np.fft.irfft(np.fft.rfft(column - line) * kept, column.size)
     return fast
 
@@ -282,10 +282,10 @@ def played_spectrum(noise: RecordedNoise, window: Window, signal: int, variance:
     """
     variances = np.zeros(window.n_signals)
     variances[signal] = variance
-    kept = 1.0 / (1.0 + (noise.corner / np.maximum(window.frequencies, 1e-9)) ** _ORDER)
+    kept = window.frequencies >= _SMEARED * noise.corner
     white = window.white([float(v) for v in variances])
     spectrum = np.zeros((kept.size, window.n_signals, window.n_signals), dtype=complex)
-    spectrum[:, signal, signal] = kept**2 * white[..., signal]
+    spectrum[:, signal, signal] = kept * white[..., signal]
     return spectrum
 
 

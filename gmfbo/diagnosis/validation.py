@@ -44,6 +44,7 @@ def validate(
     model: Fitted,
     split: Split,
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+    least: float = np.inf,
 ) -> Validated:
     """Refit on the fitted windows alone, and score on the others.
 
@@ -57,16 +58,19 @@ def validate(
         Which windows are fitted.
     unnamed : sequence of sequences of ndarray, optional
         Change of each recording's signals by a model without a name.
+    least : float
+        chi2 per degree of freedom that the whole library together leaves: the floor of the share
+        of error that is removed is no higher, since budgets of noise are generous.
     """
     chosen = split.fitted or tuple(range(len(case.budget.windows)))
     misfit = restricted(case.misfit, chosen)
     plain = _refitted(misfit, case.base)
     augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
     scored = split.held_out or chosen
-    return _scored(case, scored, plain, augmented, split, unnamed)
+    return _scored(case, scored, plain, augmented, model, split, unnamed, least)
 
 
-def validate_unseen(case: Case, unseen: Case, model: Fitted) -> Validated:
+def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.inf) -> Validated:
     """Score models of some recordings on others, which nothing has seen.
 
     Parameters
@@ -77,6 +81,8 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted) -> Validated:
         The same twin and the other recordings.
     model : Fitted
         The twin with all named physics.
+    least : float
+        As of `validate`.
     """
     split = Split(
         tuple(range(len(case.budget.windows))),
@@ -85,7 +91,7 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted) -> Validated:
         tuple(record.name for record in unseen.simulations.records),
     )
     there = [_refitted(unseen.misfit, fitted, iterations=1) for fitted in (case.base, model)]
-    result = _scored(unseen, split.held_out, there[0], there[1], split, None)
+    result = _scored(unseen, split.held_out, there[0], there[1], there[1], split, None, least)
     return replace(result, parameters_only=case.base, augmented=model)
 
 
@@ -94,10 +100,14 @@ def _scored(
     scored: Sequence[int],
     plain: Fitted,
     augmented: Fitted,
+    best: Fitted,
     split: Split,
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+    least: float,
 ) -> Validated:
-    removed = _removed(case, scored, plain, augmented) if augmented.hypothesis.effects else None
+    removed = None
+    if augmented.hypothesis.effects:
+        removed = _removed(case, scored, plain, augmented, best, least)
     shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
@@ -184,18 +194,30 @@ def _floor(case: Case, scored: Sequence[int], name: str) -> float:
     return float(np.sqrt(np.mean(squares)) / extent) if extent > 0.0 else float("nan")
 
 
-def _removed(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted) -> float | None:
-    """Share of the explainable whitened error that is gone; None where there is none."""
+def _removed(
+    case: Case,
+    scored: Sequence[int],
+    plain: Fitted,
+    augmented: Fitted,
+    best: Fitted,
+    least: float,
+) -> float | None:
+    """Share of the explainable whitened error that is gone; None where there is none.
+
+    What noise leaves is known from above: by its budget, by what the whole library leaves in all
+    recordings, and by what the augmented twin leaves in these ones when fitted to all.
+    """
     whole = Misfit(case.simulations, case.budget.whiteners())
     misfit = restricted(whole, scored)
-    before, after = (
-        chi2(misfit.residual(plain.simulated)),
-        chi2(misfit.residual(augmented.simulated)),
+    before, after, fitted_to_all = (
+        chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented, best)
     )
-    floor = float(sum(case.budget.noise_squares[w] for w in scored))
+    size = sum(w.n_residuals for w in misfit.whiteners)
+    noise = float(sum(case.budget.noise_squares[w] for w in scored))
+    floor = min(noise, least * size, fitted_to_all)
     if before - floor < 2.0 * np.sqrt(2.0 * floor):
         return None
-    return float((before - after) / (before - floor))
+    return min(float((before - after) / (before - floor)), 1.0)
 
 
 def _curves(case: Case, plain: Fitted, augmented: Fitted) -> tuple[Curve, ...]:
