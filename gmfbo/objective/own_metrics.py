@@ -6,6 +6,7 @@ import hashlib
 import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 from typing import Any, Self
 
@@ -108,7 +109,7 @@ class OwnMetrics:
                 raise OwnMetricsError(
                     f"metrics {self.label}: expected names of its own, got '{name}'"
                 )
-            if not np.isscalar(value) or not np.isfinite(np.float64(value)):
+            if not isinstance(value, Real) or not np.isfinite(float(value)):
                 raise OwnMetricsError(
                     f"metrics {self.label}: expected a finite number for '{name}', got {value!r}"
                 )

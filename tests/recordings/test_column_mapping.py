@@ -61,7 +61,7 @@ def test_scale_and_offset_of_the_mapping_apply(tmp_path: Path) -> None:
 
 def test_a_file_of_ours_is_read_as_without_the_mapping(tmp_path: Path) -> None:
     made = Recording(
-        time=np.arange(3) * 1e-3,
+        time=np.arange(3.0) * 1e-3,
         signals={"reference": np.arange(3.0), "position": np.ones(3), "Ist": np.zeros(3)},
         written_by="0.1.0",
     )
@@ -84,7 +84,7 @@ def test_a_bad_cell_is_named_as_it_stands_in_the_file(tmp_path: Path) -> None:
 
 def test_numpy_numbers_in_use_are_written_so_that_they_are_read(tmp_path: Path) -> None:
     made = Recording(
-        time=np.arange(5) * 0.1,
+        time=np.arange(5.0) * 0.1,
         signals={"a": np.arange(5.0)},
         use=(np.float64(0.1), np.float32(0.25)),  # type: ignore[arg-type]
     )
