@@ -29,6 +29,7 @@ from pathlib import Path
 
 from gmfbo import FmuTwin, Recording, Study, Trajectory, Tuner, step_reference
 from gmfbo.recordings.writer import write_recording
+from gmfbo.sources.failed_run import failed_run
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 WORN = {"friction.viscous": 2.0}  # [N m s/rad]
@@ -117,8 +118,9 @@ with Tuner(by_function, plant=worn_drive) as tuner:
 # %% [markdown]
 # ## A person at a bench
 #
-# `gmfbo ask` prints the next gains and writes the reference to play; `gmfbo tell` takes the
-# recording. Here the person is a loop. Asking again before telling prints the same gains.
+# `gmfbo ask` prints the next gains and writes the reference to play, with the gains in its lines;
+# `gmfbo tell` takes the recording. Here the person is a loop. Asking again before telling prints
+# the same gains.
 
 
 # %%
@@ -129,17 +131,32 @@ def gmfbo(*words: str | Path) -> str:
 
 
 by_hand = study_of("bench", "ask_tell = true")
-for _ in range(3):
-    asked = gmfbo("ask", "bench.toml")
-    assert gmfbo("ask", "bench.toml") == asked
-    lines = [line.removeprefix("set").split("=") for line in asked.splitlines()[1:3]]
+asked = gmfbo("ask", "bench.toml")
+print(asked)
+assert gmfbo("ask", "bench.toml") == asked
+for run in range(3):
+    if run:
+        gmfbo("ask", "bench.toml")
     wanted = Recording.read(folder / "bench.study" / "next.csv")
-    gains_wanted = {name.strip(): wanted.parameters[name.strip()] for name, _ in lines}
+    gains_wanted = {name: wanted.parameters[name] for name in ("ctl.Kp", "ctl.Kd")}
     try:
         write_recording(worn_drive(gains_wanted, wanted), folder / "measured.csv")
         print(gmfbo("tell", "bench.toml", "measured.csv").splitlines()[0])
     except RuntimeError as error:
         print(gmfbo("tell", "bench.toml", "--failed", str(error)).splitlines()[0])
+
+# %% [markdown]
+# The same from Python, where the loop is yours:
+
+# %%
+by_script = study_of("script", "ask_tell = true")
+with Tuner(by_script) as tuner:
+    while (request := tuner.ask()) is not None:
+        reference = tuner.experiment.reference
+        try:
+            tuner.tell(request, worn_drive(request.gains, reference))
+        except RuntimeError as error:
+            tuner.tell(request, failed_run(reference, str(error)))
 
 # %% [markdown]
 # ## A folder of recordings
@@ -150,10 +167,10 @@ for _ in range(3):
 
 # %%
 (folder / "grid").mkdir()
-reference = step_reference(1.0, at=0.1, horizon=0.5)
+step = step_reference(1.0, at=0.1, horizon=0.5)
 for kp in (40.0, 80.0, 120.0, 160.0):
     for kd in (3.0, 6.0, 9.0):
-        measured = worn_drive({"ctl.Kp": kp, "ctl.Kd": kd}, reference)
+        measured = worn_drive({"ctl.Kp": kp, "ctl.Kd": kd}, step)
         write_recording(measured, folder / "grid" / f"kp{kp:.0f}_kd{kd:.0f}.csv")
 
 by_recordings = study_of("grid", 'recorded = "grid/"')
@@ -165,20 +182,20 @@ print("best of the recordings asked for:", dict(grid_result.best.gains))
 # %% [markdown]
 # ## What holds for all of them
 #
-# The program, the function and the person ran the same drive: the same seed asked for the same
-# gains and brought the same costs. The recordings were asked for at their own gains.
+# The program, the function, the person and the script ran the same drive: the same seed asked for
+# the same gains and brought the same costs. The recordings were asked for at their own gains.
 
 # %%
 outcomes = [
     [(dict(t.gains), t.status, round(t.objective, 6)) for t in study.trials if t.source == "IS1"]
-    for study in (by_program, by_function, by_hand)
+    for study in (by_program, by_function, by_hand, by_script)
 ]
 assert len(outcomes[0]) == 3
-assert outcomes[0] == outcomes[1] == outcomes[2]
+assert all(outcome == outcomes[0] for outcome in outcomes)
 for trial in by_recordings.trials:
     if trial.source == "IS1":
         assert trial.gains["ctl.Kp"] in (40.0, 80.0, 120.0, 160.0)
         assert trial.gains["ctl.Kd"] in (3.0, 6.0, 9.0)
 assert program_result.best is not None
 assert function_result.best is not None
-print("three ways to run one drive, the same study:", len(outcomes[0]), "real runs each")
+print("four ways to run one drive, the same study:", len(outcomes[0]), "real runs each")
