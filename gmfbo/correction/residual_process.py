@@ -53,6 +53,7 @@ class ResidualProcess:
         *,
         lengthscale: float,
         centred: bool = False,
+        extra: NDArray[np.float64] | None = None,
     ) -> Self:
         """Condition on functions of time, one a run.
 
@@ -66,6 +67,9 @@ class ResidualProcess:
             Over the unit cube.
         centred : bool
             Far from all runs return to their mean instead of zero.
+        extra : ndarray, shape (n,), optional
+            Variance of a run beyond `NUGGET`, over that of the process: of one from before the
+            plant changed.
 
         Notes
         -----
@@ -75,6 +79,8 @@ class ResidualProcess:
             return cls(points, lengthscale, np.eye(0), functions, np.zeros(functions.shape[1]))
         centre = functions.mean(axis=0) if centred else np.zeros(functions.shape[1])
         covariance = matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
+        if extra is not None:
+            covariance += np.diag(extra)
         factor = cholesky(covariance, lower=True)
         whitened = solve_triangular(factor, functions - centre, lower=True)
         return cls(points, lengthscale, factor, whitened, centre)

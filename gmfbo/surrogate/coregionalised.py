@@ -25,6 +25,7 @@ from torch import Tensor
 
 from gmfbo.correction.fitting import fit_by_map
 from gmfbo.correction.torch_setup import DTYPE
+from gmfbo.surrogate.extra_noise import believe_less
 from gmfbo.surrogate.kernel import matern52, squared_differences
 from gmfbo.surrogate.model import SourceModel
 from gmfbo.surrogate.noise import SourceNoiseLikelihood
@@ -133,6 +134,7 @@ class CoregionalisedModel(SourceModel):
             likelihood=SourceNoiseLikelihood(per_source=True),
             mean_module=SourceMean(),
         )
+        believe_less(model, observations)
         model.note = fit_by_map(model)
         return model
 

@@ -61,12 +61,16 @@ class AxisRuns:
         Objective g, to be minimised; a failed run has its price.
     simulated, measured : ndarray, shape (n, m)
         [signal] Trajectories; a row of NaN in either where that run failed.
+    extra : ndarray, shape (n,), optional
+        Variance of a run over that of the process: of one from before the plant changed. None
+        is zero.
     """
 
     points: NDArray[np.float64]
     values: NDArray[np.float64]
     simulated: NDArray[np.float64]
     measured: NDArray[np.float64]
+    extra: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         for name in ("points", "values", "simulated", "measured"):
@@ -84,6 +88,10 @@ class AxisRuns:
             )
         if not np.all(np.isfinite(self.values)):
             raise InputError("objectives hold NaN or infinity; price a failed run first")
+
+    def extra_of(self, rows: NDArray[np.generic]) -> NDArray[np.float64]:
+        """Extra variance of some runs, given by a mask or their places."""
+        return (np.zeros(len(self.values)) if self.extra is None else self.extra)[rows]
 
     @property
     def paired(self) -> NDArray[np.bool_]:
@@ -128,12 +136,14 @@ class CorrectedTwinModel:
         """
         paired = runs.paired
         points, residuals = runs.points[paired], (runs.measured - runs.simulated)[paired]
-        length = likeliest_lengthscale(points, residuals)
-        residual = ResidualProcess.fit(points, residuals, lengthscale=length)
+        extra = runs.extra_of(paired)
+        length = likeliest_lengthscale(points, residuals, extra)
+        residual = ResidualProcess.fit(points, residuals, lengthscale=length, extra=extra)
         spread = float(np.ptp(runs.values)) or 1.0
         errors = _left_out_errors(runs, cost_of, length)
         scale = float(np.median(np.abs(errors))) if len(errors) else spread
-        factor = cholesky(_covariance(runs.points), lower=True)
+        everything = np.arange(len(runs.values))
+        factor = cholesky(_covariance(runs.points, runs.extra_of(everything)), lower=True)
         departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
         white = solve_triangular(factor, departures, lower=True)
         return cls(runs, cost_of, residual, max(scale, LEAST_SCALE * spread), factor, white)
@@ -170,7 +180,11 @@ class CorrectedTwinModel:
         return mean, variance
 
 
-def likeliest_lengthscale(points: NDArray[np.float64], functions: NDArray[np.float64]) -> float:
+def likeliest_lengthscale(
+    points: NDArray[np.float64],
+    functions: NDArray[np.float64],
+    extra: NDArray[np.float64] | None = None,
+) -> float:
     """Lengthscale of functions of time over the gains, by marginal posterior.
 
     The scale of the functions is integrated out, and all times count as one observation in
@@ -182,6 +196,8 @@ def likeliest_lengthscale(points: NDArray[np.float64], functions: NDArray[np.flo
         In the unit cube.
     functions : ndarray, shape (n, m)
         One a point.
+    extra : ndarray, shape (n,), optional
+        As in `AxisRuns`.
     """
     median, spread = _LENGTHSCALE_PRIOR
     losses = []
@@ -189,6 +205,8 @@ def likeliest_lengthscale(points: NDArray[np.float64], functions: NDArray[np.flo
         loss = 0.5 * (np.log(lengthscale / median) / spread) ** 2
         if len(points):
             covariance = matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
+            if extra is not None:
+                covariance += np.diag(extra)
             factor = cholesky(covariance, lower=True)
             white = solve_triangular(factor, functions, lower=True)
             scale = float(np.mean(white**2)) + np.finfo(float).tiny
@@ -228,13 +246,18 @@ def _left_out_errors(runs: AxisRuns, cost_of: CostOf, lengthscale: float) -> NDA
     for row in rows:
         others = rows[rows != row]
         residual = ResidualProcess.fit(
-            runs.points[others], residuals[others], lengthscale=lengthscale
+            runs.points[others],
+            residuals[others],
+            lengthscale=lengthscale,
+            extra=runs.extra_of(others),
         )
         predicted.append(_corrected(runs.points[[row]], runs.simulated[[row]], residual)[0])
     errors = runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float)
-    left = 1.0 / np.diag(np.linalg.inv(_covariance(runs.points[rows])))
+    extra = runs.extra_of(rows)
+    left = 1.0 / np.diag(np.linalg.inv(_covariance(runs.points[rows], extra)))
     return errors / np.sqrt(left)
 
 
-def _covariance(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return matern52(points, points, DEPARTURE_LENGTHSCALE) + NUGGET * np.eye(len(points))
+def _covariance(points: NDArray[np.float64], extra: NDArray[np.float64]) -> NDArray[np.float64]:
+    own = matern52(points, points, DEPARTURE_LENGTHSCALE) + NUGGET * np.eye(len(points))
+    return np.asarray(own + np.diag(extra))

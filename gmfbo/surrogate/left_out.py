@@ -32,6 +32,7 @@ def errors_with_twin(runs: AxisRuns, cost_of: CostOf) -> NDArray[np.float64]:
                 runs.values[others],
                 runs.simulated[others],
                 runs.measured[others],
+                runs.extra_of(others),
             ),
             cost_of,
         )

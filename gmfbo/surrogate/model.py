@@ -30,6 +30,7 @@ from torch import Tensor
 
 from gmfbo.correction.fitting import fit_by_map
 from gmfbo.correction.torch_setup import exact_algebra
+from gmfbo.surrogate.extra_noise import believe_less
 from gmfbo.surrogate.kernel import AdaptiveSourceKernel
 from gmfbo.surrogate.noise import SourceNoiseLikelihood
 from gmfbo.surrogate.observations import Observations, with_source
@@ -129,6 +130,7 @@ class SourceModel(SingleTaskGP):
                 per_source=settings.noise_per_source, floor=settings.noise_floor
             ),
         )
+        believe_less(model, observations)
         model.note = fit_by_map(model)
         return model
 

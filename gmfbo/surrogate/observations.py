@@ -58,11 +58,15 @@ class Observations:
         `IS1` (real axis), `IS2` (twin) or `IS3` (twin corrected by the trajectory process).
     values : ndarray, shape (n,)
         Objective g, to be minimised.
+    extra : ndarray, shape (n,), optional
+        [g^2] Noise variance of a row beyond that of its source: a run from before the plant
+        changed. None is zero.
     """
 
     points: NDArray[np.float64]
     sources: tuple[str, ...]
     values: NDArray[np.float64]
+    extra: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         points = np.array(self.points, dtype=float)
@@ -83,6 +87,14 @@ class Observations:
             )
         for name in self.sources:
             source_column(name)
+        if self.extra is not None:
+            extra = np.array(self.extra, dtype=float)
+            if extra.shape != values.shape or not np.all(np.isfinite(extra)) or extra.min() < 0.0:
+                raise InputError(
+                    f"expected {len(points)} extra variances, each zero or more, got {self.extra}"
+                )
+            extra.setflags(write=False)
+            object.__setattr__(self, "extra", extra)
         points.setflags(write=False)
         values.setflags(write=False)
         object.__setattr__(self, "points", points)
@@ -90,10 +102,17 @@ class Observations:
         object.__setattr__(self, "sources", tuple(self.sources))
 
     @classmethod
-    def gather(cls, rows: Sequence[tuple[ArrayLike, str, float]]) -> Observations:
-        """Collect rows of (point of shape (d,), source name, objective)."""
+    def gather(
+        cls, rows: Sequence[tuple[ArrayLike, str, float]], extra: Sequence[float] | None = None
+    ) -> Observations:
+        """Collect rows of (point of shape (d,), source name, objective), and extra variances."""
         points, sources, values = zip(*rows, strict=True)
-        return cls(np.array([np.asarray(point) for point in points]), sources, np.array(values))
+        return cls(
+            np.array([np.asarray(point) for point in points]),
+            sources,
+            np.array(values),
+            np.array(extra) if extra is not None and any(extra) else None,
+        )
 
     def of(self, source: str) -> NDArray[np.bool_]:
         """Mask of the rows of one source, shape (n,)."""

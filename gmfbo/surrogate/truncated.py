@@ -18,6 +18,7 @@ from gpytorch.mlls import ExactMarginalLogLikelihood
 from numpy.typing import ArrayLike, NDArray
 
 from gmfbo.correction.torch_setup import exact_algebra
+from gmfbo.surrogate.extra_noise import believe_less
 from gmfbo.surrogate.observations import Observations, with_source
 
 
@@ -40,6 +41,7 @@ class TruncatedModel(SingleTaskMultiFidelityGP):
         """
         inputs = observations.train_X()
         model = cls(inputs, observations.train_Y(), data_fidelities=[inputs.shape[-1] - 1])
+        believe_less(model, observations)
         # A fit that fails is tried again from draws of the priors.
         with exact_algebra(), manual_seed(0):
             fit_gpytorch_mll(ExactMarginalLogLikelihood(model.likelihood, model))

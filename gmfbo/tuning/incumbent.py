@@ -8,7 +8,7 @@ from gmfbo.objective.limits import Limits
 from gmfbo.recordings.trial import Trial
 
 
-def best_run(trials: Iterable[Trial], limits: Limits) -> Trial | None:
+def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial | None:
     """Pick the best real run.
 
     Feasible runs first (Deb 2000, "An efficient constraint handling method for genetic
@@ -21,6 +21,8 @@ def best_run(trials: Iterable[Trial], limits: Limits) -> Trial | None:
         Runs of any source.
     limits : Limits
         On metrics.
+    since : int
+        Trial number of the last real run before the plant changed; a later run is preferred.
 
     Returns
     -------
@@ -28,6 +30,7 @@ def best_run(trials: Iterable[Trial], limits: Limits) -> Trial | None:
         None while no real run succeeded.
     """
     finished = [trial for trial in trials if trial.source == "IS1" and trial.status == "ok"]
+    finished = [trial for trial in finished if trial.number > since] or finished
     return min(
         finished, key=lambda trial: (limits.excess(trial.metrics), trial.objective), default=None
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,6 +42,9 @@ class Observation:
         Each limited metric, the largest over the references [unit of the metric].
     feasible : bool
         The run succeeded and meets all limits.
+    outdated : float
+        Variance of the change of the plant since this run, over the variance of the costs of the
+        real runs; 0 where it has not changed.
     """
 
     number: int
@@ -55,6 +58,7 @@ class Observation:
     uncorrected_scaled: float | None = None
     limited: Mapping[str, float] = field(default_factory=dict)
     feasible: bool = True
+    outdated: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +97,8 @@ class TuningState:
     def incumbent(self, *sources: SourceName) -> float:
         """Least cost g of runs that meet the limits, the bar of an improvement.
 
+        Runs from before a change of the plant are no bar.
+
         While there is none, any run that meets the limits improves on a failed one: then the
         bar is its price. Without limits a failed run counts with that price, too.
 
@@ -101,7 +107,8 @@ class TuningState:
         *sources : str
             Of the runs; `IS1` unless given.
         """
-        seen = self.of(*(sources or ("IS1",)))
+        wanted = self.of(*(sources or ("IS1",)))
+        seen = [one for one in wanted if not one.outdated] or wanted
         if not self.limits:
             return min(one.objective for one in seen)
         return min((one.objective for one in seen if one.feasible), default=self.objective.failed)
@@ -109,6 +116,25 @@ class TuningState:
     def of(self, *sources: SourceName) -> tuple[Observation, ...]:
         """Observations of some sources, in order."""
         return tuple(seen for seen in self.observations if seen.source in sources)
+
+    def extra_of(self, seen: Sequence[Observation], values: NDArray[np.float64]) -> list[float]:
+        """Noise variance that runs get because the plant has changed since.
+
+        Parameters
+        ----------
+        seen : sequence of Observation
+            Runs of any source, n of them.
+        values : ndarray, shape (n,)
+            What is modelled, such as the cost.
+
+        Returns
+        -------
+        list of float, length n
+            [unit of the values squared]
+        """
+        real = values[[one.source == "IS1" for one in seen]]
+        spread = float(np.var(real)) if len(real) else 0.0
+        return [one.outdated * spread for one in seen]
 
     @property
     def fixed_unit(self) -> dict[int, float]:

@@ -6,9 +6,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from gmfbo.errors import StudyFileError, did_you_mean
+from gmfbo.tuning.drift_section import DriftSection
 from gmfbo.tuning.study_sections import (
     BudgetSection,
     Normalisation,
@@ -16,12 +17,11 @@ from gmfbo.tuning.study_sections import (
     PlantChange,
     PlantSection,
     ReferenceSection,
-    Section,
     StudyFile,
     TwinSection,
 )
 
-_SECTIONS: dict[str, type[Section]] = {
+_SECTIONS: dict[str, type[BaseModel]] = {
     "": StudyFile,
     "is1": PlantSection,
     "is1.change": PlantChange,
@@ -30,8 +30,11 @@ _SECTIONS: dict[str, type[Section]] = {
     "objective": ObjectiveSection,
     "objective.normalise": Normalisation,
     "budget": BudgetSection,
+    "drift": DriftSection,
 }
-_TABLES = {"is1", "is2", "gains", "reference", "objective", "constraints", "safety", "budget"}
+_TABLES = {
+    *("is1", "is2", "gains", "reference", "objective", "constraints", "safety", "drift", "budget")
+}
 
 
 def parse_study(text: str, *, label: str, default_name: str) -> StudyFile:

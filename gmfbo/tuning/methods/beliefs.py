@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.recordings.trial import SourceName
 from gmfbo.tuning.method import Proposal
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.state import Observation, TuningState
 
 if TYPE_CHECKING:
     from gmfbo.acquisition.feasibility import FeasibilityWeight
@@ -30,11 +31,7 @@ def observations_of(state: TuningState, *sources: SourceName) -> Observations:
     *sources : str
         `IS1`, `IS2`, `IS3`.
     """
-    from gmfbo.surrogate.observations import Observations
-
-    return Observations.gather(
-        [(seen.point, seen.source, seen.objective) for seen in state.of(*sources)]
-    )
+    return _gathered(state, state.of(*sources))
 
 
 def unprompted_observations(state: TuningState, *sources: SourceName) -> Observations:
@@ -47,15 +44,16 @@ def unprompted_observations(state: TuningState, *sources: SourceName) -> Observa
     *sources : str
         `IS1`, `IS2`, `IS3`.
     """
+    kept = [one for one in state.of(*sources) if one.source != "IS2" or one.parent is None]
+    return _gathered(state, kept)
+
+
+def _gathered(state: TuningState, seen: Sequence[Observation]) -> Observations:
     from gmfbo.surrogate.observations import Observations
 
-    return Observations.gather(
-        [
-            (seen.point, seen.source, seen.objective)
-            for seen in state.of(*sources)
-            if seen.source != "IS2" or seen.parent is None
-        ]
-    )
+    values = np.array([one.objective for one in seen])
+    rows = [(one.point, one.source, one.objective) for one in seen]
+    return Observations.gather(rows, state.extra_of(seen, values))
 
 
 def corrected_and_twin(
@@ -73,6 +71,7 @@ def corrected_and_twin(
     pairs = [
         (seen.scaled, seen.uncorrected_scaled) if scaled else (seen.objective, seen.uncorrected)
         for seen in state.of("IS3")
+        if not seen.outdated
     ]
     corrected, twin = np.array(pairs, dtype=float).reshape(-1, 2).T
     return corrected, twin
@@ -112,13 +111,17 @@ def feasibility_of(state: TuningState) -> FeasibilityWeight:
         seen = [(one.point, one.source, one.limited[name]) for one in state.of("IS1")]
         # A metric that no run moved has no scale, and tells nothing of where it is met.
         if len({value for *_, value in seen}) > 1:
-            model = SourceModel.fit(Observations.gather(seen), SurrogateSettings(ard=True))
+            extra = state.extra_of(state.of("IS1"), np.array([value for *_, value in seen]))
+            data = Observations.gather(seen, extra)
+            model = SourceModel.fit(data, SurrogateSettings(ard=True))
             limited.append((model, most))
     return FeasibilityWeight(limited)
 
 
 def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -> float:
     """Bar of an improvement: least cost g of the data, or of runs that meet the limits.
+
+    After a change of the plant, of the runs since.
 
     Parameters
     ----------
@@ -129,7 +132,7 @@ def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -
     *sources : str
         Of the runs.
     """
-    if state.limits:
+    if state.limits or any(one.outdated for one in state.of(*sources)):
         return state.incumbent(*sources)
     return min(float(data.values[rows].min()) for name in sources if (rows := data.of(name)).any())
 

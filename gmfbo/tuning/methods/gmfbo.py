@@ -157,11 +157,13 @@ def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns,
         if trial.source == "IS2" and trial.parent is not None
     }
     real = [trial for trial in state.trials if trial.source == "IS1"]
+    outdated = {seen.number: seen.outdated for seen in state.of("IS1")}
     runs = AxisRuns(
         points=np.stack([_point(state, trial) for trial in real]),
         values=np.array([trial.objective for trial in real]),
         simulated=np.stack([_sampled(beside.get(trial.number), times, signal) for trial in real]),
         measured=np.stack([_sampled(trial, times, signal) for trial in real]),
+        extra=np.array([outdated[trial.number] for trial in real]),
     )
 
     def cost_of(trajectories: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -208,6 +210,9 @@ def _is_new(points: NDArray[np.float64], state: TuningState) -> NDArray[np.bool_
     """Points that are no repeat of a real run, and not next to one that failed, shape (q,)."""
     new = np.ones(len(points), dtype=bool)
     for seen in state.of("IS1"):
+        if seen.outdated and not seen.failed:
+            # The plant has changed since: a repeat tells something.
+            continue
         distance = np.linalg.norm(points - seen.point, axis=1)
         new &= distance > (FAILED_RADIUS if seen.failed else REPEAT_RADIUS)
     new[new] = state.keep_out.admitted(points[new])

@@ -103,7 +103,9 @@ def _improve(
         # Their values follow the surrogate as it learns.
         means, _ = joint.predict(np.stack(pseudo), "IS1")
         rows += [(point, "IS1", float(mean)) for point, mean in zip(pseudo, means, strict=True)]
-    data = Observations.gather(rows)
+    real = state.of("IS1")
+    extra = state.extra_of(real, np.array([seen.objective for seen in real]))
+    data = Observations.gather(rows, [*extra, *[0.0] * len(pseudo)])
     model: SourceModel = SourceModel.fit(data, SurrogateSettings(ard=True))
     acquisition = CostAwareExpectedImprovement(
         model, {"IS1": incumbent_of(state, data, "IS1")}, {"IS1": 1.0}
@@ -119,7 +121,7 @@ class _Steps:
 
     def _key(self) -> tuple[object, ...]:
         runs = tuple(
-            (seen.source, seen.objective, *seen.point.tolist())
+            (seen.source, seen.objective, seen.outdated, *seen.point.tolist())
             for seen in self.state.of("IS1", "IS2")
         )
         return (*self.state.space.names, *self.state.space.bounds.ravel().tolist(), *runs)

@@ -1,0 +1,88 @@
+"""Numbers that one real run comes down to, in which a change of the plant shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.experiment_series import ExperimentSeries
+
+MOST_SAMPLES = 400
+"""Samples of a trajectory that are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunValues:
+    """One value of each real run that has it.
+
+    Attributes
+    ----------
+    name : str
+        What it is, for the user.
+    rows : ndarray of int, shape (n,)
+        Places of these runs among all real runs, increasing.
+    values : ndarray, shape (n,)
+        The value.
+    """
+
+    name: str
+    rows: NDArray[np.int_]
+    values: NDArray[np.float64]
+
+
+def values_of_runs(
+    real: Sequence[Trial], beside: Sequence[Trial | None], experiment: ExperimentSeries
+) -> list[RunValues]:
+    """Cost and mean position of each run, and how far it lags behind the twin.
+
+    The cost is what is tuned, but it jumps where a response just enters the settling band; the
+    mean of the trajectory does not, and moves by a late response. The lag of y behind the twin's
+    x is the shift in time that explains most of the difference, sum((x - y) x') / sum(x'^2): most
+    of what the gains do to a response they do to the twin's, too, and it drops out.
+
+    Parameters
+    ----------
+    real : sequence of Trial
+        Real runs in order; those that ended early have no values.
+    beside : sequence of Trial or None
+        The twin's run at the same gains, where there is one.
+    experiment : ExperimentSeries
+        Names the signal and the times.
+    """
+    times, signal = experiment.scored_times(MOST_SAMPLES), experiment.signal
+    found: dict[str, list[tuple[int, float]]] = {"cost": [], f"mean {signal}": []}
+    lags: list[tuple[int, float]] = []
+    for row, (trial, twin) in enumerate(zip(real, beside, strict=True)):
+        if trial.status != "ok":
+            continue
+        measured = sampled(trial, times, signal)
+        found["cost"].append((row, trial.objective))
+        found[f"mean {signal}"].append((row, float(measured.mean())))
+        if twin is not None and twin.status == "ok":
+            lags.append((row, _lag(times, sampled(twin, times, signal), measured)))
+    if lags:
+        found["lag behind the twin"] = lags
+    return [
+        RunValues(name, np.array([r for r, _ in pairs], dtype=int), np.array([v for _, v in pairs]))
+        for name, pairs in found.items()
+    ]
+
+
+def sampled(trial: Trial, times: NDArray[np.float64], signal: str) -> NDArray[np.float64]:
+    """A signal of a run at given times, shape (m,)."""
+    values = trial.recording.signal(signal)
+    known = np.isfinite(values)
+    return np.interp(times, trial.recording.time[known], values[known])
+
+
+def _lag(
+    times: NDArray[np.float64], twin: NDArray[np.float64], measured: NDArray[np.float64]
+) -> float:
+    """[s] By which a run is later than the twin; 0 where the twin does not move."""
+    speed = np.gradient(twin, times)
+    power = float(speed @ speed)
+    return float((twin - measured) @ speed) / power if power > 0.0 else 0.0
