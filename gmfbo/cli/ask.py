@@ -52,7 +52,7 @@ def ask(
 def _print_request(tuner: Tuner, request: TrialRequest, study: Path) -> None:
     from gmfbo.tuning.next_run import NEXT, reference_files
 
-    budget, made = tuner.study.file.budget, len(tuner.history.of("IS1"))
+    budget, made = tuner.study.file.budget, tuner.history.made
     most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
     typer.echo(f"trial {request.number}, real run {made + 1}{most}")
     for name, value in request.gains.items():

@@ -61,7 +61,7 @@ def tell(
 
 
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
-    budget, made = tuner.study.file.budget, len(tuner.history.of("IS1"))
+    budget, made = tuner.study.file.budget, tuner.history.made
     most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
     how = "" if trial.status == "ok" else f" ({trial.status})"
     typer.echo(f"trial {trial.number}, real run {made}{most}: objective {trial.objective:.4f}{how}")

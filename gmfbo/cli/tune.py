@@ -58,6 +58,10 @@ def print_result(study: Study, result: TuningResult) -> None:
         f"{result.queries} queries after the initial data, "
         f"cost {result.cost:.1f} (a twin run counts 0.1)"
     )
+    if result.earlier:
+        left = f", {result.left_out} at other gains left out" if result.left_out else ""
+        runs = f"{result.earlier} real runs of {study.file.earlier}{left}"
+        console.print(f"taken over         {runs}", markup=False)
     if result.best is None:
         console.print("no real run succeeded, so there are no gains to take")
     else:

@@ -156,6 +156,11 @@ def compare(
     wanted = _wanted(methods or list(METHODS), seeds)
     told = progress or (lambda line: None)
     given = Study.read(path)
+    if given.file.earlier is not None:
+        raise InputError(
+            f"{path}: expected a study without earlier runs, got earlier = "
+            f"'{given.file.earlier}'; a comparison lets every method begin from nothing"
+        )
     folder = ComparisonFolder(Path(out) if out else path.with_suffix(".compare"))
     with folder.writing():
         key = study_key(given, grid)
@@ -197,7 +202,7 @@ def study_key(study: Study, grid: int) -> str:
     """
     # The twins' hashes hold the seed where the study file says so, hence always that of seed 0.
     first = seeded(study, 0, study.file.method, study.location)
-    parts = first.file.model_dump(mode="json", exclude={"name", "out", "method", "seed"})
+    parts = first.file.model_dump(mode="json", exclude={"name", "out", "method", "seed", "earlier"})
     for source in ("is1", "is2"):
         parts[source].pop("twin", None)  # its content counts, wherever it lies
     opened = TrueSources.open(first)

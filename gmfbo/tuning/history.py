@@ -52,6 +52,8 @@ class History:
         What is tuned.
     survey : int
         Runs of the twin over the box that the method wants before the first query.
+    earlier : int
+        Real runs of an earlier study, which come before those that are made here.
     """
 
     def __init__(
@@ -62,9 +64,10 @@ class History:
         gains: GainChoice,
         *,
         survey: int = 0,
+        earlier: int = 0,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
-        self.survey = survey
+        self.survey, self.earlier = survey, earlier
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
         self._observations: list[Observation] = []
@@ -96,10 +99,16 @@ class History:
         return self.trials[-1].number + 1 if self.trials else 1
 
     @property
+    def made(self) -> int:
+        """Real runs of this study, initial ones counted; those of an earlier study are none."""
+        return max(len(self.of("IS1")) - self.earlier, 0)
+
+    @property
     def queries(self) -> int:
         """Queries of either source after the initial ones; survey, pairs and IS3 are none."""
         budget, twin = self.study.budget, self.unprompted_twin_runs - self.survey
-        return max(twin - budget.initial_is2, 0) + max(len(self.of("IS1")) - budget.initial_is1, 0)
+        real, initial = len(self.of("IS1")), max(budget.initial_is1, self.earlier)
+        return max(twin - budget.initial_is2, 0) + max(real - initial, 0)
 
     @property
     def unprompted_twin_runs(self) -> int:
@@ -112,14 +121,14 @@ class History:
         budget, real = self.study.budget, len(self.of("IS1"))
         if real < budget.initial_is1:
             return False
-        if budget.is1_runs is not None and real >= budget.is1_runs:
+        if budget.is1_runs is not None and self.made >= budget.is1_runs:
             return True
         return self.queries >= budget.most_queries
 
     @property
     def cost(self) -> float:
         """All runs so far in units of a real run."""
-        return IS1_COST * len(self.of("IS1")) + TWIN_COST * len(self.of("IS2", "IS3"))
+        return IS1_COST * self.made + TWIN_COST * len(self.of("IS2", "IS3"))
 
     @property
     def best(self) -> Trial | None:
@@ -233,6 +242,12 @@ class History:
                 raise
             failed = ended_by(run, "failed", str(refused))
             return failed, self.experiment.metrics(failed)
+
+    def taken_over(self, trial: Trial) -> Trial:
+        """A real run of an earlier study as the next trial of this one, with this one's cost."""
+        judged = self.envelope.judge(trial.recording)
+        taken = self.trial("IS1", trial.gains, judged, twin=trial.twin)
+        return replace(taken, started=trial.started, seconds=trial.seconds)
 
     def priced(self, trial: Trial) -> Trial:
         """A trial with its cost, once the initial twin runs are done; always finite."""

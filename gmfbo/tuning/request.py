@@ -64,6 +64,8 @@ class TuningResult:
         Where the surrogate expects the least cost; None when no real run was made.
     is1_runs : int
         Real runs, initial ones counted.
+    earlier, left_out : int
+        Real runs taken over from an earlier study, and those of it that were not.
     queries : int
         Queries of either source after the initial ones.
     cost : float
@@ -75,3 +77,5 @@ class TuningResult:
     is1_runs: int
     queries: int
     cost: float
+    earlier: int = 0
+    left_out: int = 0

@@ -113,6 +113,11 @@ class Study:
             logged.get("worst") or worst_metrics(self.file.reference.horizon),
         )
 
+    @property
+    def earlier_logged(self) -> dict[str, Any] | None:
+        """Which runs of an earlier study are taken over; None before that was decided."""
+        return self._last("earlier")
+
     def open_for_writing(self, *, resume: bool) -> StudyStore:
         """Open the study's folder, or make it.
 

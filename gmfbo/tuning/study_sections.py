@@ -216,6 +216,7 @@ class StudyFile(Section):
     seed: int = Field(0, ge=0)
     method: str = "gmfbo"
     out: str | None = None
+    earlier: str | None = None  # a study whose real runs this one begins with
     is1: PlantSection
     is2: TwinSection
     gains: dict[str, Annotated[GainRange, BeforeValidator(_as_range)]] = {}

@@ -15,6 +15,7 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.sources.plant_call import PlantFunction
 from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
+from gmfbo.tuning.earlier_runs import EarlierRuns
 from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
 from gmfbo.tuning.history import History
@@ -97,16 +98,24 @@ class Tuner:
             self._recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
+            self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
             self._store = closing.enter_context(study.open_for_writing(resume=resume))
             correction = self.method.correction
             survey = correction.survey if correction else 0
             self.history = History(
-                self._store, study.file, self.experiment, self.gains, survey=survey
+                self._store,
+                study.file,
+                self.experiment,
+                self.gains,
+                survey=survey,
+                earlier=len(self._earlier),
             )
             study.log_begin(
                 self._store,
                 self._sources.content_hashes | ({"metrics": own.content_hash} if own else {}),
             )
+            if len(self._earlier) and study.earlier_logged is None:
+                self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()
         around_real = correction if correction and correction.around_real else None
         self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
@@ -188,7 +197,7 @@ class Tuner:
         if not anyway:
             run.refuse_repeated(self._store.events())
         used = told_gains(pending, run.recording, self.gains, given=gains, anyway=anyway)
-        source = self._sources.real(len(self.history.of("IS1")))
+        source = self._sources.real(self.history.made)
         twin = source.content_hash if source else ""
         judged = self.history.envelope.judge(run.recording)
         told = self.history.trial("IS1", used, judged, twin=twin)
@@ -258,9 +267,11 @@ class Tuner:
         return TuningResult(
             best=self.history.best,
             recommendation=recommendation,
-            is1_runs=len(self.history.of("IS1")),
+            is1_runs=self.history.made,
             queries=self.history.queries,
             cost=self.history.cost,
+            earlier=len(self._earlier),
+            left_out=self._earlier.left_out,
         )
 
     @property
@@ -285,6 +296,7 @@ class Tuner:
             return pending
         self._twin.initial()
         self._twin.survey()
+        self._take_earlier()
         self._twin.follow_up()
         if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
             return None
@@ -294,6 +306,13 @@ class Tuner:
         self._store.log("ask", **asdict(request))
         self._pending = self._last_request = request
         return request
+
+    def _take_earlier(self) -> None:
+        """Take over the runs of an earlier study, each as a real run of this one; once."""
+        for position in range(len(self.history.of("IS1")), len(self._earlier)):
+            self._twin.follow_up()  # of the one before
+            taken = self.history.taken_over(self._earlier.read(position))
+            self._announce("initial", self.history.write(taken))
 
     def _decide(self, held: Mapping[str, float]) -> TrialRequest | None:
         request = self._propose(held)
@@ -334,7 +353,8 @@ class Tuner:
 
     @property
     def _played(self) -> list[Mapping[str, float]]:
-        return [trial.gains for trial in self.history.of("IS1")]
+        made = self.history.of("IS1")[len(self._earlier) :]
+        return [trial.gains for trial in made]
 
     def _plant(self) -> Source:
         if self._recorded is not None:

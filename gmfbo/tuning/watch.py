@@ -49,7 +49,7 @@ class Watch:
                 phase=phase,
                 iteration=history.queries,
                 iterations=history.study.budget.most_queries,
-                is1_runs=len(history.of("IS1")),
+                is1_runs=history.made,
                 trial=trial.number,
                 source=trial.source,
                 gains=trial.gains,
@@ -75,5 +75,5 @@ class Watch:
         left = budget.most_queries - history.queries
         if budget.is1_runs is not None:
             # Real runs may be spaced by twin queries, so this is a lower bound.
-            left = min(left, budget.is1_runs - len(history.of("IS1")))
+            left = min(left, budget.is1_runs - history.made)
         return mean * max(left, 0)
