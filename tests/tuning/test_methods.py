@@ -12,6 +12,7 @@ from gmfbo.objective import METRICS, PAPER_WEIGHTS, Objective
 from gmfbo.recordings.trial import SourceName
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.experiment import StepExperiment
+from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.method import Method, Proposal
 from gmfbo.tuning.methods import METHODS, find_method
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
@@ -20,7 +21,9 @@ from gmfbo.tuning.study_sections import ReferenceSection
 
 SPACE = GainSpace((Gain("Kp", 10.0, 90.0), Gain("Kd", 1.0, 9.0)))
 
-EXPERIMENT = StepExperiment.from_section(ReferenceSection(), "position", folder=Path())
+EXPERIMENT = ExperimentSeries(
+    (StepExperiment.from_section(ReferenceSection(), "position", folder=Path()),)
+)
 OBJECTIVE = Objective.from_samples(
     PAPER_WEIGHTS, {name: np.array([0.1, 0.2, 0.3]) for name in METRICS}, horizon=1.0
 )
@@ -65,7 +68,9 @@ def state_of(
 
 
 def propose(method: Method, state: TuningState) -> Proposal:
-    return method.propose(state, np.random.default_rng(1))
+    proposal = method.propose(state, np.random.default_rng(1))
+    assert proposal is not None
+    return proposal
 
 
 @pytest.fixture(params=sorted(METHODS))
