@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import time
@@ -153,10 +152,17 @@ def test_a_failed_run_is_repeated_as_often_as_said(
 
 def alive(process: int) -> bool:
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
+        return "State:\tZ" not in Path(f"/proc/{process}/status").read_text()
+    except (FileNotFoundError, ProcessLookupError):
         return False
-    return "State:\tZ" not in Path(f"/proc/{process}/status").read_text()
+
+
+def ends(process: int, within: float) -> bool:
+    """Whether a killed process is gone in time [s]; on a busy machine its end takes a while."""
+    limit = time.perf_counter() + within
+    while alive(process) and time.perf_counter() < limit:
+        time.sleep(0.02)
+    return not alive(process)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="looks at /proc")
@@ -179,7 +185,7 @@ def test_a_run_that_takes_too_long_is_ended_with_all_that_it_started(tmp_path: P
     assert run.message.endswith("took longer than time_limit = 3 s: waiting for the drive")
     assert run.seconds >= 3.0
     assert (tmp_path / "at_rest").read_text() == "yes"
-    assert not alive(int((tmp_path / "child").read_text()))
+    assert ends(int((tmp_path / "child").read_text()), within=10.0)
 
 
 def test_a_program_that_does_not_exist_is_refused_before_any_run(tmp_path: Path) -> None:
