@@ -62,6 +62,8 @@ def print_result(study: Study, result: TuningResult) -> None:
         left = f", {result.left_out} at other gains left out" if result.left_out else ""
         runs = f"{result.earlier} real runs of {study.file.earlier}{left}"
         console.print(f"taken over         {runs}", markup=False)
+    for drift in result.drifts:
+        console.print(f"plant changed      {drift.message}")
     if result.best is None:
         console.print("no real run succeeded, so there are no gains to take")
     else:

@@ -36,9 +36,9 @@ from gmfbo.correction.matern import matern52
 FALSE_ALARM_RATE = 1.0 / 400.0
 """Most false alarms a run: at most 5 % of studies of 20 real runs of an unchanged plant."""
 
-LEAST_SINCE = 2
-"""Runs since a change that must bear it out: a single one may be an outlier, or the rim of a
-region where the axis behaves otherwise."""
+LEAST_BEFORE, LEAST_SINCE = 3, 2
+"""Runs before and since a change that must bear it out: a single one may be an outlier, or lie
+in a region of the gains where the axis behaves otherwise."""
 
 LEAST_RUNS = 3
 """Values below which nothing can be told: m and s take two."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from gmfbo.tuning.change_point import (
     FALSE_ALARM_RATE,
+    LEAST_BEFORE,
     LEAST_SINCE,
     ChangeEvidence,
     combined,
@@ -91,10 +92,11 @@ def first_drift(
         None where the newest run is no reason to believe in a change.
     """
     count = len(points)
-    if count - start <= LEAST_SINCE:
+    if count - start < LEAST_BEFORE + LEAST_SINCE:
         return None
     weighed = [_weigh(points, one, start, count) for one in series]
     together = combined([ratios for ratios, _ in weighed])[: 1 - LEAST_SINCE]
+    together[: LEAST_BEFORE - 1] = -np.inf
     statistic = log_statistic(together)
     if statistic < -np.log(FALSE_ALARM_RATE):
         return None

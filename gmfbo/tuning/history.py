@@ -16,6 +16,7 @@ from gmfbo.objective.limits import Limits
 from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.trial import SourceName, Trial
+from gmfbo.tuning.drift import Drift
 from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
 from gmfbo.tuning.incumbent import best_run
@@ -70,6 +71,10 @@ class History:
         self.survey, self.earlier = survey, earlier
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
+        events = store.events()
+        self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
+        asked = [event["number"] for event in events if event["event"] == "ask"]
+        self.last_asked: int = asked[-1] if asked else 0
         self._observations: list[Observation] = []
         self._seen = 0
         self._leaves: dict[int, bool] = {}
@@ -132,8 +137,13 @@ class History:
 
     @property
     def best(self) -> Trial | None:
-        """Real run with the least cost, those that meet the limits first; None without any."""
-        return best_run(self.trials, self.limits)
+        """Real run with the least cost since the plant changed, within the limits if possible."""
+        return best_run(self.trials, self.limits, self.changed_after)
+
+    @property
+    def changed_after(self) -> int:
+        """Trial number of the last real run before the newest change of the plant; 0 without."""
+        return self.drifts[-1].last_before if self.drifts else 0
 
     @property
     def objective(self) -> Objective:
@@ -277,7 +287,7 @@ class History:
         """
         return TuningState(
             space=self.gains.space,
-            observations=self.observations(),
+            observations=self._aged(self.observations()),
             fixed=fixed,
             trials=tuple(self.trials),
             experiment=self.experiment,
@@ -285,6 +295,24 @@ class History:
             limits=self.limits,
             keep_out=self.keep_out(),
         )
+
+    def _aged(self, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
+        """Mark what was seen of the axis, or corrected by it, before the plant changed.
+
+        A run that lies before several changes carries all of them.
+        """
+        if not self.drifts:
+            return observations
+        aged = []
+        for seen in observations:
+            origin = seen.number if seen.source == "IS1" else seen.parent
+            shares = [
+                drift.share
+                for drift in self.drifts
+                if seen.source != "IS2" and origin is not None and origin <= drift.last_before
+            ]
+            aged.append(replace(seen, outdated=sum(shares)) if shares else seen)
+        return tuple(aged)
 
     def keep_out(self) -> KeepOut:
         """Gains that a real run is kept away from."""

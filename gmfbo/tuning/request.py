@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.drift import Drift
 from gmfbo.tuning.method import Recommendation
 
 
@@ -70,6 +71,8 @@ class TuningResult:
         Queries of either source after the initial ones.
     cost : float
         All runs in units of a real run.
+    drifts : tuple of Drift
+        Changes of the plant that were found, in order; `best` is since the last one.
     """
 
     best: Trial | None
@@ -77,5 +80,6 @@ class TuningResult:
     is1_runs: int
     queries: int
     cost: float
+    drifts: tuple[Drift, ...] = ()
     earlier: int = 0
     left_out: int = 0

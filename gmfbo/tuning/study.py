@@ -12,6 +12,7 @@ from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.metrics import worst_metrics
 from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.drift import Drift
 from gmfbo.tuning.incumbent import best_run
 from gmfbo.tuning.method import Recommendation
 from gmfbo.tuning.study_file import parse_study, read_study_file
@@ -89,7 +90,13 @@ class Study:
     @property
     def best(self) -> Trial | None:
         """Real run with the least cost, those that meet the limits first; None without any."""
-        return best_run(self.trials, Limits(self.file.constraints))
+        since = self.drifts[-1].last_before if self.drifts else 0
+        return best_run(self.trials, Limits(self.file.constraints), since)
+
+    @property
+    def drifts(self) -> tuple[Drift, ...]:
+        """Changes of the plant that were found while it was tuned, in order."""
+        return tuple(Drift.logged(event) for event in self._logged("drift"))
 
     @property
     def recommendation(self) -> Recommendation | None:
@@ -188,13 +195,16 @@ class Study:
         store.log("begin", origin=Path(origin).as_posix(), twins=twins)
 
     def _last(self, event: str) -> dict[str, Any] | None:
+        logged = self._logged(event)
+        return logged[-1] if logged else None
+
+    def _logged(self, event: str) -> list[dict[str, Any]]:
         if not self.begun:
-            return None
+            return []
         from gmfbo.recordings.store import StudyStore
 
         with StudyStore.open(self.location) as store:
-            logged = [entry for entry in store.events() if entry["event"] == event]
-        return logged[-1] if logged else None
+            return [entry for entry in store.events() if entry["event"] == event]
 
     def __repr__(self) -> str:
         trials, best = self.trials, self.best

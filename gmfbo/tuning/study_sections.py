@@ -17,6 +17,7 @@ from pydantic import (
 from gmfbo.errors import did_you_mean
 from gmfbo.objective.cost import PAPER_WEIGHTS
 from gmfbo.objective.metrics import METRICS
+from gmfbo.tuning.drift_section import DriftSection
 from gmfbo.tuning.safety_section import SafetySection
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -228,6 +229,7 @@ class StudyFile(Section):
     objective: ObjectiveSection = ObjectiveSection()
     constraints: dict[str, Number] = {}
     safety: SafetySection = SafetySection()
+    drift: DriftSection = DriftSection()
     budget: BudgetSection = BudgetSection()
 
     @model_validator(mode="after")

@@ -15,6 +15,7 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.sources.plant_call import PlantFunction
 from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
+from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.earlier_runs import EarlierRuns
 from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
@@ -121,6 +122,7 @@ class Tuner:
         self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
         self._pending = TrialRequest.unanswered(self._store.events(), self.history.next_number)
         self._last_request = self._pending
+        self._drift = DriftWatch(self.history, study.file.drift)
         self._watch = Watch(self.history)
 
     def ask(self, fixed: Mapping[str, float] | None = None) -> TrialRequest | None:
@@ -270,6 +272,7 @@ class Tuner:
             is1_runs=self.history.made,
             queries=self.history.queries,
             cost=self.history.cost,
+            drifts=tuple(self.history.drifts),
             earlier=len(self._earlier),
             left_out=self._earlier.left_out,
         )
@@ -298,12 +301,15 @@ class Tuner:
         self._twin.survey()
         self._take_earlier()
         self._twin.follow_up()
+        if (drift := self._drift.look()) is not None:
+            self._watch.tell("drift", self.history.of("IS1")[-1], None, drift.message)
         if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
             return None
         request = self._decide(held)
         if request is None:
             return None
         self._store.log("ask", **asdict(request))
+        self.history.last_asked = request.number
         self._pending = self._last_request = request
         return request
 
@@ -333,6 +339,9 @@ class Tuner:
             return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
         if len(held) == len(self.gains.space):
             return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
+        repeat = None if self._recorded or held else self._drift.repeat(state)
+        if repeat is not None:
+            return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
         if proposal is None:
             return None

@@ -26,7 +26,9 @@ class Watch:
         self._began, self._queries_before = time.perf_counter(), history.queries
         self._mismatch: float | None = None
 
-    def tell(self, phase: Phase, trial: Trial, request: TrialRequest | None) -> None:
+    def tell(
+        self, phase: Phase, trial: Trial, request: TrialRequest | None, news: str = ""
+    ) -> None:
         """Tell of a finished run.
 
         Parameters
@@ -37,6 +39,8 @@ class Watch:
             The run.
         request : TrialRequest or None
             The newest query; its mismatch and note are passed on.
+        news : str
+            What the user must be told now, instead of the note.
         """
         if self._callback is None:
             return
@@ -61,7 +65,7 @@ class Watch:
                 cost=history.cost,
                 seconds=time.perf_counter() - self._began,
                 seconds_left=self._seconds_left(),
-                note=request.note if asked and request is not None else "",
+                note=news or (request.note if asked and request is not None else ""),
             )
         )
 

@@ -1,0 +1,107 @@
+"""Looks for a change of the plant after each real run, and asks for runs that would show one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.drift import Drift, first_drift
+from gmfbo.tuning.drift_section import DriftSection
+from gmfbo.tuning.history import History
+from gmfbo.tuning.incumbent import best_run
+from gmfbo.tuning.run_values import values_of_runs
+from gmfbo.tuning.state import TuningState
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Gains that are run again.
+
+    Attributes
+    ----------
+    gains : mapping of str to float
+        All gains by name [unit of the FMU parameter].
+    why : str
+        For the user.
+    """
+
+    gains: Mapping[str, float]
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class DriftWatch:
+    """Keeps `history.drifts` up to date.
+
+    Attributes
+    ----------
+    history : History
+        Holds the runs, and takes the changes.
+    section : DriftSection
+        What the study file wants.
+    """
+
+    history: History
+    section: DriftSection
+
+    def look(self) -> Drift | None:
+        """Weigh the real runs that were not weighed yet; log and return what is found.
+
+        To be called when the twin's run beside the last real run is on disk. Runs before the
+        last request that was logged have been weighed, by whoever logged it.
+        """
+        history, found = self.history, None
+        real = history.of("IS1")
+        seen = self._weighed(real)
+        if not self.section.watch or seen >= len(real):
+            return None
+        beside = [next(iter(history.children(trial, "IS2")), None) for trial in real]
+        series = values_of_runs(real, beside, history.experiment)
+        points = np.stack([history.unit_point(trial.gains) for trial in real])
+        numbers = [trial.number for trial in real]
+        for count in range(seen + 1, len(real) + 1):
+            if any(drift.found_at == count for drift in history.drifts):
+                continue
+            start = history.drifts[-1].after_runs if history.drifts else 0
+            drift = first_drift(points[:count], series, numbers, start)
+            if drift is not None:
+                history.store.log("drift", **asdict(drift))
+                history.drifts.append(drift)
+                found = drift
+        return found
+
+    def repeat(self, state: TuningState) -> Repeat | None:
+        """A real run whose gains are to be run again next; usually None.
+
+        After a change this is the best run from before it, once: whether its gains are still good
+        decides what the search starts from. Where the study wants it, every n-th real run repeats
+        the best of the first ones, always the same: the same gains with another result are the
+        surest sign of a change.
+
+        Parameters
+        ----------
+        state : TuningState
+            Knows the gains that the axis must not be run at; they are not repeated.
+        """
+        history, made = self.history, len(self.history.of("IS1"))
+        newest = history.drifts[-1] if history.drifts else None
+        every, best, why = self.section.repeat_every, None, ""
+        if newest is not None and newest.found_at == made:
+            before = [trial for trial in history.trials if trial.number <= newest.last_before]
+            best = best_run(before, history.limits)
+            why = "repeats the best run from before the plant changed"
+        elif every and (made + 1) % every == 0:
+            since = [t for t in history.of("IS1") if t.number > history.changed_after]
+            best = best_run(since[: every - 1], history.limits)
+            why = "repeats an early run, to see whether the plant has changed"
+        if best is None:
+            return None
+        point = history.unit_point(best.gains)
+        return Repeat(dict(best.gains), why) if state.keep_out.admits(point[None, :])[0] else None
+
+    def _weighed(self, real: list[Trial]) -> int:
+        """Real runs that were weighed before."""
+        return sum(trial.number < self.history.last_asked for trial in real)
