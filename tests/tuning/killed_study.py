@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+from gmfbo.tuning.method import Method
+from gmfbo.tuning.methods import METHODS
+from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis
+
+# The survey is one phase of the study whatever its length.
+QUICK: dict[str, Method] = {**METHODS, "gmfbo": Gmfbo(correction=replace(CORRECTION, survey=30))}
 
 
 def main(study_file: str) -> None:
     """Run or continue the study; one line of output a finished run."""
     study = Study.read(Path(study_file))
-    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2, friction=0.4)) as tuner:
+    twin = AnalyticAxis(inertia=0.2, friction=0.4)
+    method = QUICK[study.file.method]
+    with Tuner(study, is1=AnalyticAxis(), is2=twin, method=method, resume=True) as tuner:
         tuner.run(lambda event: print(event.trial, flush=True))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    try:
+        main(sys.argv[1])
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -1,21 +1,26 @@
-"""A study killed at random moments proposes what an uninterrupted one proposes."""
+"""A study stopped at random moments proposes what an uninterrupted one proposes."""
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from gmfbo.tuning.study import Study
 from tests.tuning.analytic_axis import write_study
 
 ROOT = Path(__file__).resolve().parents[2]
 
+ENDS = ("kill", "power", "ctrl-c")
 
-def run_until(study_file: Path, trials: int, delay: float) -> bool:
-    """Start the program, kill it `delay` [s] after so many runs; True when it ended before."""
+
+def run_until(study_file: Path, trials: int, delay: float, end: str = "kill") -> bool:
+    """Start the program, stop it `delay` [s] after so many runs; True when it ended before."""
     with subprocess.Popen(
         [sys.executable, "-m", "tests.tuning.killed_study", str(study_file)],
         cwd=ROOT,
@@ -29,37 +34,63 @@ def run_until(study_file: Path, trials: int, delay: float) -> bool:
         try:
             status = process.wait(timeout=delay)
         except subprocess.TimeoutExpired:
-            process.kill()  # SIGKILL: nothing of ours runs any more
-            return False
+            # SIGKILL: nothing of ours runs any more.
+            process.send_signal(signal.SIGINT if end == "ctrl-c" else signal.SIGKILL)
+            status = process.wait()
+            assert status in (0, 130) if end == "ctrl-c" else status == -signal.SIGKILL
+            return status == 0
     assert status == 0
     return True
 
 
+def lose_power(study: Study, rng: np.random.Generator) -> None:
+    """Leave what a power cut may leave: a line cut short, an unfinished file, no derived one."""
+    log = study.location / "events.jsonl"
+    line = log.read_bytes().splitlines()[-1]
+    with log.open("ab") as events:
+        events.write(line[: int(rng.integers(1, len(line)))])
+    trial = sorted((study.location / "trials").glob("*.h5"))[-1]
+    torn = trial.with_name(f".{int(trial.stem) + 1:06d}.h5.1.tmp")
+    torn.write_bytes(trial.read_bytes()[: int(rng.integers(1, 2000))])
+    (study.location / "index.h5").unlink(missing_ok=True)
+
+
+def runs(study: Study) -> list[tuple[Any, ...]]:
+    """All that a proposal could depend on."""
+    return [
+        (t.number, t.source, dict(t.gains), t.objective, t.parent, t.accepted) for t in study.trials
+    ]
+
+
+def asked(study: Study) -> dict[int, dict[str, float]]:
+    """Gains that were asked for, by the number of the trial."""
+    from gmfbo.recordings.store import StudyStore
+
+    with StudyStore.open(study.location) as store:
+        return {e["number"]: e["gains"] for e in store.events() if e["event"] == "ask"}
+
+
 @pytest.mark.parametrize(
-    ("method", "most_runs", "latest"), [("random", 4, 0.02), ("gmfbo", 160, 0.3)]
+    ("method", "most_runs", "latest"), [("random", 4, 0.02), ("bo_ei", 5, 0.2), ("gmfbo", 30, 0.3)]
 )
-def test_killed_and_resumed_equals_uninterrupted(
+def test_stopped_and_resumed_equals_uninterrupted(
     tmp_path: Path, method: str, most_runs: int, latest: float
 ) -> None:
-    budget = "iterations = 3"
+    budget = "iterations = 5"
     whole = write_study(tmp_path / "whole", method=method, seed=2, budget=budget)
     assert run_until(whole.origin / "axis.toml", 10_000, 60.0)
-    killed = write_study(tmp_path / "killed", method=method, seed=2, budget=budget)
-    rng = np.random.default_rng(4)
-    starts = 1
+    stopped = write_study(tmp_path / "stopped", method=method, seed=2, budget=budget)
+    rng, ends = np.random.default_rng(4), []
     while not run_until(
-        killed.origin / "axis.toml",
+        stopped.origin / "axis.toml",
         int(rng.integers(1, most_runs)),
         float(rng.uniform(0.0, latest)),
+        ENDS[len(ends) % len(ENDS)],
     ):
-        starts += 1
-        assert starts < 40
-    assert starts > 2
-
-    def runs(study_trials: tuple[object, ...]) -> list[tuple[object, ...]]:
-        return [
-            (t.number, t.source, dict(t.gains), t.objective, t.parent, t.accepted)  # type: ignore[attr-defined]
-            for t in study_trials
-        ]
-
-    assert runs(killed.trials) == runs(whole.trials)
+        ends.append(ENDS[len(ends) % len(ENDS)])
+        if ends[-1] == "power":
+            lose_power(stopped, rng)
+        assert len(ends) < 40
+    assert len(ends) >= 2
+    assert runs(stopped) == runs(whole)
+    assert asked(stopped) == asked(whole)
