@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
+from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -235,7 +236,7 @@ class _Search:
         named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects
         tests = residual_tests(unseen or case, result.curves, result.fit.held_out)
-        verdict = self._verdict(decision, outside, tests)
+        verdict = self._verdict(decision, outside, tests, result.fit)
         location = Location(None)
         if verdict in ("missing_physics", "outside_library"):
             location = locate(
@@ -411,14 +412,20 @@ class _Search:
         return self._shape(outside) if at_torque else None
 
     def _verdict(
-        self, decision: Decision, outside: Outside | None, tests: Sequence[ResidualTest]
+        self,
+        decision: Decision,
+        outside: Outside | None,
+        tests: Sequence[ResidualTest],
+        fit: Fit,
     ) -> Verdict:
         case = self.case
         if outside is not None and outside.is_better and not _is_known(decision):
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
-        if not _is_known(decision) and is_mismatch(unexplained(case, case.base), tests):
+        errors = {name: signal.parameters_only for name, signal in fit.signals.items()}
+        left = unexplained(case, case.base)
+        if not _is_known(decision) and is_mismatch(left, tests, errors):
             return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 
