@@ -33,6 +33,8 @@ _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
 _PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
 _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
+_ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
+_CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of the floor will do
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
@@ -93,12 +95,15 @@ class Round:
         All effects that were fitted in this round.
     needed : float
         Gain that was asked for.
+    margin : float
+        Gain that a law has to have over its limit.
     """
 
     winner: Evidence
     rivals: tuple[Evidence, ...]
     fitted: tuple[Evidence, ...]
     needed: float
+    margin: float
 
 
 @dataclass(eq=False)
@@ -131,6 +136,8 @@ class Decision:
         Effects that were not excited and cannot be named.
     in_doubt : Evidence or None
         One of them that explains as much as the best that could have been named.
+    too_small : Evidence or None
+        An effect below its floor that explains more than any that could have been named.
     """
 
     rounds: list[Round] = field(default_factory=list)
@@ -145,6 +152,7 @@ class Decision:
     left: float = np.inf
     silent: frozenset[str] = frozenset()
     in_doubt: Evidence | None = None
+    too_small: Evidence | None = None
 
 
 def decide(
@@ -204,10 +212,10 @@ def _add_effects(
 
 
 def _take_back(case: Case, decision: Decision) -> bool:
-    """Put the first law's simpler limit in its place where that explains as much beside the others.
+    """Put a simpler or richer law in the first one's place where that is better beside the others.
 
-    Alone, a law with more freedom makes up for effects that are only found after it. What was
-    found beside it is taken back as well.
+    Alone, a law with more freedom makes up for effects that are only found after it, and what
+    sets it apart from its limit may be hidden by them. What was found beside it is taken back.
     """
     if len(decision.rounds) < 2:
         return False
@@ -215,25 +223,32 @@ def _take_back(case: Case, decision: Decision) -> bool:
     first, *others = decision.rounds
     named = {entry.winner.name for entry in others}
     limits = set(first.winner.effect.law.contains) - named
-    simpler = [e for e in first.fitted if e.name in limits]
-    if not simpler:
+    others_of_it = [
+        e
+        for e in first.fitted
+        if e.name in limits or first.winner.name in e.effect.law.contains
+        if e.name not in decision.silent
+    ]
+    if not others_of_it:
         return False
     whole = decision.model.hypothesis
     beside = replace(whole, effects=whole.effects[1:])
     without = fit(case.misfit, beside, decision.model.parameters, parallel=True)
     if without is None:
         return False
-    fits = confirm(case.misfit, without, [whole.effects[0], *(e.effect for e in simpler)])
+    fits = confirm(case.misfit, without, [whole.effects[0], *(e.effect for e in others_of_it)])
     groups = decision.groups
     evidence = [_evidence(case, without, fitted, groups) for fitted in fits]
-    large = [e for e in evidence if e.name == first.winner.name]
-    small = [e for e in evidence if e.name != first.winner.name]
-    if not large or not small:
+    needed = _needed(decision)
+    proven = [
+        e for e in evidence if _is_proven(case, e, decision, needed) and _is_large(case, e, needed)
+    ]
+    if not any(e.name == first.winner.name for e in proven):
         return False
-    chosen = _simplest([*large, *small], decision.threshold, 0.0)
+    chosen = _simplest(proven, decision.threshold, 0.0)
     if chosen.name == first.winner.name:
         return False
-    winner = next(e for e in simpler if e.name == chosen.name)
+    winner = next(e for e in others_of_it if e.name == chosen.name)
     rivals = rivals_of(winner, [e for e in first.fitted if e.name not in decision.silent])
     decision.rounds[:] = [replace(first, winner=winner, rivals=tuple(rivals))]
     decision.model = winner.fitted
@@ -306,9 +321,15 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
         key=lambda e: -e.gain,
     )
     needed = _needed(decision)
-    accepted = [e for e in evidence if _is_accepted(case, e, decision, needed)]
+    proven = [e for e in evidence if _is_proven(case, e, decision, needed)]
+    accepted = [e for e in proven if _is_large(case, e, needed)]
+    small = [e for e in proven if e not in accepted]
+    shadows = [e for e in accepted if any(_is_shadow(decision, e, of) for of in small)]
+    accepted = [e for e in accepted if e not in shadows]
     if not accepted:
         decision.refused = evidence
+        if small and (shadows or not decision.rounds):
+            decision.too_small = max(small, key=lambda e: e.gain)
         return False
     claimable = [e for e in accepted if e.name not in decision.silent]
     silent = [e for e in accepted if e.name in decision.silent]
@@ -320,7 +341,8 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     slack = _NEXT_SHARE * min(e.chi2 for e in claimable) * (1.0 - 1.0 / decision.dispersion)
     winner = _polished(case, decision, _simplest(claimable, decision.threshold, slack))
     rivals = rivals_of(winner, [e for e in evidence if e.name not in decision.silent])
-    decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed))
+    margin = max(slack, _PLAIN_WORTH * decision.threshold)
+    decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed, margin))
     decision.model = winner.fitted
     return True
 
@@ -436,12 +458,31 @@ def _needed(decision: Decision) -> float:
     return max(further, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
 
 
-def _is_accepted(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
-    law, excitation = evidence.effect.law, case.setting.excitation
-    if evidence.gain <= needed + _freedom(evidence.effect):
+def _is_shadow(decision: Decision, evidence: Evidence, of: Evidence) -> bool:
+    """Whether an effect does part of what another one does better."""
+    if of.gain <= evidence.gain + decision.threshold:
         return False
+    assert decision.model is not None
+    product, one, other = 0.0, 0.0, 0.0
+    residuals = (decision.model.residual, evidence.fitted.residual, of.fitted.residual)
+    for before, with_it, with_other in zip(*residuals, strict=True):
+        product += float(np.sum((before - with_it) * (before - with_other)))
+        one += float(np.sum((before - with_it) ** 2))
+        other += float(np.sum((before - with_other) ** 2))
+    return product > _ALIKE * float(np.sqrt(one * other))
+
+
+def _is_large(case: Case, evidence: Evidence, needed: float) -> bool:
+    """Whether somebody would act on an effect of this size."""
+    law, excitation = evidence.effect.law, case.setting.excitation
     values = {**evidence.effect.more, **evidence.effect.values}
-    if law.size(values, excitation) < law.floor(excitation):
+    share = _SMALL if evidence.gain > _CLEAR * needed else 1.0
+    return law.size(values, excitation) >= share * law.floor(excitation)
+
+
+def _is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
+    """Whether an effect, of whatever size, is at work beyond chance."""
+    if evidence.gain <= needed + _freedom(evidence.effect):
         return False
     by_record = np.bincount([w.record for w in case.budget.windows], evidence.gains)
     if np.any(by_record < -max(0.8 * decision.threshold, _HARM_SHARE * evidence.gain)):

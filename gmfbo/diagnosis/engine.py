@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, decide
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
+from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -23,7 +24,7 @@ from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.opening import open_case, open_unseen
-from gmfbo.diagnosis.outside import MISMATCH, Outside, is_no_noise, look_outside, unexplained
+from gmfbo.diagnosis.outside import Outside, is_mismatch, look_outside, unexplained
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
@@ -52,7 +53,7 @@ from gmfbo.sources.twin import FmuTwin
 LEAST_PROBABILITY = 0.3
 """Below it an effect is not named: it is more likely wrong than right."""
 
-_LEAST_REMOVED = 0.2
+_LEAST_REMOVED = 0.05
 """Share of the explainable error on held-out recordings, below which nothing is named."""
 
 Progress = Callable[[str, float], None]
@@ -208,13 +209,19 @@ class _Search:
                 f"{name} would explain these recordings as well as anything, but they hold no "
                 "reversal that could tell: nothing is named"
             )
+        if decision.too_small is not None:
+            name = decision.too_small.name.replace("_", " ")
+            case.notes.append(
+                f"{name} explains what is left, but it is smaller than anybody would act on: it is "
+                "not named"
+            )
         probabilities = self._probabilities(decision)
         _drop_improbable(case, decision, probabilities)
         outside = None
         if self._response is not None:
             self.progress("looking outside the library", 0.8)
             outside = look_outside(case, decision, self._response)
-            if outside.is_better and decision.in_doubt is None:
+            if outside.is_better and not _is_known(decision):
                 decision.model = case.base
                 decision.rounds.clear()
         self.progress("validating", 0.85)
@@ -229,7 +236,7 @@ class _Search:
         named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects
         tests = residual_tests(unseen or case, result.curves, result.fit.held_out)
-        verdict = self._verdict(decision, outside, tests)
+        verdict = self._verdict(decision, outside, tests, result.fit)
         location = Location(None)
         if verdict in ("missing_physics", "outside_library"):
             location = locate(
@@ -405,18 +412,20 @@ class _Search:
         return self._shape(outside) if at_torque else None
 
     def _verdict(
-        self, decision: Decision, outside: Outside | None, tests: Sequence[ResidualTest]
+        self,
+        decision: Decision,
+        outside: Outside | None,
+        tests: Sequence[ResidualTest],
+        fit: Fit,
     ) -> Verdict:
         case = self.case
-        if outside is not None and outside.is_better and decision.in_doubt is None:
+        if outside is not None and outside.is_better and not _is_known(decision):
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
-        if (
-            decision.in_doubt is None
-            and unexplained(case, case.base) > MISMATCH
-            and is_no_noise(tests)
-        ):
+        errors = {name: signal.parameters_only for name, signal in fit.signals.items()}
+        left = unexplained(case, case.base)
+        if not _is_known(decision) and is_mismatch(left, tests, errors):
             return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 
@@ -434,6 +443,11 @@ def _drop_improbable(case: Case, decision: Decision, probabilities: dict[str, fl
             last = decision.rounds[-1].winner.fitted if decision.rounds else case.base
             decision.model = last
             return
+
+
+def _is_known(decision: Decision) -> bool:
+    """Whether an effect of the library does it, though it cannot be named."""
+    return decision.in_doubt is not None or decision.too_small is not None
 
 
 def _parameters_matter(case: Case, decision: Decision) -> bool:

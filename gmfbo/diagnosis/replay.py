@@ -42,11 +42,11 @@ def probability(base: Fitted, found: Round, dispersion: float, rng: np.random.Ge
     changes = {e.name: _change(base, e) for e in found.fitted if not _is_winner_again(e, found)}
     accepted = {found.winner.name, *(rival.name for rival in found.rivals)}
     shares = {
-        name: _share_named(base, changes, change, accepted, found.needed, rng)
+        name: _share_named(base, changes, change, accepted, found, rng)
         for name, change in changes.items()
     }
     nothing = tuple(np.zeros(r.size) for r in base.residual)
-    null = _share_named(base, changes, nothing, accepted, found.needed, rng)
+    null = _share_named(base, changes, nothing, accepted, found, rng)
     outside = _share_outside(base, found, dispersion)
     each = (1.0 - _PRIOR_NULL - _PRIOR_OUTSIDE) / len(changes)
     right = each * sum(shares[name] for name in accepted)
@@ -81,7 +81,7 @@ def _share_named(
     changes: Mapping[str, Blocks],
     truth: Blocks,
     accepted: set[str],
-    needed: float,
+    found: Round,
     rng: np.random.Generator,
 ) -> float:
     """How often the decision names one of the accepted effects under a truth."""
@@ -97,19 +97,19 @@ def _share_named(
         prior = np.append(base.prior, 1e-2)
         gains.append(reference - _after(together, residuals, prior))
     table = np.array(gains)
-    hits = [_is_named(names, table[:, i], accepted, needed) for i in range(DRAWS)]
+    hits = [_is_named(names, table[:, i], accepted, found) for i in range(DRAWS)]
     return (sum(hits) + 1) / (DRAWS + 2)
 
 
 def _is_named(
-    names: Sequence[str], gains: NDArray[np.float64], accepted: set[str], needed: float
+    names: Sequence[str], gains: NDArray[np.float64], accepted: set[str], found: Round
 ) -> bool:
     """Whether the best, or its simplest limit that gains as much, is one of the accepted."""
     best = int(np.argmax(gains))
     limits = CATALOGUE[names[best]].contains
-    near = [i for i, n in enumerate(names) if n in limits and gains[i] > gains[best] - needed]
+    near = [i for i, n in enumerate(names) if n in limits and gains[i] > gains[best] - found.margin]
     chosen = max(near, key=lambda i: float(gains[i]), default=best)
-    return names[chosen] in accepted and bool(gains[chosen] > needed)
+    return names[chosen] in accepted and bool(gains[chosen] > found.needed)
 
 
 def _after(

@@ -20,6 +20,7 @@ from tests.diagnosis.linear_evidences import (
 )
 
 NEEDED = 30.0
+MARGIN = 15.0
 WINNER = "coulomb_friction"
 OWN = direction(11)
 """What the winner changes."""
@@ -40,7 +41,7 @@ def recorded(truth: Array, seed: int = 3) -> Array:
 def trusted(fits: Fits, rivals: Collection[str] = (), dispersion: float = 1.0) -> float:
     """Probability of the winner among these fits."""
     winner = fits.of(WINNER)
-    found = Round(winner, tuple(fits.of(n) for n in rivals), tuple(fits.effects), NEEDED)
+    found = Round(winner, tuple(fits.of(n) for n in rivals), tuple(fits.effects), NEEDED, MARGIN)
     return probability(fits.base, found, dispersion, np.random.default_rng(0))
 
 
