@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gmfbo.objective.own_metrics import OwnMetrics
@@ -37,7 +38,7 @@ def test_the_metric_on_the_page_is_a_root_mean_square(tmp_path: Path) -> None:
     (source,) = [block for block in blocks("python") if "# mine.py" in block]
     (tmp_path / "mine.py").write_text(source, encoding="utf-8")
     own = OwnMetrics.load("mine.py:effort", tmp_path, frozenset({"effort"}))
-    run = Recording(time=[0.0, 1.0], signals={"torque_command": [3.0, 4.0]})
+    run = Recording(np.array([0.0, 1.0]), {"torque_command": np.array([3.0, 4.0])})
     assert own.of(run)["effort"] == pytest.approx(12.5**0.5)
 
 

@@ -26,7 +26,10 @@ def zig_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """One copy of zig's system libraries for all tests; the models are compiled anew each time."""
     with pytest.MonkeyPatch.context() as patch:
         if "ZIG_GLOBAL_CACHE_DIR" not in os.environ:
-            patch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path_factory.mktemp("zig")))
+            own = tmp_path_factory.getbasetemp()
+            # Each test process has a folder of its own in one of the run; zig locks its cache.
+            run = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+            patch.setenv("ZIG_GLOBAL_CACHE_DIR", str(run / "zig"))
         yield Path(os.environ["ZIG_GLOBAL_CACHE_DIR"])
 
 

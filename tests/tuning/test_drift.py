@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -36,7 +36,7 @@ class AgeingAxis(AnalyticAxis):
     after: int = 4
     made_before: int = 0
 
-    def run(self, gains: dict[str, float], reference: Recording) -> Recording:  # type: ignore[override]
+    def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
         """Answer a step, with the friction of the day."""
         made = self.made_before + len(self.seen)
         today = replace(self, friction=self.friction * (self.factor if made >= self.after else 1.0))

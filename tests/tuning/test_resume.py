@@ -80,7 +80,8 @@ def test_stopped_and_resumed_equals_uninterrupted(
     whole = write_study(tmp_path / "whole", method=method, seed=2, budget=budget)
     assert run_until(whole.origin / "axis.toml", 10_000, 60.0)
     stopped = write_study(tmp_path / "stopped", method=method, seed=2, budget=budget)
-    rng, ends = np.random.default_rng(4), []
+    rng = np.random.default_rng(4)
+    ends: list[str] = []
     while not run_until(
         stopped.origin / "axis.toml",
         int(rng.integers(1, most_runs)),
