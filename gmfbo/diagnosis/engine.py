@@ -235,7 +235,7 @@ class _Search:
         self.progress("locating", 0.95)
         named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects
-        tests = residual_tests(unseen or case, result.curves, result.fit.held_out)
+        tests = residual_tests(unseen or case, result.curves, result.scored)
         verdict = self._verdict(decision, outside, tests, result.fit)
         location = Location(None)
         if verdict in ("missing_physics", "outside_library"):

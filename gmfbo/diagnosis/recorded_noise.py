@@ -73,7 +73,8 @@ class RecordedNoise:
             return response
         lacking = self.at_port
         if self.showing is Showing.A_STEP_LATER:
-            lacking = lacking - np.concatenate([lacking[:1], lacking[:-1]])
+            # Nothing was added before the first reading was made.
+            lacking = lacking - np.concatenate([[0.0], lacking[:-1]])
         reading = response.held[self.signal] + self.to_si * lacking
         return replace(response, held={**response.held, self.signal: reading})
 

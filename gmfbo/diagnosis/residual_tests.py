@@ -7,7 +7,7 @@ as Billings and Voon 1986 ask for what is not linear).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,9 @@ _DIFFERENT = 0.02  # of the strongest direction; weaker ones are rounding
 
 
 def residual_tests(
-    case: Case, curves: Sequence[Curve], held_out: Collection[str]
+    case: Case, curves: Sequence[Curve], scored: Mapping[str, tuple[float, float]]
 ) -> tuple[ResidualTest, ...]:
-    """Test every signal of the recordings that were held out.
+    """Test every signal of what was held out.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def residual_tests(
         Of these recordings.
     curves : sequence of Curve
         Recorded and simulated signals.
-    held_out : collection of str
-        Names of recordings.
+    scored : mapping of str to (float, float)
+        [s] Stretch of each recording that had no part in the fit.
     """
     found = []
     drives = _drives(case)
@@ -45,12 +45,13 @@ def residual_tests(
     variables = case.twin.binding.variables
     length = variables[position].variable.si_unit if position else None
     for curve in curves:
-        if curve.recording not in held_out or curve.recording not in drives:
+        if curve.recording not in scored or curve.recording not in drives:
             continue
         time, values = drives[curve.recording]
         final = curve.augmented if np.isfinite(curve.augmented).any() else curve.parameters_only
         share = POSITION_TOLERANCE if curve.unit == length else TOLERANCE
-        tested = _tested(curve, np.interp(curve.time, time, values), final, share)
+        reference = np.interp(curve.time, time, values)
+        tested = _tested(curve, reference, final, share, scored[curve.recording])
         if tested is not None:
             found.append(tested)
     return tuple(found)
@@ -72,8 +73,15 @@ def _drives(case: Case) -> Mapping[str, tuple[Array, Array]]:
     return drives
 
 
-def _tested(curve: Curve, reference: Array, final: Array, tolerated: float) -> ResidualTest | None:
+def _tested(
+    curve: Curve,
+    reference: Array,
+    final: Array,
+    tolerated: float,
+    stretch: tuple[float, float],
+) -> ResidualTest | None:
     known = np.isfinite(curve.recorded) & np.isfinite(curve.parameters_only) & np.isfinite(final)
+    known &= (curve.time >= stretch[0]) & (curve.time <= stretch[1])
     extent = float(np.ptp(curve.recorded[known])) if known.any() else 0.0
     if np.count_nonzero(known) < _FEW_ROWS or extent <= 0.0 or np.ptp(reference[known]) == 0.0:
         return None

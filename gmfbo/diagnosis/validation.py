@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,6 +28,8 @@ class Validated:
         The table.
     curves : tuple of Curve
         Recorded and simulated signals of all recordings.
+    scored : mapping of str to (float, float)
+        [s] Stretch of each recording that the table is about; without ends where it is a whole one.
     parameters_only, augmented : Fitted
         The twin with its parameters refitted, and with the named physics too; one and the same
         where nothing was named.
@@ -35,6 +37,7 @@ class Validated:
 
     fit: Fit
     curves: tuple[Curve, ...]
+    scored: Mapping[str, tuple[float, float]]
     parameters_only: Fitted
     augmented: Fitted
 
@@ -111,7 +114,21 @@ def _scored(
     shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
-    return Validated(table, _curves(case, shown[1], shown[2]), plain, augmented)
+    curves = _curves(case, shown[1], shown[2])
+    return Validated(table, curves, _stretches(case, scored), plain, augmented)
+
+
+def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:
+    stretches = {}
+    for k, record in enumerate(case.simulations.records):
+        windows = {i for i, w in enumerate(case.budget.windows) if w.record == k}
+        rows = rows_of(case, scored, k, 0)
+        if windows <= set(scored):
+            stretches[record.name] = (-np.inf, np.inf)
+        elif rows.size:
+            time = record.signals[0].time
+            stretches[record.name] = (float(time[rows[0]]), float(time[rows[-1]]))
+    return stretches
 
 
 def _refitted(misfit: Misfit, model: Fitted, iterations: int = 6) -> Fitted:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from gmfbo.diagnosis.outside import MISMATCH, is_mismatch
+from gmfbo.diagnosis.outside import FAR, MISMATCH, is_mismatch
 from gmfbo.diagnosis.residual_test import ResidualTest
 
 ERRORS = {"position": 0.010}
@@ -17,6 +17,12 @@ def followed(share: float, bound: float = 0.001, tolerance: float = 0.001) -> li
 
 def test_much_that_follows_the_reference_is_a_mismatch() -> None:
     assert is_mismatch(1.01 * MISMATCH, followed(0.008), ERRORS)
+
+
+def test_ten_times_the_noise_is_one_whatever_it_follows() -> None:
+    assert is_mismatch(1.01 * FAR, followed(0.0), ERRORS)
+    assert is_mismatch(1.01 * FAR, [], ERRORS)
+    assert not is_mismatch(0.99 * FAR, followed(0.0), ERRORS)
 
 
 @pytest.mark.parametrize(

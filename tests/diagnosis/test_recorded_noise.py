@@ -156,7 +156,7 @@ def test_the_reading_holds_the_noise_once_however_the_output_shows_it(
     column = np.random.default_rng(0).standard_normal(silent.held["position"].size)
     shown = {
         Showing.AT_ONCE: 2.0 * column,
-        Showing.A_STEP_LATER: 2.0 * np.concatenate([column[:1], column[:-1]]),
+        Showing.A_STEP_LATER: 2.0 * np.concatenate([[0.0], column[:-1]]),
         Showing.NEVER: np.zeros(column.size),
     }[showing]
     held = {**silent.held, "position": silent.held["position"] + shown}
@@ -169,9 +169,10 @@ def test_a_filter_keeps_what_is_fast_and_nothing_of_a_line() -> None:
     time = STEP * np.arange(2000, dtype=np.float64)
     fast = np.sin(2.0 * np.pi * 200.0 * time)
     assert np.std(above(3.0 + 5.0 * time, STEP, 50.0)) < 1e-10
-    # The ends of a wave do not join: there its slope jumps.
-    assert np.abs(above(np.sin(2.0 * np.pi * 10.0 * time), STEP, 50.0)[200:-200]).max() < 1e-4
-    np.testing.assert_allclose(above(fast, STEP, 50.0)[50:-50], fast[50:-50], atol=0.01)
+    # The ends of a wave do not join: there its slope jumps, which a sharp corner carries far.
+    slow = above(np.sin(2.0 * np.pi * 10.0 * time), STEP, 50.0)
+    assert np.abs(slow[200:-200]).max() < 5e-4
+    np.testing.assert_allclose(above(fast, STEP, 50.0)[200:-200], fast[200:-200], atol=0.01)
 
 
 # ---- what is no noise ---------------------------------------------------------------------------
@@ -232,7 +233,7 @@ def test_read_again_about_the_same_model_the_noise_stays(servo: tuple[Planted, C
     for before, after in zip(played_in(case), again, strict=True):
         assert isinstance(after, RecordedNoise)
         change = np.std(after.at_port - before.at_port)
-        assert change < 0.05 * np.std(before.at_port)
+        assert change < 0.02 * np.std(before.at_port)
 
 
 def test_without_noise_there_is_none_to_read_again(servo: tuple[Planted, Case]) -> None:

@@ -90,7 +90,7 @@ def test_the_guesses_of_the_starting_twin_file_fit_the_fmu(path: Path, tmp_path:
     text = re.sub(r"(?m)^# ", "", text).replace(path.name, str(path))
     (tmp_path / "twin.toml").write_text(text)
     twin = FmuTwin(tmp_path / "twin.toml")
-    assert len(twin.file.parameters) > 3
+    assert len(twin.file.parameters) >= 2
 
 
 def test_names_that_toml_cannot_hold_bare_become_keys(repack: Repack) -> None:
