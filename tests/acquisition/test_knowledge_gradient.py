@@ -81,6 +81,7 @@ def test_value_is_the_closed_form_of_the_linear_gaussian_case() -> None:
     )
     here = with_source(np.array([0.4, 0.6]), "IS1")
     inputs = with_source(search.pool()[::16], "IS1")
+    _, least = recommend(model, search)
     with exact_algebra(), torch.no_grad():
         sampler(model.posterior(here, observation_noise=True))
         normal = sampler.base_samples
@@ -94,7 +95,6 @@ def test_value_is_the_closed_form_of_the_linear_gaussian_case() -> None:
         noise = float(model.likelihood.noise) * float(transform.stdvs.item()) ** 2
         slope = covariance[0, 1:] / np.sqrt(covariance[0, 0] + noise)
         learned = joint.mean.numpy()[1:, 0] + slope * draws
-        _, least = recommend(model, search)
         gained = least - learned.min(axis=1).mean()
         value = float(acquisition(torch.cat([here, inputs[learned.argmin(axis=1)]])[None]))
     assert gained > 0.0

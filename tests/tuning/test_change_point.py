@@ -100,7 +100,8 @@ def test_a_shift_is_found_within_a_few_runs(shift: float, most_delay: float) -> 
         values[8:] += shift
         found = alarm(points, values)
         delays.append(np.inf if found is None else found - 8)
-    assert min(delays) >= LEAST_SINCE
+    # A large shift may already tell with its first run, and is then placed a run early.
+    assert min(delays) >= 1
     assert np.median(delays) <= most_delay
 
 

@@ -12,6 +12,8 @@ from gmfbo.errors import GmfboError, InputError, StudyFileError
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.store import StudyStore
 from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.writer import write_recording
+from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.request import TuningResult
 from gmfbo.tuning.study import Study
@@ -172,7 +174,19 @@ def test_an_earlier_study_of_another_unit_is_refused(tmp_path: Path, monday: Stu
             metres = Recording(time=run.time, signals=dict(run.signals), units={"position": "m"})
             store.write_trial(replace(trial, recording=metres))
         store.log("begin", origin="../monday", twins={})
-    study = tuesday(tmp_path, ("../monday/axis.study", "../linear.study"))
+    (part,) = ExperimentSeries.from_sections(
+        monday.file.references, "position", folder=monday.origin
+    ).parts
+    with_unit = replace(part.reference, units={"reference": "rad"})
+    write_recording(with_unit, tmp_path / "reference.csv")
+    study = tuesday(
+        tmp_path,
+        ("../monday/axis.study", "../linear.study"),
+        (
+            "step = 1.0\nat = 0.05\nhorizon = 0.5\nsample_time = 2e-3",
+            'file = "../reference.csv"\nhorizon = 0.5',
+        ),
+    )
     with pytest.raises(
         StudyFileError, match="expected 'position' in rad, its trial 11 has it in m"
     ):
