@@ -56,6 +56,9 @@ LEAST_PROBABILITY = 0.3
 _LEAST_REMOVED = 0.05
 """Share of the explainable error on held-out recordings, below which nothing is named."""
 
+_BEYOND_DOUBT = 5.0
+"""times what an effect has to gain: what acts for milliseconds is hardly seen in an RMS error."""
+
 Progress = Callable[[str, float], None]
 
 
@@ -227,7 +230,7 @@ class _Search:
         self.progress("validating", 0.85)
         result = self._validated(decision, outside, unseen)
         removed = result.fit.explainable_error_removed
-        if decision.rounds and removed is not None and removed < _LEAST_REMOVED:
+        if removed is not None and removed < _LEAST_REMOVED and _is_weak(decision):
             self._take_names_back(decision, removed)
             result = self._validated(decision, outside, unseen)
         augmented = result.augmented
@@ -443,6 +446,13 @@ def _drop_improbable(case: Case, decision: Decision, probabilities: dict[str, fl
             last = decision.rounds[-1].winner.fitted if decision.rounds else case.base
             decision.model = last
             return
+
+
+def _is_weak(decision: Decision) -> bool:
+    """Whether there are names, and none of them is beyond doubt."""
+    return bool(decision.rounds) and all(
+        entry.winner.gain < _BEYOND_DOUBT * entry.needed for entry in decision.rounds
+    )
 
 
 def _is_known(decision: Decision) -> bool:
