@@ -40,6 +40,7 @@ from gmfbo.diagnosis.reporting import (
 )
 from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.residual_tests import residual_tests
+from gmfbo.diagnosis.shown_gains import find_shown_gain
 from gmfbo.diagnosis.simulations import Point
 from gmfbo.diagnosis.suggested_experiment import NextExperiment
 from gmfbo.diagnosis.validation import Validated, validate_unseen
@@ -115,7 +116,12 @@ def diagnose(
     unseen = [_read(recording, opened) for recording in validate or ()]
     told = progress or _silent
     told("running the twin", 0.0)
+    gain = find_shown_gain(opened, read, seed=seed, jobs=jobs)
+    if gain is not None:
+        read, unseen = gain.put_in(read), gain.put_in(unseen)
     case = _aligned_case(opened, read, seed, jobs)
+    if gain is not None:
+        case.notes.append(gain.note)
     try:
         search = _Search(case, np.random.default_rng(seed), assume, exclude, told)
         if not unseen:

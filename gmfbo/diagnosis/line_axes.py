@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 TOP_FREQUENCY = 100.0
 """[Hz] At which a line may pass by; a loop hides faster torques."""
 
-_LEAST_CYCLES = 0.7  # within a stroke of less than a turn, or the longest recording
-_LEAST_REPEATS = 2.0  # within the stroke of a slide: fewer are an offset and a slope
+_LEAST_CYCLES = 0.7  # within a stroke of less than a turn
+_LEAST_REPEATS = 2.0  # in a slide's stroke or the longest recording: fewer are offset and slope
 _SAMPLES_A_CYCLE = 3.0
 _SLOW_PART = 0.5  # of the motion
 _OVERSAMPLING = 4  # points of the scan within the resolution of one cycle in the range
@@ -108,7 +108,7 @@ def over_time(case: Case) -> Axis | None:
     grids = [record.plan.grid for record in records]
     step = float(grids[0][1] - grids[0][0])
     resolution = 1.0 / excitation.duration
-    least = _LEAST_CYCLES * resolution
+    least = _LEAST_REPEATS * resolution
     most = min(TOP_FREQUENCY, 1.0 / (_SAMPLES_A_CYCLE * step))
     if most <= least:
         return None

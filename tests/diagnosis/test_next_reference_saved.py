@@ -17,7 +17,7 @@ LOOP = ("transport_delay", "actuator_lag")
 @pytest.fixture(scope="module")
 def rivals() -> Diagnosis:
     """A lag of the drive that one short recording hardly tells from a dead time."""
-    recordings = SERVO.recordings({"actuator_lag.time": 1.3e-3}, (multisine,), seed=8)
+    recordings = SERVO.recordings({"actuator_lag.time": 1.1e-3}, (multisine,), seed=8)
     return diagnosed(SERVO.twin(), recordings, only=LOOP)
 
 
@@ -71,7 +71,7 @@ def test_the_reference_that_was_chosen_separates_them_once_it_is_recorded(
         played = Recording.read(tmp_path / "next.csv", twin)
     rows = round(played.time[-1] * 1000.0) + 1
     reference = np.interp(np.arange(rows) * 1e-3, played.time, played.signal("reference"))
-    physics = {"actuator_lag.time": 1.3e-3}
+    physics = {"actuator_lag.time": 1.1e-3}
     first = SERVO.recordings(physics, (multisine,))
     (second,) = SERVO.recordings(physics, (lambda t: reference,), seconds=rows * 1e-3, seed=6)
     diagnosis = diagnosed(SERVO.twin(), [*first, second], only=LOOP)
