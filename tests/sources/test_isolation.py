@@ -195,6 +195,11 @@ ENDING
 """
 
 
+def is_stopped(process: int) -> bool:
+    """Whether a signal holds it."""
+    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "T"
+
+
 def child(ending: str, twin: Path) -> subprocess.Popen[str]:
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD.replace("ENDING", ending), str(twin)],
@@ -267,6 +272,8 @@ def test_a_folder_of_a_parent_and_worker_killed_together_is_removed_later(
     with child("sys.stdin.read()", axis) as parent:
         (worker,) = children(parent.pid)
         os.kill(worker, signal.SIGSTOP)
+        while not is_stopped(worker):  # a stop takes its time on a busy machine
+            time.sleep(0.001)
         parent.kill()
         os.kill(worker, signal.SIGKILL)
         parent.communicate()
