@@ -99,15 +99,50 @@ def fast_power(residual: NDArray[np.float64]) -> float:
     residual : ndarray, shape (n,)
         What is not motion.
     """
+    return _level(_fast_bins(residual))
+
+
+def power_beside(
+    residual: NDArray[np.float64],
+    reading: NDArray[np.float64],
+    changes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> float:
+    """Variance of a signal's fast noise that a reading's noise does not explain.
+
+    The difference of two variances would be uncertain by a share of the larger one, and this part
+    decides how exactly the one signal is known beside the other.
+
+    Parameters
+    ----------
+    residual, reading : ndarray, shape (n,)
+        Of the signal and of the reading, what is not motion.
+    changes : sequence of two ndarray, shape (n,)
+        The same of each run with noise of the reading alone.
+    """
+    both = [(_fast_bins(own), _fast_bins(seen)) for own, seen in changes]
+    cross = np.sum([own * seen.conj() for own, seen in both], axis=0)
+    power = np.sum([np.abs(seen) ** 2 for _, seen in both], axis=0)
+    width = max(3, power.size // 10)
+    smooth = [uniform_filter1d(part, width) for part in (np.real(cross), np.imag(cross), power)]
+    gain = (smooth[0] + 1j * smooth[1]) / np.maximum(smooth[2], 1e-300)
+    return _level(_fast_bins(residual) - gain * _fast_bins(reading))
+
+
+def _fast_bins(residual: NDArray[np.float64]) -> Spectrum:
+    """Spectrum near the Nyquist frequency, its squares the variance of white noise."""
     n = residual.size
     # The second difference keeps slow parts, and the taper single lines, out of the other bins.
     taper = np.hanning(n - 2)
-    spectrum = np.abs(np.fft.rfft(taper * np.diff(residual, 2))) ** 2 / np.sum(taper**2)
+    spectrum = np.fft.rfft(taper * np.diff(residual, 2)) / np.sqrt(np.sum(taper**2))
     frequency = np.fft.rfftfreq(n - 2)
-    gain = (2.0 * np.sin(np.pi * frequency)) ** 4
     band = (frequency > _NOISE_BAND[0]) & (frequency < _NOISE_BAND[1])
+    bins: Spectrum = spectrum[band] / (2.0 * np.sin(np.pi * frequency[band])) ** 2
+    return bins
+
+
+def _level(bins: Spectrum) -> float:
     # The median of an exponential variable is ln 2 of its mean; it passes over single lines.
-    return float(np.median(spectrum[band] / gain[band]) / np.log(2.0))
+    return float(np.median(np.abs(bins) ** 2) / np.log(2.0))
 
 
 def loop_covariance(window: Window, changes: Sequence[Sequence[NDArray[np.float64]]]) -> Spectrum:

@@ -19,7 +19,7 @@ from gmfbo.diagnosis.command_signal import command_of
 from gmfbo.diagnosis.nuisances import SHIFT_SHARE, Alignment
 from gmfbo.diagnosis.parity import FAILS_ABOVE
 from gmfbo.diagnosis.plain_words import number, percent, quantity
-from gmfbo.diagnosis.seen_alignment import ControllerView, Culprit
+from gmfbo.diagnosis.seen_alignment import LEAST_GAIN, ControllerView, Culprit
 
 _LEAST_REPEATS = 3
 _REPEATED_SHARE = 1e-3
@@ -31,7 +31,6 @@ _FARTHEST = 1.5  # standard deviations of a nuisance's prior, above which an err
 _SHIFT = 0.5  # of a sample, and
 _BY_CONTROLLER = (0.9, 0.95)  # of the residual, explained by a single error: down to noise, or not
 _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
-_GAIN = 0.02  # share of a gain, above which it is told
 _SHIFT_BY_TWIN = 2.0  # samples
 _SCALE_BY_TWIN = 0.02
 _OFFSET_BY_TWIN = 0.01  # of the range
@@ -233,7 +232,7 @@ def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]
     to_noise = (1.0 - best.explained) * view.excess <= FAILS_ABOVE
     is_alone = best.explained >= _BY_CONTROLLER[0 if to_noise else 1]
     if is_alone and best.kind == "gain":
-        return [_of_gain(name, best)] if abs(best.size) > _GAIN else []
+        return [_of_gain(name, best)] if abs(best.size) > LEAST_GAIN else []
     if is_alone:
         prior = case.rig.alignments[best.signal]
         if not _is_far(best, prior, _sample(case, best.signal)):

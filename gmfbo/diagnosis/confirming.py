@@ -11,7 +11,7 @@ from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.misfit import Blocks, Misfit
-from gmfbo.diagnosis.recorded_noise import renewed
+from gmfbo.diagnosis.recorded_noise import under_noise
 from gmfbo.diagnosis.screening import Probe, Screened
 from gmfbo.physics.harmonic import strongest_first
 
@@ -19,7 +19,8 @@ MOST = 6
 """Effects that are fitted in one round."""
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
-_WORTH_RENEWING = 50.0  # gain from which the noise is read off the recordings once more
+_WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
+_NEAR = 0.5  # of the best gain, from which the same is asked
 _AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
@@ -88,16 +89,21 @@ def confirm(
 
     def one(candidate: Candidate) -> Fitted | None:
         hypothesis, parameters = _best_start(misfit, base, candidate)
-        found = fit(misfit, hypothesis, parameters)
-        if found is None or found.chi2 > base.chi2 - _WORTH_RENEWING:
-            return found
-        noise = renewed(misfit.simulations, found)
-        if noise is None:
-            return found
-        again = replace(found.hypothesis, noise=noise)
-        return fit(misfit, again, found.parameters, iterations=_AGAIN) or found
+        return fit(misfit, hypothesis, parameters)
 
-    return [f for f in misfit.simulations.map_outer(one, candidates) if f is not None]
+    def again(found: Fitted) -> Fitted:
+        if base.chi2 - found.chi2 < least:
+            return found
+        noisy = under_noise(misfit, found)
+        if noisy is None:
+            return found
+        moved = fit(misfit, noisy, found.parameters, iterations=_AGAIN)
+        return found if moved is None or moved.chi2 > found.chi2 else moved
+
+    fits = [f for f in misfit.simulations.map_outer(one, candidates) if f is not None]
+    best = max((base.chi2 - f.chi2 for f in fits), default=0.0)
+    least = max(_WORTH_NOISE, _NEAR * best)
+    return misfit.simulations.map_outer(again, fits)
 
 
 def _best_start(

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.decision import Decision, decide
+from gmfbo.diagnosis.deciding import decide
+from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
 from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.fitting import Fitted
@@ -24,8 +25,9 @@ from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.opening import open_case, open_unseen
-from gmfbo.diagnosis.outside import Outside, is_mismatch, look_outside, unexplained
+from gmfbo.diagnosis.outside import Outside, is_mismatch, is_uneven, look_outside, unexplained
 from gmfbo.diagnosis.parities import logged_as, parities
+from gmfbo.diagnosis.plain_words import words
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
 from gmfbo.diagnosis.remaining_explanations import predictions_of
@@ -213,13 +215,13 @@ class _Search:
             look_again=lambda model: self._lines_beside(model, testable),
         )
         if decision.in_doubt is not None:
-            name = decision.in_doubt.name.replace("_", " ")
+            name = words(decision.in_doubt.name)
             case.notes.append(
                 f"{name} would explain these recordings as well as anything, but they hold no "
                 "reversal that could tell: nothing is named"
             )
         if decision.too_small is not None:
-            name = decision.too_small.name.replace("_", " ")
+            name = words(decision.too_small.name)
             case.notes.append(
                 f"{name} explains what is left, but it is smaller than anybody would act on: it is "
                 "not named"
@@ -229,7 +231,7 @@ class _Search:
         outside = None
         if self._response is not None:
             self.progress("looking outside the library", 0.8)
-            outside = look_outside(case, decision, self._response)
+            outside = look_outside(case, decision, self._response, self.rng)
             if outside.is_better and not _is_known(decision):
                 decision.model = case.base
                 decision.rounds.clear()
@@ -298,6 +300,7 @@ class _Search:
         excitation = replace(
             case.setting.excitation,
             wavenumbers=lines.wavenumbers,
+            ripple_wavenumbers=lines.ripple_wavenumbers,
             frequencies=lines.frequencies,
             pulses=lines.pulses,
         )
@@ -312,6 +315,7 @@ class _Search:
         excitation = replace(
             self.case.setting.excitation,
             wavenumbers=lines.wavenumbers,
+            ripple_wavenumbers=lines.ripple_wavenumbers,
             frequencies=lines.frequencies,
             pulses=lines.pulses,
         )
@@ -379,7 +383,7 @@ class _Search:
 
     def _take_names_back(self, decision: Decision, removed: float) -> None:
         """Name nothing where that would not help on recordings that no fit has seen."""
-        names = " and ".join(entry.winner.name.replace("_", " ") for entry in decision.rounds)
+        names = " and ".join(words(entry.winner.name) for entry in decision.rounds)
         self.case.notes.append(
             f"{names} would explain the recordings that were fitted, but removes {removed:.0%} of "
             "the explainable error on the others: nothing is named"
@@ -434,7 +438,10 @@ class _Search:
             return "missing_physics"
         errors = {name: signal.parameters_only for name, signal in fit.signals.items()}
         left = unexplained(case, case.base)
-        if not _is_known(decision) and is_mismatch(left, tests, errors):
+        is_known = _is_known(decision)
+        if not is_known and (
+            is_mismatch(left, tests, errors) or is_uneven(case, case.base, self.rng)
+        ):
             return "outside_library"
         return "parameters" if _parameters_matter(case, decision) else "none"
 

@@ -118,8 +118,7 @@ class Hypothesis:
     effects : tuple of Candidate
         Effects that are on; their values are the start.
     noise : tuple of PlayedNoise or None
-        What the controller saw in each recording, by this hypothesis; the case's own where not
-        given.
+        What the controller saw in each recording, where that matters to this hypothesis.
     """
 
     setting: Setting
@@ -210,6 +209,11 @@ class Hypothesis:
             least = max(1e-3 * whole, self.setting.least_inertia)
             parameters[self.setting.inertia] = max(whole - moved, least)
         return Point(parameters, physics, only, self.noise)
+
+    @property
+    def quiet(self) -> Hypothesis:
+        """The same without noise of recordings."""
+        return replace(self, noise=None)
 
     @property
     def _nominal_inertia(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,8 @@ class Axis:
         Distance at which two lines can be told apart without noise.
     rounded : bool
         Whole numbers are likely, as cycles in a turn.
+    sizes : tuple of ndarray, shape (rows,), optional
+        Share of its amplitude that a line has along each recording, -1 to 1; 1 unless given.
     """
 
     phases: tuple[Array, ...]
@@ -50,15 +52,17 @@ class Axis:
     places: Array
     resolution: float
     rounded: bool
+    sizes: tuple[Array, ...] | None = None
 
     def waves(self, places: Array) -> list[Array]:
         """Sines, then cosines of lines: one array a recording of shape (2 * n_places, rows)."""
         columns = []
-        for phase, rate in zip(self.phases, self.rates, strict=True):
+        for k, (phase, rate) in enumerate(zip(self.phases, self.rates, strict=True)):
             turned = np.outer(places, phase)
             # Where a line passes too fast for the samples, they would show another one.
             visible = np.outer(places, rate) < 2.0 * np.pi / _SAMPLES_A_CYCLE
-            columns.append(np.concatenate([np.sin(turned) * visible, np.cos(turned) * visible]))
+            sizes = visible if self.sizes is None else visible * self.sizes[k]
+            columns.append(np.concatenate([np.sin(turned) * sizes, np.cos(turned) * sizes]))
         return columns
 
     def sums(self, fields_at_port: Sequence[Array]) -> NDArray[np.complex128]:
@@ -68,6 +72,8 @@ class Axis:
         for k, (phase, rate, field) in enumerate(
             zip(self.phases, self.rates, fields_at_port, strict=True)
         ):
+            if self.sizes is not None:
+                field = field * self.sizes[k]
             moving = np.flatnonzero(field)
             turning = field[moving] * np.exp(1j * self.places[0] * phase[moving])
             turn = np.exp(1j * step * phase[moving])
@@ -94,6 +100,22 @@ def over_position(case: Case, base: Fitted, response: PortResponse) -> Axis | No
     phases = tuple(between_points(s.position) for s in states)
     rates = tuple(np.abs(s.velocity) * response.step for s in states)
     return Axis(phases, rates, _places(least, most, resolution), resolution, excitation.angular)
+
+
+def with_current(axis: Axis, case: Case, base: Fitted) -> Axis | None:
+    """Let the lines of an axis grow with the current; None where there is none.
+
+    Lines that turn their sign with the current leave no plain line in a motion to and fro.
+    """
+    records = case.simulations.records
+    currents = [
+        np.asarray(states_of(run, record).current)
+        for run, record in zip(base.simulated, records, strict=True)
+    ]
+    largest = max(float(np.abs(current).max()) for current in currents)
+    if largest <= 0.0:
+        return None
+    return replace(axis, sizes=tuple(current / largest for current in currents))
 
 
 def _slow_speed(states: Sequence[States]) -> float:

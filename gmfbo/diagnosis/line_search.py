@@ -88,10 +88,10 @@ class LineSearch:
         lowest = float(self._axis.places[0])
         return min(0.5 * lowest, 0.9) if self._axis.rounded else lowest
 
-    def strongest(self, own: Blocks, least: float) -> list[Line]:
+    def strongest(self, own: Blocks, least: float, most: int = MOST_LINES) -> list[Line]:
         """Lines found one after the other, each beyond those before it and other columns."""
         found: list[Line] = []
-        while len(found) < MOST_LINES:
+        while len(found) < most:
             with_found = self.with_lines(found, own)
             peaks = _peaks(self._axis.places, self._scan(self._regression.left(with_found)))
             if self._axis.rounded:

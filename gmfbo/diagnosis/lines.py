@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.line_axes import over_position, over_time
+from gmfbo.diagnosis.line_axes import over_position, over_time, with_current
 from gmfbo.diagnosis.line_search import FAINT, Line, LineSearch
 from gmfbo.diagnosis.misfit import Blocks
 from gmfbo.diagnosis.port_response import PortResponse
 from gmfbo.diagnosis.pulses import Pulse, pulse_change, strongest_pulse
 from gmfbo.diagnosis.regression import Regression, joined
+
+_RIPPLE = 2  # lines that grow with the current: one of them has to be the strongest
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,8 @@ class Lines:
     ----------
     over_position, over_time : tuple of Line
         Strongest first, at most four.
+    with_current : tuple of Line
+        Over the position, growing with the current; strongest first.
     passing : tuple of Pulse
         Strongest first.
     """
@@ -30,6 +34,7 @@ class Lines:
     over_position: tuple[Line, ...]
     over_time: tuple[Line, ...]
     passing: tuple[Pulse, ...]
+    with_current: tuple[Line, ...] = ()
 
     @property
     def gain(self) -> float:
@@ -40,6 +45,11 @@ class Lines:
     def wavenumbers(self) -> tuple[float, ...]:
         """[rad per position unit] As `Excitation` takes them."""
         return tuple(line.place for line in self.over_position)
+
+    @property
+    def ripple_wavenumbers(self) -> tuple[float, ...]:
+        """[rad per position unit] As `Excitation` takes them."""
+        return tuple(line.place for line in self.with_current)
 
     @property
     def frequencies(self) -> tuple[float, ...]:
@@ -65,10 +75,11 @@ def find_lines(case: Case, base: Fitted, response: PortResponse) -> Lines:
         From the port to the signals.
     """
     regression, own = Regression(case.misfit, base), base.sensitivity
+    position = over_position(case, base, response)
     searches = _Searches(
         *(
             None if axis is None else LineSearch(regression, response, axis)
-            for axis in (over_position(case, base, response), over_time(case))
+            for axis in (position, over_time(case))
         )
     )
     pulse = strongest_pulse(case, regression, response, own)
@@ -78,7 +89,16 @@ def find_lines(case: Case, base: Fitted, response: PortResponse) -> Lines:
         found = searches.strongest(with_pulse, FAINT * pulse.gain)
     elif found.gain:
         pulse = strongest_pulse(case, regression, response, searches.with_lines(found, own))
-    return Lines(found.over_position, found.over_time, () if pulse is None else (pulse,))
+    ripple = None if position is None else with_current(position, case, base)
+    growing: list[Line] = []
+    if ripple is not None:
+        growing = LineSearch(regression, response, ripple).strongest(own, 0.0, most=_RIPPLE)
+    return Lines(
+        found.over_position,
+        found.over_time,
+        () if pulse is None else (pulse,),
+        tuple(growing),
+    )
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +115,7 @@ def _contribution(case: Case, candidate: Candidate, fitted_with: Fitted) -> list
     """Square of what an effect changes in the signals, in their noise, on each grid."""
     whole = fitted_with.hypothesis
     others = tuple(c for c in whole.effects if c.effect != candidate.effect)
-    without = type(whole)(whole.setting, others)
+    without = replace(whole, effects=others)
     point = without.point(without.start(fitted_with.parameters))
     runs = case.simulations.run([point])[0]
     weights = []

@@ -179,8 +179,7 @@ def playing(case: Case, menu: Menu) -> Iterator[None]:
     recorded = case.simulations.records
     case.simulations.replace_records(menu.records)
     try:
-        with case.simulations.quiet():
-            yield
+        yield
     finally:
         case.simulations.replace_records(recorded)
 
@@ -211,12 +210,12 @@ def play(case: Case, rival: Fitted) -> Played | None:
     rival : Fitted
         A hypothesis with its values.
     """
-    point = rival.hypothesis.point(rival.x)
-    simulated = case.simulations.run([point])[0]
+    hypothesis = rival.hypothesis.quiet
+    simulated = case.simulations.run([hypothesis.point(rival.x)])[0]
     if not all(run.finite for run in simulated):
         return None
     unscored = Misfit(case.simulations, ())
-    columns = unscored.sensitivities(rival.hypothesis, rival.x, simulated, parallel=True)
+    columns = unscored.sensitivities(hypothesis, rival.x, simulated, parallel=True)
     return Played(simulated, columns)
 
 

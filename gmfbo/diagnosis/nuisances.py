@@ -28,8 +28,8 @@ CLOCK_SKEW = 2e-4
 SHIFT_SHARE = 0.1
 """Of a sample: when within its period a column is latched."""
 
-ACTUATOR_LAG_S, ACTUATOR_GAIN = 2.5e-4, 0.01
-"""Current loops differ by 0.1-0.3 ms and 1 % from what their twins say."""
+ACTUATOR_LAG_S, ACTUATOR_GAIN = 2.5e-4, 0.02
+"""Current loops differ by 0.1-0.3 ms and torque constants by 2 % from what their twins say."""
 
 _FREE = 10.0  # times the range: as good as no prior
 _OFFSET = 5e-4  # of a signal's range

@@ -23,6 +23,7 @@ from gmfbo.diagnosis.preparation import (
     noise_squares,
     nuisance_directions,
     own_variances,
+    white_variances,
     whiteners,
     windows_of,
 )
@@ -32,10 +33,9 @@ from gmfbo.diagnosis.ranges import (
     tracking_loop,
     untracked,
 )
-from gmfbo.diagnosis.recorded_noise import RecordedNoise, noise_of, played_spectrum
 from gmfbo.diagnosis.records import Record, ScoredSignal, resolution, scored_record
 from gmfbo.diagnosis.simulations import Point, Reading, Simulated, Simulations, require_run
-from gmfbo.diagnosis.whitening import Spectrum, Window
+from gmfbo.diagnosis.whitening import Window
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
 from gmfbo.recordings.recording import Recording
@@ -46,7 +46,6 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
-_SENT = 0.1  # of a reading's noise, that is left where it is played
 _READ_BACK = 0.5  # of what is added at the sensor port, which a reading shows a step later
 _STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
 _JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
@@ -211,6 +210,7 @@ class _Opening:
             simulations.tracking = replace(simulations.tracking, settings=settings)
         simulations.new_rows = like.simulations.new_rows
         simulations.reading = like.simulations.reading
+        simulations.encoder = like.simulations.encoder
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         noise = noise_levels(simulations.records, nominal)
@@ -218,8 +218,7 @@ class _Opening:
         windows = windows_of(simulations.records, excitation.loop_time)
         empty: list[list[Direction]] = [[] for _ in simulations.records]
         own = [
-            own_variances(r, levels, [])
-            for r, levels in zip(simulations.records, noise, strict=True)
+            white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)
         ]
         spectra = covariances(windows, simulations.records, like.rig, own, empty)
         misfit = Misfit(simulations, whiteners(windows, spectra, empty))
@@ -266,6 +265,8 @@ class _Opening:
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         rig = describe_rig(self.twin.binding, simulations.records)
         simulations.reading = self._reading(rig)
+        if rig.position is not None:
+            simulations.encoder = Reading(rig.position, rig.position_to_si)
         stiffness = None
         if "torque" in nominal[0].response.ports:
             guess = self._torque_guess(nominal)
@@ -399,8 +400,7 @@ class _Opening:
 
     def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
         return [
-            replace(run, signals=simulations.read(run.response, k))
-            for k, run in enumerate(simulated)
+            replace(run, quiet=simulations.read(run.response, k)) for k, run in enumerate(simulated)
         ]
 
     def _excitation(
@@ -539,8 +539,7 @@ class _Opening:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         empty: list[list[Direction]] = [[] for _ in simulations.records]
         own = [
-            own_variances(r, levels, [])
-            for r, levels in zip(simulations.records, noise, strict=True)
+            white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)
         ]
         spectra = covariances(windows, simulations.records, rig, own, empty)
         misfit = Misfit(simulations, whiteners(windows, spectra, empty))
@@ -561,51 +560,17 @@ class _Opening:
         point = base.hypothesis.point(base.x)
         through = self._noise_runs(simulations, point, base.simulated, rig, noise)
         own = [
-            own_variances(record, levels, changes)
-            for record, levels, changes in zip(simulations.records, noise, through, strict=True)
+            own_variances(record, levels, changes, run, rig.position)
+            for record, levels, changes, run in zip(
+                simulations.records, noise, through, base.simulated, strict=True
+            )
         ]
-        about, left = base.simulated, through
-        simulations.noise = noise_of(
-            simulations, point, base.simulated, rig.position, rig.position_to_si, noise
-        )
-        if any(played is not None for played in simulations.noise):
-            about = simulations.run([point])[0]
-            left = self._noise_runs(simulations, point, about, rig, noise)
-        spectra = self._spectra(simulations, windows, rig, noise, own, about, left)
-        directions = nuisance_directions(simulations, point, about, rig, ratio)
+        spectra = covariances(windows, simulations.records, rig, own, through)
+        directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
         squares = noise_squares(windows, simulations.records, rig, spectra)
         return Budget(
             windows, tuple(spectra), tuple(directions), tuple(through), tuple(own), squares
         )
-
-    def _spectra(
-        self,
-        simulations: Simulations,
-        windows: Sequence[Window],
-        rig: Rig,
-        noise: list[dict[str, NoiseLevel]],
-        own: list[list[float]],
-        about: list[Simulated],
-        left: list[list[Direction]],
-    ) -> list[Spectrum]:
-        """S(f) of each window, less what is known of the noise of its recording."""
-        own = [list(variances) for variances in own]
-        after = noise_levels(simulations.records, about)
-        for k, played in enumerate(simulations.noise):
-            if played is not None:
-                for i, signal in enumerate(simulations.records[k].signals):
-                    # The reading's own fast part is played; other signals keep what is left.
-                    share = _SENT if signal.name == played.signal else 1.0
-                    own[k][i] = (share * after[k][signal.name].total) ** 2
-        spectra = covariances(windows, simulations.records, rig, own, left)
-        for w, window in enumerate(windows):
-            played = simulations.noise[window.record]
-            names = [s.name for s in simulations.records[window.record].signals]
-            if isinstance(played, RecordedNoise) and played.signal in names:
-                variance = noise[window.record][played.signal].total ** 2
-                place = names.index(played.signal)
-                spectra[w] = spectra[w] + played_spectrum(played, window, place, variance)
-        return spectra
 
     def _noise_runs(
         self,

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from gmfbo.diagnosis.case import Case, chi2_per_dof
+import numpy as np
+
+from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.diagnosis.moved_residual import chance_of_moving
 from gmfbo.diagnosis.port_response import PortResponse
 from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.shape import Unnamed, unnamed
@@ -20,7 +23,9 @@ _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
 _BESIDE_SHARE = 0.015  # of the names' gain, which a function beside them may gain: laws are inexact
 _EXCESS_SHARE = 0.3  # of the misfit beyond noise, which it has to take away
 _REST_SHARE = 0.5  # of what names leave beyond noise, which a function beside them takes away
-
+_BY_CHANCE = 0.003  # as noise that does not move with the axis
+_UNNAMED_SHARE = 0.1  # of the misfit beyond noise, which names may leave: no law is exact
+_CLEAR = 100.0  # times the noise: in so large a misfit whatever a law leaves shows
 
 MISMATCH = 4.0
 """chi2 per degree of freedom from which a misfit that follows the reference is real, although
@@ -57,8 +62,10 @@ class Outside:
     is_better: bool
 
 
-def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outside:
-    """Compare the named effects with a free function of velocity or position.
+def look_outside(
+    case: Case, decision: Decision, response: PortResponse, rng: np.random.Generator
+) -> Outside:
+    """Compare the named effects with a free function of velocity or position, and with noise.
 
     Parameters
     ----------
@@ -68,6 +75,8 @@ def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outs
         What was named.
     response : PortResponse
         From the torque port to the signals.
+    rng : numpy Generator
+        See `chance_of_moving`.
     """
     assert decision.model is not None
     # By the budget alone: what the best name leaves must not count as noise here.
@@ -83,9 +92,15 @@ def look_outside(case: Case, decision: Decision, response: PortResponse) -> Outs
     is_better = is_large and is_most and named < _BETTER * gain
     if decision.rounds and not is_better:
         beside = _best(unnamed(replace(case, misfit=plain, base=with_names), with_names, response))
-        left_over = with_names.chi2 - float(sum(case.budget.noise_squares))
+        noise = float(sum(case.budget.noise_squares))
+        left_over = with_names.chi2 - noise
         least = max(_THRESHOLDS * decision.threshold, _BESIDE_SHARE * named)
         is_better = beside > max(least, _REST_SHARE * left_over)
+        is_better |= (
+            left_over > _UNNAMED_SHARE * (base.chi2 - noise)
+            and base.chi2 < _CLEAR * noise
+            and is_uneven(case, decision.model, rng)
+        )
     return Outside(model, gain, named, is_better)
 
 
@@ -105,6 +120,25 @@ def unexplained(case: Case, model: Fitted) -> float:
     """
     plain = Misfit(case.simulations, case.budget.whiteners())
     return chi2_per_dof(model.measured_by(plain), plain)
+
+
+def is_uneven(case: Case, model: Fitted, rng: np.random.Generator) -> bool:
+    """Whether a model leaves more than noise does, and more of it in one motion than in another.
+
+    Parameters
+    ----------
+    case : Case
+        Twin, recordings and budget.
+    model : Fitted
+        The twin refitted, with or without named effects.
+    rng : numpy Generator
+        See `chance_of_moving`.
+    """
+    if case.simulations.tracking is not None:
+        return False  # the loop that holds the twin makes noise follow the motion
+    if not is_more_than_noise(case, model):
+        return False
+    return chance_of_moving(case, model, rng) < _BY_CHANCE
 
 
 def is_mismatch(left: float, tests: Sequence[ResidualTest], errors: Mapping[str, float]) -> bool:

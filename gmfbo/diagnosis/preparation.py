@@ -13,6 +13,7 @@ from gmfbo.diagnosis.budget import (
     excess_of_repeats,
     fast_power,
     loop_covariance,
+    power_beside,
     tolerance_covariance,
     white_covariance,
 )
@@ -228,8 +229,6 @@ def noise_runs(
 ) -> list[list[Direction]]:
     """Send noise of the recorded size through the loop: changes of each recording's signals.
 
-    Where noise of the recording itself is played, only what lies below its band is sent.
-
     Parameters
     ----------
     simulations : Simulations
@@ -263,9 +262,6 @@ def noise_runs(
             rows = record.plan.grid.size
             driven = {p: level[k] * rng.standard_normal(rows) for p, level in input_noise.items()}
             column = sensor_noise(base[k], position, sigma, resolution, rng)
-            played = simulations.noise[k] if k < len(simulations.noise) else None
-            if played is not None:
-                column = played.slow_part(column, float(np.diff(record.plan.grid[:2])[0]))
             orders.append((k, column, driven))
 
     def one(
@@ -404,8 +400,25 @@ def noise_squares(
     return tuple(found)
 
 
+def white_variances(record: Record, noise: Mapping[str, NoiseLevel]) -> list[float]:
+    """Variance of each signal's noise as if it were its own.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    noise : mapping of str to NoiseLevel
+        White noise of each signal.
+    """
+    return [noise[signal.name].total ** 2 for signal in record.signals]
+
+
 def own_variances(
-    record: Record, noise: Mapping[str, NoiseLevel], loop_noise: Sequence[Direction]
+    record: Record,
+    noise: Mapping[str, NoiseLevel],
+    loop_noise: Sequence[Direction],
+    base: Simulated,
+    position: str | None,
 ) -> list[float]:
     """Variance of each signal beyond what the loop makes of the sensor's noise.
 
@@ -417,16 +430,28 @@ def own_variances(
         White noise of each signal.
     loop_noise : sequence of Direction
         Changes under the sensor's noise.
+    base : Simulated
+        The same without noise.
+    position : str or None
+        Signal that is the sensor's reading.
     """
+    names = [signal.name for signal in record.signals]
+    place = names.index(position) if position in names else None
+    left = [s.values - run for s, run in zip(record.signals, base.signals, strict=True)]
     variances = []
     for i, signal in enumerate(record.signals):
         level = noise[signal.name]
+        own = level.total**2
         through = 0.0
         if loop_noise:
             through = float(np.mean([fast_power(change[i]) for change in loop_noise]))
+            own = max(own - through, 0.0)
+            if place is not None and place != i and left[i].size == left[place].size:
+                pairs = [(change[i], change[place]) for change in loop_noise]
+                own = min(power_beside(left[i], left[place], pairs), level.total**2)
         # What went through the loop holds the reading's own resolution.
         least = level.least * (_SENT if through > 0.5 * level.total**2 else 1.0)
-        variances.append(max(level.total**2 - through, least**2))
+        variances.append(max(own, least**2))
     return variances
 
 

@@ -238,7 +238,7 @@ def measure_ranges(
     return Excitation(
         torque=_positive(torque),
         command=_positive(np.abs(command).max()),
-        command_rate=_positive(np.quantile(rates, 0.999)),
+        command_rate=_positive(rates.max()),
         current=_positive(np.abs(current).max()),
         speed=speed,
         stroke=stroke,

@@ -1,9 +1,9 @@
 """The fast noise that a controller saw, read off the recording and played into the twin.
 
 Noise of an encoder reaches the motor through the controller. It shakes the axis loose of small
-friction and bridges small dead zones, so that a twin run without it shows another axis; and what
-of it can be predicted need not hide anything. Its slow part cannot be told from motion and stays
-in the budget.
+friction and bridges small dead zones, so that a twin run without it shows another axis. What it
+changes more slowly than it is itself is what a model is held to; of the fast part, the budget knows
+how large it is, and each model is compared without it: a model's own error is read as noise there.
 """
 
 from __future__ import annotations
@@ -15,23 +15,26 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import NoiseLevel
+from gmfbo.diagnosis.budget import noise_level
 from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.hypothesis import Hypothesis
+from gmfbo.diagnosis.leaving_out import normal_equations
+from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import PlayedNoise, Point, Simulated, Simulations
-from gmfbo.diagnosis.whitening import Spectrum, Window
+from gmfbo.diagnosis.simulations import Point, Simulations
 from gmfbo.sources.augmented import Response
 
 Array = NDArray[np.float64]
 
 _CORNERS = (30.0, 45.0, 65.0, 95.0, 140.0, 200.0)  # [Hz] above which noise is played
 _WHITE = 1.6  # times the level near the Nyquist frequency: more is motion
-_SMEARED = 0.97  # of the corner: a window's taper spreads it
+_SLOWER = 0.3  # of the sampling frequency, from which a signal has no fast part
 _ROUNDS = 7  # of reading the noise at most, each beside what the axis makes of the last
 _SETTLED = 0.01  # of the noise, by which a further round changes it
 _CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
 _END = 0.02  # of a recording, at each end
 _TRANSIENT = 4.0  # times the level, which noise at the ends does not reach
+_FELT = 30.0  # chi2 by which noise changes what is slower; that it sets in changes up to 15
 _WORSE = 1.1  # times a signal's fast residual, which playing what the motor felt does not reach
 
 
@@ -78,9 +81,15 @@ class RecordedNoise:
         reading = response.held[self.signal] + self.to_si * lacking
         return replace(response, held={**response.held, self.signal: reading})
 
-    def slow_part(self, column: Array, step: float) -> Array:
-        """What of other noise lies below the corner, and is not played."""
-        return column - above(column, step, self.corner)
+    def slow_part(self, change: Array, spacing: float) -> Array:
+        """What of a signal's change under the noise is slower than the noise."""
+        if self.corner >= _SLOWER / spacing:
+            return np.zeros_like(change)  # too slow a signal to tell
+        # A line through single rows would carry their noise into the slow part.
+        few = max(1, min(change.size // 2, round(2.0 / (self.corner * spacing))))
+        ends = float(np.mean(change[:few])), float(np.mean(change[-few:]))
+        line = np.linspace(*ends, change.size)
+        return np.asarray(change - _fast(change - line, spacing, self.corner))
 
     def with_more(self, lacking: Array, step: float) -> RecordedNoise:
         """Return it with the fast part of what a reading still lacks [SI], shape (rows,)."""
@@ -102,94 +111,67 @@ def above(column: Array, step: float, corner: float) -> Array:
         its noise read more often.
     """
     line = np.linspace(column[0], column[-1], column.size)
+    return _fast(column - line, step, corner)
+
+
+def _fast(column: Array, step: float, corner: float) -> Array:
     kept = np.fft.rfftfreq(column.size, step) >= corner
-    fast: Array = np.fft.irfft(np.fft.rfft(column - line) * kept, column.size)
+    fast: Array = np.fft.irfft(np.fft.rfft(column) * kept, column.size)
     return fast
 
 
-def noise_of(
-    simulations: Simulations,
-    point: Point,
-    base: Sequence[Simulated],
-    position: str | None,
-    position_to_si: float,
-    noise: Sequence[dict[str, NoiseLevel]],
-) -> list[RecordedNoise | None]:
+def under_noise(misfit: Misfit, model: Fitted) -> Hypothesis | None:
+    """Return a model's hypothesis with the noise of each recording, if that explains more.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and budget.
+    model : Fitted
+        About which the noise is read: what it cannot explain of the fast part is no noise.
+    """
+    simulations, hypothesis = misfit.simulations, model.hypothesis
+    if hypothesis.noise is not None:
+        return None  # it was read about the model before this effect
+    read = first_reading(simulations, model)
+    first = replace(hypothesis, noise=tuple(read))
+    if not any(read) or not _explains_more(misfit, model, first):
+        return None
+    noise = settled(simulations, model, read)
+    found = replace(hypothesis, noise=tuple(noise))
+    return found if any(noise) and _explains_more(misfit, model, found) else None
+
+
+def first_reading(simulations: Simulations, model: Fitted) -> list[RecordedNoise | None]:
     """Read the fast noise of each recording's position, where it is nothing but noise.
 
     Parameters
     ----------
     simulations : Simulations
         Who runs the twin.
-    point : Point
-        Where.
-    base : sequence of Simulated
-        The recordings simulated there.
-    position : str or None
-        Output that is the recorded position.
-    position_to_si : float
-        [SI / FMU's unit]
-    noise : sequence of mapping of str to NoiseLevel
-        White noise of each signal, for each recording.
+    model : Fitted
+        About which it is read.
     """
-    nothing: list[RecordedNoise | None] = [None] * len(base)
-    if position is None or simulations.tracking is not None:
-        return nothing
-    if "sensor" not in base[0].response.ports:
-        return nothing
-
-    def one(k: int) -> RecordedNoise | None:
-        record, level = simulations.records[k], noise[k].get(position)
-        difference = _difference(record, base[k].response, position)
-        if difference is None or level is None:
-            return None
-        step = float(np.diff(record.plan.grid[:2])[0])
-        corner = _corner(difference, step, level.total)
-        if corner is None:
-            return None
-        column = above(difference, step, corner) / position_to_si
-        if _is_transient(column * position_to_si, level.total):
-            return None
-        run = simulations.run_one(point, k, excitation={"sensor": column})
-        if not run.finite:
-            return None
-        change = run.response.held[position] - base[k].response.held[position]
-        showing = _showing(change, column * position_to_si)
-        found = RecordedNoise(position, corner, column, position_to_si, showing)
-        settled = _settled(simulations, point, k, found)
-        if settled is None or not _is_felt(simulations, point, k, settled, base[k]):
-            return None
-        return settled
-
-    return simulations.map(one, range(len(base)))
+    return [_read_about(simulations, model, k) for k in range(len(simulations.records))]
 
 
-def renewed(simulations: Simulations, model: Fitted) -> tuple[PlayedNoise | None, ...] | None:
-    """Read the noise once more, about another model; None where none is played.
-
-    What a model without an effect cannot explain of the fast part is no noise: each hypothesis
-    brings its own.
+def settled(
+    simulations: Simulations, model: Fitted, noise: Sequence[RecordedNoise | None]
+) -> list[RecordedNoise | None]:
+    """Take off what the axis makes of the noise; None where other signals do not know of it.
 
     Parameters
     ----------
     simulations : Simulations
         Who runs the twin.
     model : Fitted
-        With the noise that was played until now.
+        About which it was read.
+    noise : sequence of RecordedNoise or None
+        As `first_reading` gives it.
     """
-    known = model.hypothesis.noise or tuple(simulations.noise)
-    if not any(isinstance(noise, RecordedNoise) for noise in known):
-        return None
-    point = model.hypothesis.point(model.x)
-    found: list[PlayedNoise | None] = []
-    for k, noise in enumerate(known):
-        if isinstance(noise, RecordedNoise):
-            again = _settled(simulations, point, k, noise)
-            if again is None:
-                return None
-            noise = again
-        found.append(noise)
-    return tuple(found)
+    return [
+        None if own is None else _settled(simulations, model, k, own) for k, own in enumerate(noise)
+    ]
 
 
 def without_noise(simulations: Simulations, model: Fitted) -> Fitted:
@@ -202,24 +184,68 @@ def without_noise(simulations: Simulations, model: Fitted) -> Fitted:
     model : Fitted
         Of any hypothesis; returned as it is where no noise is played.
     """
-    if not any(noise is not None for noise in simulations.noise):
+    if model.hypothesis.noise is None:
         return model
-    with simulations.quiet():
-        simulated = simulations.run([model.hypothesis.point(model.x)])[0]
-    return replace(model, simulated=simulated)
+    hypothesis = model.hypothesis.quiet
+    simulated = simulations.run([hypothesis.point(model.x)])[0]
+    return replace(model, hypothesis=hypothesis, simulated=simulated)
+
+
+def _explains_more(misfit: Misfit, model: Fitted, noisy: Hypothesis) -> bool:
+    """Whether noise moves a model, and its parameters, moved in turn, make the best of it."""
+    after = misfit.simulations.run_here(noisy.point(model.x))
+    if not all(run.finite for run in after):
+        return False
+    if chi2(misfit.change(after, model.simulated)) <= _FELT:
+        return False
+    one_group = [0] * len(model.residual)
+    normal = normal_equations(misfit.residual(after), model.sensitivity, one_group, model.prior)
+    return float(normal.fitted().sum()) < model.chi2
+
+
+def _read_about(simulations: Simulations, model: Fitted, k: int) -> RecordedNoise | None:
+    """What one reading shows of noise above the corner; None where that may be more than noise."""
+    encoder = simulations.encoder
+    if encoder is None or simulations.tracking is not None:
+        return None
+    record = simulations.records[k]
+    base = model.simulated[k]
+    if "sensor" not in base.response.ports:
+        return None
+    signal = next((s for s in record.signals if s.name == encoder.signal), None)
+    difference = _difference(record, base.response, encoder.signal)
+    if difference is None or signal is None:
+        return None
+    level = noise_level(signal, difference).total
+    step = float(np.diff(record.plan.grid[:2])[0])
+    corner = _corner(difference, step, level)
+    if corner is None:
+        return None
+    column = above(difference, step, corner) / encoder.to_si
+    if _is_transient(column * encoder.to_si, level):
+        return None
+    run = simulations.run_one(_point(model), k, excitation={"sensor": column})
+    if not run.finite:
+        return None
+    change = run.response.held[encoder.signal] - base.response.held[encoder.signal]
+    showing = _showing(change, column * encoder.to_si)
+    return RecordedNoise(encoder.signal, corner, column, encoder.to_si, showing)
+
+
+def _point(model: Fitted) -> Point:
+    return model.hypothesis.quiet.point(model.x)
 
 
 def _settled(
-    simulations: Simulations, point: Point, k: int, noise: RecordedNoise
+    simulations: Simulations, model: Fitted, k: int, noise: RecordedNoise
 ) -> RecordedNoise | None:
-    """Noise with which the simulated reading is as fast as the recorded one; None if it fails.
+    """Noise with which the simulated reading is as fast as the recorded one; None if there is none.
 
     What the axis makes of the noise is in the recorded reading as well.
     """
     grid = simulations.records[k].plan.grid
     for _ in range(_ROUNDS):
-        played = (None,) * k + (noise,)
-        run = simulations.run_one(replace(point, noise=played), k)
+        run = simulations.run_under(_point(model), k, noise)
         lacking = _difference(simulations.records[k], run.response, noise.signal)
         if lacking is None or not run.finite:
             return None
@@ -227,7 +253,7 @@ def _settled(
         changed = float(np.std(noise.at_port - before.at_port))
         if changed < _SETTLED * float(np.std(noise.at_port)):
             break
-    return noise
+    return noise if _is_felt(simulations, model, k, noise) else None
 
 
 def _is_transient(column: Array, level: float) -> bool:
@@ -237,17 +263,15 @@ def _is_transient(column: Array, level: float) -> bool:
     return any(float(np.sqrt(np.mean(end**2))) > _TRANSIENT * level for end in ends)
 
 
-def _is_felt(
-    simulations: Simulations, point: Point, k: int, noise: RecordedNoise, before: Simulated
-) -> bool:
+def _is_felt(simulations: Simulations, model: Fitted, k: int, noise: RecordedNoise) -> bool:
     """Whether the other signals agree: what only the logger or one of two encoders saw is none."""
-    played = (None,) * k + (noise,)
-    after = simulations.run_one(replace(point, noise=played), k)
+    before = model.simulated[k]
+    after = simulations.run_under(_point(model), k, noise)
     if not after.finite:
         return False
     signals = simulations.records[k].signals
-    for signal, quiet, noisy in zip(signals, before.signals, after.signals, strict=True):
-        if signal.name == noise.signal or noise.corner >= 0.3 / signal.spacing:
+    for signal, quiet, noisy in zip(signals, before.quiet, after.signals, strict=True):
+        if signal.name == noise.signal or noise.corner >= _SLOWER / signal.spacing:
             continue
         left = [
             float(np.std(above(signal.values - values, signal.spacing, noise.corner)))
@@ -265,29 +289,6 @@ def _showing(change: Array, noise: Array) -> Showing:
     # The reading at t_k is made before the inputs of t_k act.
     before = np.concatenate([noise[:1], noise[:-1]])
     return Showing.A_STEP_LATER if float(change @ before) > _CONTAINED * size else Showing.NEVER
-
-
-def played_spectrum(noise: RecordedNoise, window: Window, signal: int, variance: float) -> Spectrum:
-    """Covariance of the reading's noise in the band that is played: there nothing is claimed.
-
-    Parameters
-    ----------
-    noise : RecordedNoise
-        What is played.
-    window : Window
-        What is scored.
-    signal : int
-        Place of the reading among its signals.
-    variance : float
-        [SI unit squared] Of the reading's noise.
-    """
-    variances = np.zeros(window.n_signals)
-    variances[signal] = variance
-    kept = window.frequencies >= _SMEARED * noise.corner
-    white = window.white([float(v) for v in variances])
-    spectrum = np.zeros((kept.size, window.n_signals, window.n_signals), dtype=complex)
-    spectrum[:, signal, signal] = kept * white[..., signal]
-    return spectrum
 
 
 def _difference(record: Record, response: Response, position: str) -> Array | None:
@@ -311,7 +312,7 @@ def _corner(difference: Array, step: float, level: float) -> float | None:
     power = power / np.maximum((2.0 * np.sin(np.pi * frequency * step)) ** 4, 1e-30)
     found = None
     for corner in reversed(_CORNERS):
-        if corner >= 0.3 / step:
+        if corner >= _SLOWER / step:
             continue
         band = (frequency >= corner) & (frequency < 1.5 * corner)
         if not np.any(band) or float(np.mean(power[band])) > _WHITE * level**2:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from gmfbo.diagnosis.decision import Evidence
+from gmfbo.diagnosis.decision import Evidence
 
 _AS_GOOD = 0.9  # of the gain, where only the way that physics is stepped sets two apart
 _QUANTILE = 1.645  # of a normal variable: 95 %

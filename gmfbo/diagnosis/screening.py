@@ -72,7 +72,7 @@ class Probe:
 
 
 def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> list[Probe]:
-    """Simulate each candidate at its probing size about a fitted model.
+    """Simulate each candidate at its probing size about a fitted model, without noise.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> lis
     """
     planned = [_planned(base.hypothesis, candidate) for candidate in candidates]
     points = [
-        hypothesis.point(hypothesis.start(base.parameters))
+        hypothesis.quiet.point(hypothesis.start(base.parameters))
         for _, variants in planned
         for hypothesis in variants
     ]
@@ -96,7 +96,7 @@ def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> lis
         for _ in variants:
             columns.append(
                 [
-                    tuple(a - b for a, b in zip(after.signals, before.signals, strict=True))
+                    tuple(a - b for a, b in zip(after.quiet, before.quiet, strict=True))
                     for after, before in zip(next(runs), base.simulated, strict=True)
                 ]
             )

@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 
 KINDS = ("shift", "scale", "offset")
 
+LEAST_GAIN = 0.02
+"""Share of a gain, above which another one is told from the one that was stated."""
+
 _ROUNDS = 4  # of linear steps, in which a shift of many samples is found
 _SMALL = 0.01  # change of scale, and of the range, by which the controller's answer is measured
 

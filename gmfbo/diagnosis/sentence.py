@@ -105,9 +105,12 @@ def _improvement(diagnosis: Diagnosis) -> str:
     if name is None:
         return ""
     fit = diagnosis.fit.signals[name]
+    before, after = percent(fit.parameters_only), percent(fit.augmented)
+    if before == after:
+        before, after = (f"{100.0 * v:.3g} %" for v in (fit.parameters_only, fit.augmented))
     return (
-        f"the {words(name)} error on unseen recordings falls from "
-        f"{percent(fit.parameters_only)} to {percent(fit.augmented)}{_floor(fit.noise_floor, '()')}"
+        f"the {words(name)} error on unseen recordings falls from {before} to {after}"
+        f"{_floor(fit.noise_floor, '()')}"
     )
 
 

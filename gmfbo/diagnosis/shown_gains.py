@@ -9,13 +9,12 @@ import numpy as np
 
 from gmfbo.diagnosis.nominal_case import open_nominal
 from gmfbo.diagnosis.parity import FAILS_ABOVE
-from gmfbo.diagnosis.seen_alignment import ControllerView, against_controller
+from gmfbo.diagnosis.seen_alignment import LEAST_GAIN, ControllerView, against_controller
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
 
 _EXPLAINED = 0.9  # of the controller's residual, by one gain
 _OTHERS_LEAVE = 2.0  # times what the gain leaves, by any error of a column
-_LEAST = 0.02  # share of a gain
 _ALIKE = 0.01  # share of a gain, by which recordings may differ
 
 
@@ -82,6 +81,9 @@ def find_shown_gain(
     SimulationError
         The twin as it is cannot follow a recording.
     """
+    if not twin.file.gains or "command" not in twin.file.states:
+        # Nothing could show one: do not pay for the look.
+        return None
     nominal = open_nominal(twin, recordings, seed=seed, jobs=jobs, on_run=lambda: None)
     case = nominal.case
     try:
@@ -109,7 +111,7 @@ def _told_by(view: ControllerView) -> tuple[str, float] | None:
     if view.excess <= FAILS_ABOVE:
         return None
     best = view.culprits[0]
-    if best.kind != "gain" or best.explained < _EXPLAINED or abs(best.size) < _LEAST:
+    if best.kind != "gain" or best.explained < _EXPLAINED or abs(best.size) <= LEAST_GAIN:
         return None
     others = max((c.explained for c in view.culprits if c.kind != "gain"), default=0.0)
     if 1.0 - others < _OTHERS_LEAVE * (1.0 - best.explained):

@@ -23,12 +23,12 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Reading:
-    """A recorded position that is the twin's output and what is added at the wire's end.
+    """A recorded position.
 
     Attributes
     ----------
     signal : str
-        Output at which the wire to the sensor port begins: it does not show what is added.
+        Output that it is.
     to_si : float
         [SI / FMU's unit]
     """
@@ -51,8 +51,8 @@ class PlayedNoise(Protocol):
     def logged(self, response: Response) -> Response:
         """Let the simulated reading hold it."""
 
-    def slow_part(self, column: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-        """What of other noise is not played."""
+    def slow_part(self, change: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+        """What of a signal's change under the noise is slower than the noise."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,8 @@ class Point:
     only : mapping of str to int
         Effects that act in one recording only, and which that is.
     noise : sequence of PlayedNoise or None
-        Played in each recording, read off it by this model; the case's own where not given.
+        Read off each recording; what it changes of the slower part is added to what the quiet
+        twin shows.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
@@ -91,14 +92,22 @@ class Simulated:
 
     Attributes
     ----------
-    signals : tuple of ndarray, shape (n_rows of that signal,)
-        [SI] NaN after a run that ended early.
+    quiet : tuple of ndarray, shape (n_rows of that signal,)
+        [SI] Without noise; NaN after a run that ended early.
     response : Response
-        All that was simulated.
+        All that was simulated, without noise.
+    under_noise : tuple of ndarray, optional
+        [SI] The signals with what noise changes of their slower part, where it is played.
     """
 
-    signals: tuple[NDArray[np.float64], ...]
+    quiet: tuple[NDArray[np.float64], ...]
     response: Response
+    under_noise: tuple[NDArray[np.float64], ...] | None = None
+
+    @property
+    def signals(self) -> tuple[NDArray[np.float64], ...]:
+        """[SI] What is compared with the recording."""
+        return self.quiet if self.under_noise is None else self.under_noise
 
     @property
     def finite(self) -> bool:
@@ -144,9 +153,8 @@ class Simulations:
         self.records = tuple(records)
         self.new_rows: frozenset[str] = frozenset()
         self.tracking: Tracking | None = None
-        self.noise: Sequence[PlayedNoise | None] = ()
+        self.encoder: Reading | None = None
         self.reading: Reading | None = None
-        self._is_quiet = False
         self._simulators: queue.SimpleQueue[AugmentedTwin] = queue.SimpleQueue()
         self._all = [open_twin() for _ in range(jobs)]
         for simulator in self._all:
@@ -199,6 +207,50 @@ class Simulations:
         measured_noise : ndarray, shape (rows,)
             [FMU's unit] Added to what the tracking loop follows.
         """
+        quiet = self._run(point, record, excitation, measured_noise)
+        noise = None if point.noise is None else point.noise[record]
+        if noise is None or not quiet.finite:
+            return quiet
+        noisy = self.run_under(point, record, noise, excitation=excitation)
+        if not noisy.finite:
+            return noisy
+        signals = tuple(
+            before + noise.slow_part(after - before, signal.spacing)
+            for signal, before, after in zip(
+                self.records[record].signals, quiet.signals, noisy.signals, strict=True
+            )
+        )
+        return replace(quiet, under_noise=signals)
+
+    def run_under(
+        self, point: Point, record: int, noise: PlayedNoise, *, excitation: Columns | None = None
+    ) -> Simulated:
+        """Simulate one recording under noise, all of which its signals hold.
+
+        Parameters
+        ----------
+        point : Point
+            Where to simulate.
+        record : int
+            Which recording.
+        noise : PlayedNoise
+            That of the recording.
+        excitation : mapping of str to ndarray, shape (rows,)
+            [FMU's unit] Added to a port.
+        """
+        more = dict(excitation or {})
+        more["sensor"] = more.get("sensor", 0.0) + noise.at_port
+        run = self._run(point, record, more, None)
+        response = run.response if self.reading is not None else noise.logged(run.response)
+        return Simulated(self.read(response, record), response)
+
+    def _run(
+        self,
+        point: Point,
+        record: int,
+        excitation: Columns | None,
+        measured_noise: NDArray[np.float64] | None,
+    ) -> Simulated:
         physics = point.physics_in(record)
         measured = None
         if self.tracking is not None:
@@ -207,16 +259,11 @@ class Simulations:
             if measured_noise is not None:
                 measured = measured + measured_noise
         plan = self.records[record].plan
-        noise = self._played(point, record)
-        if noise is not None:
-            more = dict(excitation or {})
-            more["sensor"] = more.get("sensor", 0.0) + noise.at_port
-            excitation = more
         with self._simulator() as simulator:
             response = simulator.run(
                 plan, point.parameters, physics, excitation=excitation, measured=measured
             )
-        response = self._logged(response, noise)
+        response = self._logged(response)
         return Simulated(self.read(response, record), response)
 
     def run_parity(
@@ -264,28 +311,13 @@ class Simulations:
         with ThreadPoolExecutor(len(self._all)) as threads:
             return list(threads.map(work, tasks))
 
-    def _logged(self, response: Response, noise: PlayedNoise | None) -> Response:
-        """Let the reading hold what the controller saw of it."""
-        if self.reading is not None:
-            name = self.reading.signal
-            seen = response.held[name] + self.reading.to_si * response.ports["sensor"]
-            return replace(response, held={**response.held, name: seen})
-        return response if noise is None else noise.logged(response)
-
-    def _played(self, point: Point, record: int) -> PlayedNoise | None:
-        if self._is_quiet:
-            return None
-        played = self.noise if point.noise is None else point.noise
-        return played[record] if record < len(played) else None
-
-    @contextmanager
-    def quiet(self) -> Iterator[None]:
-        """Play no noise for a while: what is shown to people and kept is the twin's own."""
-        before, self._is_quiet = self._is_quiet, True
-        try:
-            yield
-        finally:
-            self._is_quiet = before
+    def _logged(self, response: Response) -> Response:
+        """Let the reading hold what is added on its wire."""
+        if self.reading is None:
+            return response
+        name = self.reading.signal
+        seen = response.held[name] + self.reading.to_si * response.ports["sensor"]
+        return replace(response, held={**response.held, name: seen})
 
     def replace_records(self, records: Sequence[Record]) -> None:
         """Score other signals of the same recordings."""

@@ -93,7 +93,10 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         tuple(record.name for record in case.simulations.records),
         tuple(record.name for record in unseen.simulations.records),
     )
-    there = [_refitted(unseen.misfit, fitted, iterations=1) for fitted in (case.base, model)]
+    there = [
+        _refitted(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet), iterations=1)
+        for fitted in (case.base, model)
+    ]
     result = _scored(unseen, split.held_out, there[0], there[1], there[1], split, None, least)
     return replace(result, parameters_only=case.base, augmented=model)
 
@@ -119,6 +122,7 @@ def _scored(
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:
+    """First and last scored time [s] of each recording; no ends where all of it is scored."""
     stretches = {}
     for k, record in enumerate(case.simulations.records):
         windows = {i for i, w in enumerate(case.budget.windows) if w.record == k}

@@ -34,7 +34,7 @@ class Excitation:
     command : float
         Largest |command|.
     command_rate : float
-        Largest |d command / dt| (99.9 % quantile) [command/s].
+        Largest |d command / dt| from row to row [command/s].
     current : float
         Largest |current|; that of the command where no current is known.
     speed : float
@@ -63,6 +63,8 @@ class Excitation:
         Root mean square of the current; None where it was not measured.
     wavenumbers : tuple of float
         Strong lines in the spectrum over position [rad per position unit], strongest first.
+    ripple_wavenumbers : tuple of float
+        Lines over position that grow with the current [rad per position unit], strongest first.
     frequencies : tuple of float
         Strong lines over time [Hz], strongest first.
     pulses : tuple of tuple of float
@@ -92,6 +94,7 @@ class Excitation:
     load: float | None = None
     effective_current: float | None = None
     wavenumbers: tuple[float, ...] = ()
+    ripple_wavenumbers: tuple[float, ...] = ()
     frequencies: tuple[float, ...] = ()
     pulses: tuple[tuple[float, float], ...] = ()
 

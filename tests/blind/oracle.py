@@ -15,8 +15,9 @@ in reading and command, and S(f) the spectrum of both, 2 x 2, of what is no phys
   and viscous friction are no free parameters, 2 % in the gain of the drive too.
 
 For noise of this spectrum the gain is the expected drop of chi2 by the true effect. The logger's
-convention counts as known. A twin in open loop is judged in the loop that made its recordings,
-as both of its signals are recorded.
+convention counts as known. A twin in open loop knows nothing of the loop that made its recordings:
+it runs on the command that was recorded, noise included, from where the recording starts, and its
+reading alone is compared.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from scipy.optimize import least_squares
 from scipy.signal.windows import tukey
 
 from tests.blind.machines import Machine
-from tests.blind.truth import PREROLL, SAMPLE, TrueRun, Vector, simulate
+from tests.blind.truth import KINDS, PREROLL, SAMPLE, TrueRun, Vector, simulate
 
 Complex = NDArray[np.complexfloating]
 
@@ -103,14 +104,23 @@ class Oracle:
         for one, clean in zip(self.experiments, self.clean, strict=True):
             values, rows = {**self.values, **one.gains}, len(one.reference)
             spectra = []
+            signals = _signals(clean)
             for _ in range(REALISATIONS):
                 noise = jitter * rng.standard_normal(PREROLL + rows)
-                noisy = simulate(values, one.reference, noise)
-                spectra.append(_spectrum(_signals(noisy) - _signals(clean)))
+                if self.machine.is_open_loop:
+                    drive = self.machine.command_noise * rng.standard_normal(rows)
+                    noisy = _driven(values, signals + np.outer(drive, [0.0, 1.0]))
+                    noisy[:, 0] += noise[PREROLL:]
+                    noisy[:, 1] = signals[:, 1]
+                    spectra.append(_spectrum(noisy - _driven(values, signals)))
+                else:
+                    spectra.append(
+                        _spectrum(_signals(simulate(values, one.reference, noise)) - signals)
+                    )
             n = np.array(spectra)
             s = _smoothed(np.einsum("rfi,rfj->fij", n, n.conj()) / REALISATIONS)
             s[:, 1, 1] += self.machine.command_noise**2 * np.sum(_window(rows) ** 2)
-            own = np.abs(_spectrum(_signals(clean))) ** 2
+            own = np.abs(_spectrum(signals)) ** 2
             for signal in range(2):
                 s[:, signal, signal] += TOLERANCE**2 * _over_an_octave(own[:, signal])
             factors.append(np.linalg.inv(np.linalg.cholesky(s)))
@@ -130,21 +140,24 @@ class Oracle:
         """Directions (orthonormal columns) of the nuisances, and what they leave of each."""
         scale = self.uncertain_scale or NUISANCES["scale"]
         lag = self.values.get("torque_lag", 0.0) + NUISANCES["lag"]
-        lagging = self.runs({"torque_lag": lag})
         clean = self._nominal
-        slopes = [np.gradient(one, SAMPLE, axis=0) for one in clean]
+        shown = np.array([1.0, 0.0 if self.machine.is_open_loop else 1.0])
+        slopes = [np.gradient(one, SAMPLE, axis=0) * shown for one in clean]
         ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
         columns = [
-            self._white([_signals(a) - b for a, b in zip(lagging, clean, strict=True)]),
+            self._white(self._unlike([_signals(run) for run in self.runs({"torque_lag": lag})])),
             NUISANCES["shift"] * self._white(slopes),
             NUISANCES["skew"] * self._white([t * v for t, v in zip(ages, slopes, strict=True)]),
-            scale * self._white([one * np.array([0.0, 1.0]) for one in clean]),
         ]
+        if self.machine.is_open_loop:
+            louder = [one * np.array([1.0, 1.0 + scale]) for one in clean]
+            columns.append(self._white(self._unlike(louder)))
+        else:
+            columns.append(scale * self._white([one * np.array([0.0, 1.0]) for one in clean]))
         if self.machine.is_measured:
             step = 0.1 * NUISANCES["drive"]
-            stronger = self.runs({"drive_gain_error": step})
-            change = [_signals(a) - b for a, b in zip(stronger, clean, strict=True)]
-            columns.append(NUISANCES["drive"] / step * self._white(change))
+            stronger = [_signals(run) for run in self.runs({"drive_gain_error": step})]
+            columns.append(NUISANCES["drive"] / step * self._white(self._unlike(stronger)))
         u, size, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
         return u, 1.0 / np.sqrt(1.0 + size**2)
 
@@ -155,9 +168,20 @@ class Oracle:
         along = u.T @ white
         return np.asarray(white - u @ ((1.0 - left) * along))
 
+    def _unlike(
+        self, true: Sequence[Vector], changes: Mapping[str, float] | None = None
+    ) -> list[Vector]:
+        """What happened less what a twin with some parameters changed shows of it."""
+        if not self.machine.is_open_loop:
+            model = self._nominal if changes is None else map(_signals, self.runs(changes))
+            return [a - b for a, b in zip(true, model, strict=True)]
+        return [
+            a - _driven({**self.values, **one.gains, **(changes or {})}, a)
+            for a, one in zip(true, self.experiments, strict=True)
+        ]
+
     def _difference(self, true: Sequence[Vector], changes: Mapping[str, float]) -> Vector:
-        model = [_signals(run) for run in self.runs(changes)]
-        return self._residual([a - b for a, b in zip(true, model, strict=True)])
+        return self._residual(self._unlike(true, changes))
 
     @cached_property
     def _nominal(self) -> list[Vector]:
@@ -175,7 +199,7 @@ class Oracle:
 
     def quick_gain(self, true: Sequence[TrueRun]) -> float:
         """Gain of true runs with the parameters' influence taken as linear: to choose a size."""
-        e = self._residual([_signals(a) - b for a, b in zip(true, self._nominal, strict=True)])
+        e = self._residual(self._unlike([_signals(run) for run in true]))
         basis = self._sensitivities
         return float(e @ e - np.sum((basis.T @ e) ** 2))
 
@@ -219,6 +243,15 @@ class Oracle:
             max_nfev=6,
         )
         return float(2.0 * fit.cost)
+
+
+def _driven(values: Mapping[str, float], signals: Vector) -> Vector:
+    """Reading of the plant in open loop, under the command and from the place of two signals."""
+    reading, held = signals.T
+    command = np.append(held[1:], held[-1])  # what is held at a row was computed at the one before
+    alone = {**values, "kind": KINDS["none"], "start": float(reading[0])}
+    run = simulate(alone, command, preroll=0)
+    return np.column_stack([run.reading, held])
 
 
 def _signals(run: TrueRun) -> Vector:

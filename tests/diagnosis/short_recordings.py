@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, diagnose
 from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.decision import Decision, decide
+from gmfbo.diagnosis.deciding import decide
+from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.library import candidates, untestable
 from gmfbo.diagnosis.opening import open_case

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.decision import MOST_EFFECTS, Decision, _with_limits, decide
+from gmfbo.diagnosis.deciding import MOST_EFFECTS, _with_limits, decide
+from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.library import candidates
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, Reference, climb, moves, multisine, open_small

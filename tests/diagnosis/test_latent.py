@@ -35,7 +35,7 @@ def without_torque(servo: PortCase) -> Fitted:
         torque = torque_at(case.simulations.records[k].plan.grid)
         after = case.simulations.run_one(point, k, excitation={"torque": torque})
         signals = [2.0 * b - a for a, b in zip(after.signals, before.signals, strict=True)]
-        runs.append(replace(before, signals=tuple(signals)))
+        runs.append(replace(before, quiet=tuple(signals)))
     return replace(case.base, simulated=runs)
 
 

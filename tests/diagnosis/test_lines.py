@@ -135,3 +135,21 @@ def test_a_line_that_passes_too_fast_for_the_samples_is_left_out_there() -> None
     (columns,) = axis.waves(np.array([50.0]))
     assert np.any(columns[0, 1:99] != 0.0)
     assert not np.any(columns[:, 102:])
+
+
+def test_a_line_that_turns_its_sign_with_the_current_is_found_as_ripple(servo: PortCase) -> None:
+    plain = waves(servo, {22.0: 0.3})
+    largest = max(float(np.abs(states.current).max()) for states in servo.states)
+    torque = [
+        wave * between_points(states.current) / largest
+        for wave, states in zip(plain, servo.states, strict=True)
+    ]
+    found = find_lines(servo.case, servo.with_torque(torque, seed=5), servo.response)
+    assert found.ripple_wavenumbers[0] == pytest.approx(22.0, abs=0.2)
+    ripple, plain_lines = found.with_current[0].gain, [line.gain for line in found.over_position]
+    assert ripple > 1.5 * max(plain_lines, default=0.0)
+
+
+def test_a_right_twin_shows_no_ripple(servo: PortCase) -> None:
+    """Negative control."""
+    assert find_lines(servo.case, servo.case.base, servo.response).ripple_wavenumbers == ()

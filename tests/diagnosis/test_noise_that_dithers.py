@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import opening
+from gmfbo.diagnosis import confirming
 from gmfbo.diagnosis.confirming import confirm
+from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
+from gmfbo.diagnosis.misfit import Misfit
 from tests.diagnosis.planted_noise import opened, planted
 
 
@@ -20,10 +21,8 @@ def size_of(effect: str, parameter: str, true: float, sigma: float) -> float:
         return float(found.hypothesis.effects[0].values[parameter])
 
 
-def unplayed(
-    simulations: Simulations, point: Point, base: list[Simulated], *others: object
-) -> list[None]:
-    return [None] * len(base)
+def unplayed(misfit: Misfit, model: Fitted) -> None:
+    return None
 
 
 CASES = [
@@ -51,7 +50,7 @@ def test_without_it_a_smaller_size_is_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Negative control: the noise bridges part of what is there."""
-    monkeypatch.setattr(opening, "noise_of", unplayed)
+    monkeypatch.setattr(confirming, "under_noise", unplayed)
     found = size_of(effect, parameter, true, sigma)
     assert np.isfinite(found)
     assert found < (1.0 - off) * true

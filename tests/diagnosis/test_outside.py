@@ -34,7 +34,7 @@ def looked(physics: Mapping[str, float], law: Law | None = None) -> tuple[Decisi
     try:
         case, decision = hidden.case, decided(hidden.case, LIBRARY)
         before = case.misfit, case.base, decision.model
-        found = look_outside(case, decision, hidden.response)
+        found = look_outside(case, decision, hidden.response, np.random.default_rng(0))
         # The case is measured by the budget alone only while it is looked at.
         assert (case.misfit, case.base, decision.model) == before
         return decision, found

@@ -137,7 +137,9 @@ def test_nothing_is_left_behind_the_right_named_effect(friction: PortCase) -> No
 def test_friction_alone_keeps_its_sign_and_size(friction: PortCase) -> None:
     found = searched(friction)
     signed = found.shape(UNITS, "signed_position")
-    np.testing.assert_allclose(signed.y[:-1], -0.05, atol=0.01)
+    np.testing.assert_allclose(signed.y[1:8], -0.05, atol=0.003)
+    # The ends of the way rest on few rows, and lean towards nothing.
+    assert np.all(np.array(signed.y[:-1]) < -0.035)
     assert found.of("velocity").gain > 0.9 * found.best.gain
 
 

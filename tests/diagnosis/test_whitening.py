@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import white_covariance
+from gmfbo.diagnosis.budget import power_beside, white_covariance
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
@@ -136,3 +136,21 @@ def test_residuals_measured_by_their_own_dispersion_have_a_chi2_of_at_most_one()
     columns = [2.0 * c[0] for c in coloured(window, np.random.default_rng(6), 1)]
     chi2 = float(np.sum(wider.whiten(columns) ** 2)) / wider.n_residuals
     assert chi2 == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("own", [0.02, 0.1, 0.5])
+def test_noise_of_its_own_is_measured_beside_what_the_loop_makes_of_the_reading(own: float) -> None:
+    """The command follows the reading's noise by 2 and -1.9; what it has beside it is 2 to 50 %."""
+    rng = np.random.default_rng(8)
+
+    def through(reading: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.convolve(reading, [2.0, -1.9])[: reading.size]
+
+    found = []
+    for _ in range(12):
+        reading = rng.standard_normal(3000)
+        command = through(reading) + own * rng.standard_normal(3000)
+        runs = [(through(r), r) for r in rng.standard_normal((4, 3000))]
+        found.append(np.sqrt(power_beside(command, reading, runs)))
+    # 540 bins, of which the median is taken, spread it by 5 %; the gain is smoothed over a tenth.
+    np.testing.assert_allclose(found, own, rtol=0.25, atol=0.02)

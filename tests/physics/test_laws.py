@@ -205,6 +205,14 @@ def test_a_rate_limit_turns_a_step_into_a_ramp() -> None:
     assert_allclose(output, np.minimum(1.0, 0.02 * np.arange(101)), atol=1e-12)
 
 
+@pytest.mark.parametrize(("rate", "rows"), [(20.0, 49), (3000.0, 1), (1e5, 0)])
+def test_a_rate_limit_acts_while_it_is_behind_also_within_a_row(rate: float, rows: int) -> None:
+    """A jump by 1 at 1 kHz takes 50 ms, a third of a row, and a hundredth, which nobody sees."""
+    states = along(np.zeros(101), np.where(np.arange(101) < 1, 0.0, 1.0))
+    acts = CATALOGUE["actuator_rate_limit"].acts(states, {"rate": rate})
+    assert np.count_nonzero(acts) == rows
+
+
 def test_a_lag_falls_behind_a_ramp_by_its_time_constant() -> None:
     time = clock(5000, 1e-4)
     behind = time - lagged(time, time, 0.02)

@@ -4,8 +4,12 @@ import numpy as np
 
 from gmfbo.physics import limits
 from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units, quantity
+
+_SHARES = (3.0, 0.9, 0.5, 0.2, 0.05, 0.012)  # of the fastest command
+_LEAST_LAG = 0.02  # of a row, behind its largest change
 
 
 def _followed(states: States, rate: float) -> Array:
@@ -25,12 +29,28 @@ def _signal(states: States, parameters: Values) -> Array:
 
 def _acts(states: States, parameters: Values) -> Mask:
     behind = np.abs(_signal(states, parameters))
-    return np.asarray(behind > 1e-9 * max(np.max(np.abs(states.command)), 1e-300))
+    # A command that jumps is followed within the row, but not at once.
+    late = np.abs(np.diff(states.command, prepend=states.command[:1]))
+    return np.asarray(
+        (behind > 1e-9 * max(np.max(np.abs(states.command)), 1e-300))
+        | (late > _LEAST_LAG * parameters["rate"] * states.step)
+    )
+
+
+def _fastest(excitation: Excitation) -> float:
+    """Rate at which the largest jump takes one step of the simulation."""
+    steps = max(1.0, excitation.sample / excitation.step)
+    return 1.2 * excitation.command_rate * steps
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
     size = quantity(parameters["rate"], units.resolve("command/s"))
     return f"The actuator follows at most {size}, a rate limit that is missing from the twin."
+
+
+def _starts(excitation: Excitation) -> list[Values]:
+    rates = [share * excitation.command_rate for share in _SHARES]
+    return [{"rate": rate} for rate in rates if rate < _fastest(excitation)]
 
 
 actuator_rate_limit = Effect(
@@ -43,16 +63,16 @@ actuator_rate_limit = Effect(
             "rate",
             "Largest rate of the command",
             "command/s",
-            low=lambda e: 0.01 * e.command_rate,
-            high=lambda e: 1.2 * e.command_rate,
+            low=lambda e: 0.003 * e.command_rate,
+            high=_fastest,
             scale=lambda e: 0.1 * e.command_rate,
         ),
     ),
-    starts=lambda e: [{"rate": share * e.command_rate} for share in (0.9, 0.6, 0.35, 0.12)],
-    size=lambda p, e: max(0.0, e.command_rate - p["rate"]),
-    size_name="cut",
-    size_unit="command/s",
-    floor=lambda e: 0.02 * e.command_rate,
+    starts=_starts,
+    size=lambda p, e: e.sample * e.command_rate / p["rate"],
+    size_name="lag",
+    size_unit="s",
+    floor=lambda e: _LEAST_LAG * e.sample,
     least_time=limits.LEAST_TIME,
     signal=_signal,
     acts=_acts,

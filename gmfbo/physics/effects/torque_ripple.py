@@ -17,7 +17,11 @@ def _signal(states: States, parameters: Values) -> Array:
 
 def _starts(excitation: Excitation) -> Sequence[Values]:
     size = 0.05 * excitation.torque / excitation.current
-    return harmonic.starts(excitation, size)
+    growing = [
+        {"wavenumber_1": line, "sine_1": size, "cosine_1": size}
+        for line in excitation.ripple_wavenumbers
+    ]
+    return growing + harmonic.starts(excitation, size)
 
 
 def _acts(states: States, parameters: Values) -> Mask:
@@ -58,7 +62,7 @@ torque_ripple = Effect(
     ),
     region_state="position",
     statement=_statement,
-    equation="tau = abs(i) * sum_k (A_k * sin(n_k * phi) + B_k * cos(n_k * phi))",
+    equation="tau = i * sum_k (A_k * sin(n_k * phi) + B_k * cos(n_k * phi))",
     source="Jahns and Soong, 1996",
     confused_with={
         "cogging_torque": "two loads: ripple grows with the current, cogging does not",

@@ -1,0 +1,202 @@
+"""What an effect has to show to be named: gain, size, and no simpler law that does as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.decision import Decision, Evidence
+from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.intervals import spread_of
+from gmfbo.diagnosis.ranges import states_of
+from gmfbo.diagnosis.threshold import left_out_square
+
+_NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
+_UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect has to take away
+_FIRST_SHARE = 0.005  # of the first effect's gain: a law that is 7 % off leaves as much
+_EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
+_SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
+_PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
+_VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
+_ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
+_CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of the floor will do
+_BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
+_HARM_SHARE = 0.15  # of the gain, which a recording may lose
+
+
+def needed_gain(decision: Decision) -> float:
+    """What the next effect has to gain: more where the model is known to be imperfect.
+
+    Parameters
+    ----------
+    decision : Decision
+        So far.
+    """
+    assert decision.model is not None
+    if not decision.rounds:
+        # Where even the best model leaves more than noise, that may look like an effect as well.
+        dof = sum(r.size for r in decision.model.residual)
+        return max(decision.threshold, _UNEXPLAINED_SHARE * dof * (1.0 - 1.0 / decision.dispersion))
+    beyond_noise = decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
+    first = decision.rounds[0].winner.gain
+    further = (1 + len(decision.rounds)) * decision.threshold
+    return max(further, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
+
+
+def slack_of(decision: Decision, accepted: Sequence[Evidence]) -> float:
+    """What the best law leaves beyond noise: its limit could as well leave that.
+
+    Parameters
+    ----------
+    decision : Decision
+        So far.
+    accepted : sequence of Evidence
+        Effects that could be named.
+    """
+    return _NEXT_SHARE * min(e.chi2 for e in accepted) * (1.0 - 1.0 / decision.dispersion)
+
+
+def margin_over_limit(threshold: float, slack: float) -> float:
+    """Gain that a law has to have over its limit, where what sets it apart is no zero.
+
+    Parameters
+    ----------
+    threshold, slack : float
+        As of `simplest`.
+    """
+    return max(slack, _PLAIN_WORTH * threshold)
+
+
+def is_shadow(decision: Decision, evidence: Evidence, of: Evidence) -> bool:
+    """Whether an effect does part of what another one does better.
+
+    Parameters
+    ----------
+    decision : Decision
+        So far.
+    evidence, of : Evidence
+        The effect, and the other one.
+    """
+    if of.gain <= evidence.gain + decision.threshold:
+        return False
+    assert decision.model is not None
+    product, one, other = 0.0, 0.0, 0.0
+    residuals = (decision.model.residual, evidence.fitted.residual, of.fitted.residual)
+    for before, with_it, with_other in zip(*residuals, strict=True):
+        product += float(np.sum((before - with_it) * (before - with_other)))
+        one += float(np.sum((before - with_it) ** 2))
+        other += float(np.sum((before - with_other) ** 2))
+    return product > _ALIKE * float(np.sqrt(one * other))
+
+
+def is_large(case: Case, evidence: Evidence, needed: float) -> bool:
+    """Whether somebody would act on an effect of this size.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    evidence : Evidence
+        The effect.
+    needed : float
+        Gain that is asked for.
+    """
+    law, excitation = evidence.effect.law, case.setting.excitation
+    values = {**evidence.effect.more, **evidence.effect.values}
+    share = _SMALL if evidence.gain > _CLEAR * needed else 1.0
+    return law.size(values, excitation) >= share * law.floor(excitation)
+
+
+def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
+    """Whether an effect, of whatever size, is at work beyond chance.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    evidence : Evidence
+        The effect.
+    decision : Decision
+        So far.
+    needed : float
+        Gain that is asked for.
+    """
+    if evidence.gain <= needed + _freedom(evidence.effect):
+        return False
+    by_record = np.bincount([w.record for w in case.budget.windows], evidence.gains)
+    if np.any(by_record < -max(0.8 * decision.threshold, _HARM_SHARE * evidence.gain)):
+        return False
+    if not _holds_between_recordings(case, evidence, decision):
+        return False
+    return _acts_long_enough(case, evidence)
+
+
+def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision) -> bool:
+    """Whether a line that others show is there in each recording: a drift looks like one.
+
+    Stretches of one recording share its drift, so that leaving out one of them is not enough.
+    """
+    records = [w.record for w in case.budget.windows]
+    if not evidence.effect.law.is_line or len(set(records)) < 2:
+        return True
+    assert decision.model is not None
+    outside = left_out_square(decision.model, records) - left_out_square(evidence.fitted, records)
+    return float(outside.sum()) > _BETWEEN_SHARE * evidence.gain
+
+
+def _freedom(effect: Candidate) -> float:
+    """What an effect gains by chance beyond one of a single size, and by having been searched."""
+    return _EACH_PARAMETER * (len(effect.parameters) - 1) + _SEARCHED * effect.searched
+
+
+def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
+    least = evidence.effect.law.least_time
+    if not least:
+        return True
+    total = 0.0
+    values = {**evidence.effect.more, **evidence.effect.values}
+    for record, run in zip(case.simulations.records, evidence.fitted.simulated, strict=True):
+        states = states_of(run, record)
+        total += states.step * float(np.count_nonzero(evidence.effect.law.acts(states, values)))
+    return total >= least
+
+
+def _may_vanish(evidence: Evidence, simpler: str) -> bool:
+    """Whether the values that set an effect apart from a simpler one may as well be zero."""
+    fitted, law = evidence.fitted, evidence.effect.law
+    apart = law.vanishing.get(simpler, ())
+    spread = spread_of(fitted, np.random.default_rng(0))
+    place = fitted.x.size - len(evidence.effect.parameters)
+    rows = [i for i, p in enumerate(evidence.effect.parameters, start=place) if p.name in apart]
+    return bool(rows) and all(spread.low[i] < 0.0 < spread.high[i] for i in rows)
+
+
+def _worth(larger: Evidence, simpler: str) -> float:
+    return _VAGUE_WORTH if _may_vanish(larger, simpler) else _PLAIN_WORTH
+
+
+def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Evidence:
+    """The best, or its simplest limit over which it does not gain the threshold or the slack.
+
+    Parameters
+    ----------
+    accepted : sequence of Evidence
+        Effects that could be named.
+    threshold : float
+        Gain that chance does not give.
+    slack : float
+        See `slack_of`.
+    """
+    best = max(accepted, key=lambda e: e.gain - _freedom(e.effect))
+    while True:
+        simpler = [
+            e
+            for e in accepted
+            if e.name in best.effect.law.contains
+            and e.gain > best.gain - max(slack, threshold * _worth(best, e.name))
+        ]
+        if not simpler:
+            return best
+        best = max(simpler, key=lambda e: e.gain)
