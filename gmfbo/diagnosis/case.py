@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.budget import NoiseLevel
+from gmfbo.diagnosis.covariances import whiteners
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Setting
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.nuisances import Direction
-from gmfbo.diagnosis.preparation import (
-    Rig,
-    whiteners,
-)
+from gmfbo.diagnosis.rig import Rig
 from gmfbo.diagnosis.simulations import Simulated, Simulations
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
 from gmfbo.sources.twin import FmuTwin

@@ -138,6 +138,37 @@ def actuator_directions(
     return directions
 
 
+def nuisance_directions(
+    simulations: Simulations,
+    point: Point,
+    base: list[Simulated],
+    alignments: Mapping[str, Alignment],
+    torque_per_command: float,
+) -> list[list[Direction]]:
+    """Nuisances of each recording, about a simulated point.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Who runs the twin.
+    point : Point
+        Where.
+    base : list of Simulated
+        The recordings simulated there.
+    alignments : mapping of str to Alignment
+        Priors of the signals.
+    torque_per_command : float
+        Torque at the port for a unit of command.
+    """
+
+    def one(k: int) -> list[Direction]:
+        record = simulations.records[k]
+        own = record_directions(record, base[k], alignments)
+        return own + actuator_directions(simulations, point, base, k, torque_per_command)
+
+    return list(simulations.map(one, range(len(base))))
+
+
 def _rate(signal: ScoredSignal, values: NDArray[np.float64]) -> NDArray[np.float64]:
     rate: NDArray[np.float64] = np.gradient(values, signal.spacing)
     return rate

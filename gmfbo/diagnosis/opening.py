@@ -7,35 +7,30 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import NoiseLevel, fast_power, noise_level, noise_levels, pooled
+from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
 from gmfbo.diagnosis.case import Budget, Case
+from gmfbo.diagnosis.covariances import covariances, noise_squares, whiteners
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.logged_rows import logged_new
+from gmfbo.diagnosis.loop_noise import own_variances, white_variances
+from gmfbo.diagnosis.measured_noise import noise_of_all, noise_through_loop, position_noise
 from gmfbo.diagnosis.misfit import Misfit
-from gmfbo.diagnosis.nuisances import Direction
-from gmfbo.diagnosis.preparation import (
-    Rig,
-    covariances,
-    describe_rig,
-    noise_runs,
-    noise_squares,
-    nuisance_directions,
-    own_variances,
-    white_variances,
-    whiteners,
-    windows_of,
-)
+from gmfbo.diagnosis.nuisances import Direction, nuisance_directions
 from gmfbo.diagnosis.ranges import (
     measure_ranges,
     probe_torque,
     tracking_loop,
     untracked,
 )
-from gmfbo.diagnosis.records import Record, ScoredSignal, resolution, scored_record
+from gmfbo.diagnosis.records import Record, scored_record
+from gmfbo.diagnosis.rig import Rig, describe_rig
 from gmfbo.diagnosis.simulations import Point, Reading, Simulated, Simulations, require_run
+from gmfbo.diagnosis.torque_sizes import moving_torque, torque_guess
+from gmfbo.diagnosis.twin_steps import reads_back, steps_finely
 from gmfbo.diagnosis.whitening import Window
+from gmfbo.diagnosis.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
 from gmfbo.recordings.recording import Recording
@@ -46,9 +41,6 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
-_READ_BACK = 0.5  # of what is added at the sensor port, which a reading shows a step later
-_STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
-_JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
 
 
 def open_case(
@@ -143,55 +135,19 @@ class _Opening:
         self.sensor_included = False
 
     def case(self, substeps: int) -> Case:
-        if substeps > 1 and not self._steps_finely(substeps):
+        if substeps > 1 and not steps_finely(self.twin, self.recordings[0], substeps):
             substeps = 1
             self.notes.append(
                 "the twin gives other results, or none, at a finer communication step: physics was "
                 f"stepped at {self.twin.step:g} s, at which effects on the command are less exact"
             )
-        self.sensor_included = self._reads_back(substeps)
+        self.sensor_included = reads_back(self.twin, self.recordings[0], substeps)
         simulations = self._simulations(substeps)
         try:
             return self._case(simulations, substeps)
         except BaseException:
             simulations.close()
             raise
-
-    def _steps_finely(self, substeps: int) -> bool:
-        """Whether a finer communication step leaves the twin's outputs as they are.
-
-        Some FMUs refuse it; in some the controller computes once a step, whatever its length.
-        """
-        responses = []
-        for count in (1, substeps):
-            with AugmentedTwin(self.twin, substeps=count) as simulator:
-                plan = simulator.plan(self.recordings[0], {})
-                responses.append(simulator.run(plan, {}))
-        whole, fine = responses
-        if whole.outcome.status != "ok":
-            return True  # it is told to the user where the finer run fails as well
-        if fine.outcome.status != "ok":
-            return False
-        return all(
-            float(np.sqrt(np.mean((fine.held[name] - column) ** 2)))
-            <= _STEP_CHANGE * max(float(np.ptp(column)), 1e-300)
-            for name, column in whole.held.items()
-        )
-
-    def _reads_back(self, substeps: int) -> bool:
-        """Whether the state `position` holds what is added at the sensor port at once."""
-        with AugmentedTwin(self.twin, substeps=substeps) as simulator:
-            if "sensor" not in simulator.ports or "position" not in self.twin.file.states:
-                return False
-            plan = simulator.plan(self.recordings[0], {})
-            plain = simulator.run(plan, {})
-            position = plain.states["position"]
-            if plain.outcome.status != "ok" or position.size < 2:
-                return False
-            size = max(1e-3 * float(np.ptp(position)), 1e-6)
-            added = simulator.run(plan, {}, excitation={"sensor": np.full(position.size, size)})
-            moved = float(added.states["position"][1] - position[1])
-        return bool(moved > _READ_BACK * size)
 
     def unseen(self, like: Case) -> Case:
         self.sensor_included = like.simulations.settings["tracking.sensor_included"] > 0.0
@@ -234,7 +190,7 @@ class _Opening:
             like.substeps,
             like.rig,
             nominal,
-            self._pooled(simulations, like.rig, noise),
+            noise_of_all(simulations, like.rig, noise),
             budget,
             misfit,
             like.setting,
@@ -269,13 +225,17 @@ class _Opening:
             simulations.encoder = Reading(rig.position, rig.position_to_si)
         stiffness = None
         if "torque" in nominal[0].response.ports:
-            guess = self._torque_guess(nominal)
+            guess = torque_guess(nominal, self._inertia())
             stiffness = probe_torque(simulations, Point(), nominal, guess)
             if stiffness.is_open and rig.position is not None:
                 self._track(simulations, rig, stiffness.inertia)
                 nominal = simulations.run([Point()])[0]
                 require_run(nominal, f"{self.twin.name}: the twin cannot be held on its recordings")
-        self._choose_rows(simulations, nominal)
+        simulations.new_rows = (
+            logged_new(self.twin, self.recordings, simulations, nominal)
+            if self.new_rows is None
+            else self.new_rows
+        )
         nominal = self._reread(simulations, nominal)
         noise = noise_levels(simulations.records, nominal)
         ratio = 1.0 if stiffness is None else stiffness.per_command
@@ -301,7 +261,7 @@ class _Opening:
             substeps,
             rig,
             nominal,
-            self._pooled(simulations, rig, levels),
+            noise_of_all(simulations, rig, levels),
             budget,
             misfit,
             setting,
@@ -310,16 +270,6 @@ class _Opening:
         )
 
     # ---- steps -----------------------------------------------------------------------------
-
-    def _torque_guess(self, nominal: Sequence[Simulated]) -> float:
-        """A torque that the axis feels, to begin probing with."""
-        states = nominal[0].response.states
-        if "command" in states:
-            return max(0.05 * float(np.abs(states["command"]).max()), 1e-9)
-        inertia = self._inertia()
-        if inertia is not None and "position" in states:
-            return max(10.0 * inertia * float(np.ptp(states["position"])), 1e-9)
-        return 1.0
 
     def _reading(self, rig: Rig) -> Reading | None:
         """The recorded position, where the sensor port is the end of a wire from that output."""
@@ -366,38 +316,6 @@ class _Opening:
             "and what that leaves was scored"
         )
 
-    def _choose_rows(self, simulations: Simulations, nominal: Sequence[Simulated]) -> None:
-        """Tell for each signal whether the logger stores the held command or the new one."""
-        if self.new_rows is not None:
-            simulations.new_rows = self.new_rows
-            return
-        chosen = set()
-        for name, entry in self.twin.file.outputs.items():
-            if entry.logged == "new" or (
-                entry.logged == "unknown"
-                and not _written_by_gmfbo(self.recordings)
-                and self._new_fits_better(simulations, nominal, name)
-            ):
-                chosen.add(name)
-        simulations.new_rows = frozenset(chosen)
-
-    def _new_fits_better(
-        self, simulations: Simulations, nominal: Sequence[Simulated], name: str
-    ) -> bool:
-        """Compare the fast parts: a sample's shift shows there, parameters do not."""
-        squares = {"held": 0.0, "new": 0.0}
-        for k, (record, run) in enumerate(zip(simulations.records, nominal, strict=True)):
-            for i, signal in enumerate(record.signals):
-                if signal.name != name:
-                    continue
-                held = simulations.read(run.response, k)[i]
-                new = simulations.read(replace(run.response, held=run.response.new), k)[i]
-                if not _jumps(held, new):
-                    return False  # a measurement moves on slowly: it is not held anywhere
-                for key, values in (("held", held), ("new", new)):
-                    squares[key] += float(np.sum(np.diff(signal.values - values) ** 2))
-        return squares["new"] < squares["held"]
-
     def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
         return [
             replace(run, quiet=simulations.read(run.response, k)) for k, run in enumerate(simulated)
@@ -420,8 +338,8 @@ class _Opening:
         ]
         torque = ratio * float(max(commands)) if commands else 0.0
         if simulations.tracking is not None or torque <= 0.0:
-            torque = self._moving_torque(simulations, nominal)
-        resolution = self._position_noise(simulations, rig, noise) or 0.0
+            torque = moving_torque(self.twin, simulations, nominal, self._inertia())
+        resolution = position_noise(simulations, rig, noise) or 0.0
         return measure_ranges(
             simulations.records,
             nominal,
@@ -431,85 +349,6 @@ class _Opening:
             resolution=resolution,
             inertia=self._inertia(),
             angular="m" not in {self._position_unit(), ""},
-        )
-
-    def _pooled(
-        self, simulations: Simulations, rig: Rig, levels: list[dict[str, NoiseLevel]]
-    ) -> dict[str, NoiseLevel]:
-        names = dict.fromkeys(name for level in levels for name in level)
-        found = {name: level for name in names if (level := pooled(levels, name)) is not None}
-        if rig.position is not None and rig.position not in found:
-            own = self._position_noise(simulations, rig, levels) or 0.0
-            total = own * rig.position_to_si
-            found[rig.position] = NoiseLevel(total, total)
-        return found
-
-    def _position_noise(
-        self, simulations: Simulations, rig: Rig, noise: list[dict[str, NoiseLevel]]
-    ) -> float | None:
-        """[FMU's unit] Of the recorded position; None where there is none."""
-        if rig.position is None:
-            return None
-        level = pooled(noise, rig.position)
-        if level is not None:
-            return level.total / rig.position_to_si
-        found = []
-        for record in simulations.records:
-            column = record.plan.recording.signal(rig.position)
-            values = column[np.isfinite(column)]
-            rows = np.arange(values.size, dtype=np.float64)
-            signal = ScoredSignal(rig.position, rows, values, resolution(values))
-            found.append(noise_level(signal, values).total)
-        return float(np.median(found)) / rig.position_to_si
-
-    def _input_noise(self, simulations: Simulations) -> dict[str, list[float]]:
-        """[FMU's unit] Of each recorded input that enters at a port, for each recording."""
-        file, variables = self.twin.file, self.twin.binding.variables
-        found: dict[str, list[float]] = {}
-        for port, variable in file.ports.items():
-            for name, entry in file.inputs.items():
-                if entry.variable != variable:
-                    continue
-                factor = variables[variable].variable.to_si
-                found[port] = [
-                    float(np.sqrt(fast_power(record.plan.experiment.inputs[name]))) / factor
-                    for record in simulations.records
-                    if name in record.plan.experiment.inputs
-                ]
-        return {p: levels for p, levels in found.items() if len(levels) == len(simulations.records)}
-
-    def _moving_torque(self, simulations: Simulations, nominal: Sequence[Simulated]) -> float:
-        inertia = self._inertia()
-        recorded = self._recorded_torque(simulations)
-        largest = max([recorded, *(float(np.abs(run.response.effort).max()) for run in nominal)])
-        if inertia is None:
-            return largest
-        accelerations = []
-        for record, run in zip(simulations.records, nominal, strict=True):
-            if "velocity" in run.response.states:
-                rate = np.gradient(run.response.states["velocity"], record.plan.grid)
-                accelerations.append(float(np.quantile(np.abs(rate), 0.999)))
-        return max([largest, *(inertia * a for a in accelerations)])
-
-    def _recorded_torque(self, simulations: Simulations) -> float:
-        """[FMU's unit] Range of recorded outputs in the torque port's unit; 0 without one."""
-        file, variables = self.twin.file, self.twin.binding.variables
-        port = variables[file.ports["torque"]].variable if "torque" in file.ports else None
-        if port is None or not port.si_unit:
-            return 0.0
-        alike = {
-            name
-            for name, entry in file.outputs.items()
-            if variables[entry.variable].variable.si_unit == port.si_unit
-        }
-        return max(
-            (
-                float(np.abs(s.values - s.values.mean()).max()) / port.to_si
-                for record in simulations.records
-                for s in record.signals
-                if s.name in alike
-            ),
-            default=0.0,
         )
 
     def _position_unit(self) -> str:
@@ -558,7 +397,7 @@ class _Opening:
     ) -> Budget:
         noise = noise_levels(simulations.records, base.simulated)
         point = base.hypothesis.point(base.x)
-        through = self._noise_runs(simulations, point, base.simulated, rig, noise)
+        through = noise_through_loop(self.twin, simulations, base, rig, noise, self.rng)
         own = [
             own_variances(record, levels, changes, run, rig.position)
             for record, levels, changes, run in zip(
@@ -566,40 +405,8 @@ class _Opening:
             )
         ]
         spectra = covariances(windows, simulations.records, rig, own, through)
-        directions = nuisance_directions(simulations, point, base.simulated, rig, ratio)
+        directions = nuisance_directions(simulations, point, base.simulated, rig.alignments, ratio)
         squares = noise_squares(windows, simulations.records, rig, spectra)
         return Budget(
             windows, tuple(spectra), tuple(directions), tuple(through), tuple(own), squares
         )
-
-    def _noise_runs(
-        self,
-        simulations: Simulations,
-        point: Point,
-        about: list[Simulated],
-        rig: Rig,
-        noise: list[dict[str, NoiseLevel]],
-    ) -> list[list[Direction]]:
-        counts = [
-            s.resolution for r in simulations.records for s in r.signals if s.name == rig.position
-        ]
-        return noise_runs(
-            simulations,
-            point,
-            about,
-            self._position_noise(simulations, rig, noise),
-            rig.position,
-            self._input_noise(simulations),
-            self.rng,
-            float(np.median(counts)) / rig.position_to_si if counts else 0.0,
-        )
-
-
-def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:
-    """Whether a signal changes at communication points, as commands do, and not in between."""
-    whole, at_point = float(np.sum(np.diff(held) ** 2)), float(np.sum((new - held) ** 2))
-    return at_point > _JUMP_SHARE * whole > 0.0
-
-
-def _written_by_gmfbo(recordings: Sequence[Recording]) -> bool:
-    return all(recording.written_by for recording in recordings)

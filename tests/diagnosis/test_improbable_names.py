@@ -9,7 +9,7 @@ import pytest
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.engine import LEAST_PROBABILITY, _drop_improbable
+from gmfbo.diagnosis.judging import LEAST_PROBABILITY, drop_improbable
 from gmfbo.diagnosis.outside import MISMATCH, unexplained
 from tests.diagnosis.short_recordings import SERVO, decided, open_small
 
@@ -35,7 +35,7 @@ def found() -> Iterator[tuple[Case, Decision]]:
 def dropped(found: tuple[Case, Decision], first: float, second: float) -> Decision:
     case, decision = found
     left = replace(decision, rounds=list(decision.rounds), refused=[])
-    _drop_improbable(case, left, {FIRST: first, SECOND: second})
+    drop_improbable(case, left, {FIRST: first, SECOND: second})
     return left
 
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.preparation import windows_of
 from gmfbo.diagnosis.records import Record, resolution, scored_record
+from gmfbo.diagnosis.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.preparation import sensor_noise
+from gmfbo.diagnosis.loop_noise import sensor_noise
 from gmfbo.diagnosis.simulations import Simulated
 from gmfbo.sources.augmented import Response
 from gmfbo.sources.job import Outcome

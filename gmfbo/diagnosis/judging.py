@@ -1,0 +1,45 @@
+"""Which names stand, after all that was found is known."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.simulations import Point
+
+LEAST_PROBABILITY = 0.3
+"""Below it an effect is not named: it is more likely wrong than right."""
+
+_BEYOND_DOUBT = 5.0
+"""times what an effect has to gain: what acts for milliseconds is hardly seen in an RMS error."""
+
+
+def drop_improbable(case: Case, decision: Decision, probabilities: dict[str, float]) -> None:
+    """Leave out a name that is most likely wrong, and what was found beside it."""
+    for place, entry in enumerate(decision.rounds):
+        if probabilities[entry.winner.name] < LEAST_PROBABILITY:
+            decision.refused = [entry.winner]
+            del decision.rounds[place:]
+            last = decision.rounds[-1].winner.fitted if decision.rounds else case.base
+            decision.model = last
+            return
+
+
+def is_weak(decision: Decision) -> bool:
+    """Whether there are names, and none of them is beyond doubt."""
+    return bool(decision.rounds) and all(
+        entry.winner.gain < _BEYOND_DOUBT * entry.needed for entry in decision.rounds
+    )
+
+
+def is_known(decision: Decision) -> bool:
+    """Whether an effect of the library does it, though it cannot be named."""
+    return decision.in_doubt is not None or decision.too_small is not None
+
+
+def parameters_matter(case: Case, decision: Decision) -> bool:
+    """Whether refitting the uncertain parameters gains the threshold over the nominal ones."""
+    nominal = case.misfit.residual(case.simulations.run([Point()])[0])
+    before = float(sum(np.sum(block**2) for block in nominal))
+    return before - case.base.chi2 > decision.threshold

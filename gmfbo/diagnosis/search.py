@@ -1,0 +1,351 @@
+"""The steps of a diagnosis after its case was opened, in their order."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.deciding import decide
+from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
+from gmfbo.diagnosis.fit_table import Fit
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.holding_out import Split, split_of
+from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
+from gmfbo.diagnosis.judging import drop_improbable, is_known, is_weak, parameters_matter
+from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untestable
+from gmfbo.diagnosis.lines import find_lines
+from gmfbo.diagnosis.location import locate
+from gmfbo.diagnosis.next_experiment import propose, propose_for
+from gmfbo.diagnosis.outside import Outside, is_mismatch, is_uneven, look_outside, unexplained
+from gmfbo.diagnosis.parities import parities
+from gmfbo.diagnosis.plain_words import words
+from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
+from gmfbo.diagnosis.pulses import EVERY, Pulse
+from gmfbo.diagnosis.remaining_explanations import predictions_of
+from gmfbo.diagnosis.replay import probability
+from gmfbo.diagnosis.reporting import (
+    alignments,
+    augmentation_of,
+    detectable_sizes,
+    named_effects,
+    not_testable,
+    units_of,
+)
+from gmfbo.diagnosis.residual_test import ResidualTest
+from gmfbo.diagnosis.residual_tests import residual_tests
+from gmfbo.diagnosis.suggested_experiment import NextExperiment
+from gmfbo.diagnosis.validation import Validated, validate_unseen
+from gmfbo.diagnosis.validation import validate as validated_on
+from gmfbo.diagnosis.whereabouts import Location, Shape
+from gmfbo.physics import CATALOGUE, Excitation
+
+Progress = Callable[[str, float], None]
+
+_LEAST_REMOVED = 0.05
+"""Share of the explainable error on held-out recordings, below which nothing is named."""
+
+
+class Search:
+    """The steps after a case was opened.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    rng : numpy Generator
+        Of all randomness.
+    assume, exclude : sequence of str
+        Effects that are tested in any case, and that are not considered.
+    progress : callable (str, float)
+        Told the stage and the share that is done.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        rng: np.random.Generator,
+        assume: Sequence[str],
+        exclude: Sequence[str],
+        progress: Progress,
+    ) -> None:
+        self.case, self.rng, self.progress = case, rng, progress
+        self.assume, self.exclude = assume, exclude
+        self.units = units_of(case)
+        self._response: PortResponse | None = None
+        self._pulses: tuple[Pulse, ...] = ()
+
+    def diagnosis(self, seed: int, started: float, unseen: Case | None) -> Diagnosis:
+        """Go through all steps.
+
+        Parameters
+        ----------
+        seed : int
+            To be told.
+        started : float
+            [s] When, by `time.perf_counter`.
+        unseen : Case or None
+            Recordings that are only scored; without them, part of the case's own are held out.
+        """
+        case = self.case
+        self._look_for_lines()
+        reasons = self._reasons()
+        testable = [name for name in CATALOGUE if name not in reasons]
+        library = candidates(testable, case.setting.excitation) + self._passing(testable)
+        silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
+        library += candidates(silent, case.setting.excitation)
+        decision = decide(
+            case,
+            library,
+            self.rng,
+            self.progress,
+            silent=silent,
+            look_again=lambda model: self._lines_beside(model, testable),
+        )
+        if decision.in_doubt is not None:
+            name = words(decision.in_doubt.name)
+            case.notes.append(
+                f"{name} would explain these recordings as well as anything, but they hold no "
+                "reversal that could tell: nothing is named"
+            )
+        if decision.too_small is not None:
+            name = words(decision.too_small.name)
+            case.notes.append(
+                f"{name} explains what is left, but it is smaller than anybody would act on: it is "
+                "not named"
+            )
+        probabilities = self._probabilities(decision)
+        drop_improbable(case, decision, probabilities)
+        outside = None
+        if self._response is not None:
+            self.progress("looking outside the library", 0.8)
+            outside = look_outside(case, decision, self._response, self.rng)
+            if outside.is_better and not is_known(decision):
+                decision.model = case.base
+                decision.rounds.clear()
+        self.progress("validating", 0.85)
+        result = self._validated(decision, outside, unseen)
+        removed = result.fit.explainable_error_removed
+        if removed is not None and removed < _LEAST_REMOVED and is_weak(decision):
+            self._take_names_back(decision, removed)
+            result = self._validated(decision, outside, unseen)
+        augmented = result.augmented
+        spread = spread_of(augmented, self.rng)
+        self.progress("locating", 0.95)
+        named = named_effects(case, decision, augmented, spread, probabilities, self.units)
+        effects = augmented.hypothesis.effects
+        tests = residual_tests(unseen or case, result.curves, result.scored)
+        verdict = self._verdict(decision, outside, tests, result.fit)
+        location = Location(None)
+        if verdict in ("missing_physics", "outside_library"):
+            location = locate(
+                case,
+                case.base,
+                parities(case, case.base),
+                effects,
+                augmented if effects else None,
+                self.units,
+            )
+        self.progress("choosing the next experiment", 0.97)
+        experiment, reference = self._next_experiment(decision, reasons)
+        self.progress("done", 1.0)
+        return Diagnosis(
+            verdict=verdict,
+            evidence=self._sufficiency(reasons),
+            effects=named,
+            parameters=estimated(augmented, spread, case.twin.binding),
+            combinations=combinations_of(augmented, spread),
+            alignment=alignments(case, augmented),
+            detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
+            location=location,
+            fit=result.fit,
+            shape=self._shape(outside) if outside is not None and outside.is_better else None,
+            next_experiment=experiment,
+            next_reference=reference,
+            not_testable=not_testable(case, reasons, decision),
+            cost=Cost(case.simulations.runs, time.perf_counter() - started),
+            seed=seed,
+            versions=_versions(),
+            notes=tuple(case.notes),
+            predictions=predictions_of(case, decision, augmented, self.units),
+            latent=self._latent(outside, decision),
+            residual_tests=tests,
+            curves=result.curves,
+            augmentation=augmentation_of(case, augmented, self.units),
+        )
+
+    def _look_for_lines(self) -> None:
+        """Let what repeats in the misfit say which lines are worth testing."""
+        case = self.case
+        if "torque" not in case.base.simulated[0].response.ports:
+            return
+        self.progress("searching for lines", 0.1)
+        self._response = response = measure_port_response(case, "torque", self.rng)
+        if response is None:
+            return
+        lines = find_lines(case, case.base, response)
+        self._pulses = lines.passing
+        excitation = replace(
+            case.setting.excitation,
+            wavenumbers=lines.wavenumbers,
+            ripple_wavenumbers=lines.ripple_wavenumbers,
+            frequencies=lines.frequencies,
+            pulses=lines.pulses,
+        )
+        case.change_setting(replace(case.setting, excitation=excitation))
+
+    def _lines_beside(self, model: Fitted, testable: Sequence[str]) -> list[Candidate]:
+        """Lines and pulses beside named effects, as starts of the effects that need one."""
+        if self._response is None:
+            return []
+        lines = find_lines(self.case, model, self._response)
+        self._pulses = lines.passing
+        excitation = replace(
+            self.case.setting.excitation,
+            wavenumbers=lines.wavenumbers,
+            ripple_wavenumbers=lines.ripple_wavenumbers,
+            frequencies=lines.frequencies,
+            pulses=lines.pulses,
+        )
+        searched = [name for name in testable if CATALOGUE[name].is_searched]
+        return candidates(searched, excitation) + self._passing(testable, excitation)
+
+    def _passing(
+        self, testable: Sequence[str], excitation: Excitation | None = None
+    ) -> list[Candidate]:
+        """A disturbance that passed in one recording, as a candidate in that one alone."""
+        name = "pulse_disturbance"
+        if name not in testable:
+            return []
+        return [
+            Candidate(name, dict(start), only=pulse.record)
+            for start, pulse in zip(
+                CATALOGUE[name].starts(excitation or self.case.setting.excitation),
+                self._pulses,
+                strict=False,
+            )
+            if pulse.record != EVERY
+        ]
+
+    def _reasons(self) -> dict[str, str]:
+        return untestable(
+            self.case.twin.file,
+            self.case.setting.excitation,
+            assume=self.assume,
+            exclude=self.exclude,
+            has_inertia=self.case.setting.inertia is not None,
+            is_open=self.case.simulations.tracking is not None,
+        )
+
+    def _next_experiment(
+        self, decision: Decision, reasons: dict[str, str]
+    ) -> tuple[NextExperiment | None, str]:
+        """What to record next where rivals remain or much was not excited, and its file's text."""
+        case = self.case
+        rivals = next((r for r in decision.rounds if r.rivals), None)
+        with TemporaryDirectory() as folder:
+            told = None
+            if rivals is not None:
+                fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
+                told = propose(case, fits, decision.threshold, Path(folder))
+            elif self._sufficiency(reasons) == "insufficient":
+                silent = [n for n, why in reasons.items() if why.startswith("not excited")]
+                told = propose_for(case, case.base, silent, Path(folder))
+            if told is None or not told.reference:
+                return told, ""
+            return told, (Path(folder) / told.reference).read_text(encoding="utf-8")
+
+    def _validated(
+        self, decision: Decision, outside: Outside | None, unseen: Case | None
+    ) -> Validated:
+        case, model = self.case, decision.model
+        assert model is not None
+        least = min(decision.left, unexplained(case, model))
+        if unseen is not None:
+            return validate_unseen(case, unseen, model, least)
+        shows = None
+        if decision.rounds:
+            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
+        split = split_of(case, shows)
+        return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
+
+    def _take_names_back(self, decision: Decision, removed: float) -> None:
+        """Name nothing where that would not help on recordings that no fit has seen."""
+        names = " and ".join(words(entry.winner.name) for entry in decision.rounds)
+        self.case.notes.append(
+            f"{names} would explain the recordings that were fitted, but removes {removed:.0%} of "
+            "the explainable error on the others: nothing is named"
+        )
+        decision.refused = [entry.winner for entry in decision.rounds]
+        decision.rounds.clear()
+        decision.model = self.case.base
+
+    def _probabilities(self, decision: Decision) -> dict[str, float]:
+        found, base = {}, self.case.base
+        for entry in decision.rounds:
+            found[entry.winner.name] = probability(base, entry, decision.dispersion, self.rng)
+            base = entry.winner.fitted
+        return found
+
+    def _unnamed_change(
+        self, outside: Outside | None, split: Split
+    ) -> list[Sequence[NDArray[np.float64]]] | None:
+        """What a free function changes in each recording, by a fit that sees the fitted ones."""
+        if outside is None:
+            return None
+        windows = self.case.budget.windows
+        unseen = {windows[i].record for i in split.held_out}
+        whole = unseen - {windows[i].record for i in split.fitted}
+        records = range(len(self.case.simulations.records))
+        return [outside.model.predicted(k, without=whole) for k in records]
+
+    def _shape(self, outside: Outside | None) -> Shape | None:
+        if outside is None:
+            return None
+        units = self.units
+        return outside.model.shape(
+            {"torque": units.torque, "position": units.position, "velocity": units.velocity}
+        )
+
+    def _latent(self, outside: Outside | None, decision: Decision) -> Shape | None:
+        """The unnamed signal beside the names that it was found under, where they act there too."""
+        at_torque = [r for r in decision.rounds if r.winner.effect.law.port == "torque"]
+        return self._shape(outside) if at_torque else None
+
+    def _verdict(
+        self,
+        decision: Decision,
+        outside: Outside | None,
+        tests: Sequence[ResidualTest],
+        fit: Fit,
+    ) -> Verdict:
+        case = self.case
+        if outside is not None and outside.is_better and not is_known(decision):
+            return "outside_library"
+        if decision.rounds:
+            return "missing_physics"
+        errors = {name: signal.parameters_only for name, signal in fit.signals.items()}
+        left = unexplained(case, case.base)
+        if not is_known(decision) and (
+            is_mismatch(left, tests, errors) or is_uneven(case, case.base, self.rng)
+        ):
+            return "outside_library"
+        return "parameters" if parameters_matter(case, decision) else "none"
+
+    def _sufficiency(self, reasons: dict[str, str]) -> Sufficiency:
+        silent = [name for name, why in reasons.items() if why.startswith("not excited")]
+        return "insufficient" if "coulomb_friction" in silent else "sufficient"
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    return {name: version(name) for name in ("gmfbo", "numpy", "scipy", "fmpy")}
