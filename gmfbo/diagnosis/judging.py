@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.case import Case, is_more_than_noise
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.simulations import Point
 
 LEAST_PROBABILITY = 0.3
 """Below it an effect is not named: it is more likely wrong than right."""
+
+_MOST = 0.5  # of the misfit beyond noise, which names may leave of a twin that is held
 
 _BEYOND_DOUBT = 5.0
 """times what an effect has to gain: what acts for milliseconds is hardly seen in an RMS error."""
@@ -24,6 +27,21 @@ def drop_improbable(case: Case, decision: Decision, probabilities: dict[str, flo
             last = decision.rounds[-1].winner.fitted if decision.rounds else case.base
             decision.model = last
             return
+
+
+def leaves_most(case: Case, decision: Decision) -> bool:
+    """Whether names leave most of a held twin's misfit beyond noise: then it may be coloured noise.
+
+    The loop that holds an open-loop twin on its recordings makes noise follow the motion, so that
+    nothing else tells the two apart.
+    """
+    if case.simulations.tracking is None or decision.model is None or not decision.rounds:
+        return False
+    plain = Misfit(case.simulations, case.budget.whiteners())
+    noise = float(sum(case.budget.noise_squares))
+    before = case.base.measured_by(plain).chi2 - noise
+    left = decision.model.measured_by(plain).chi2 - noise
+    return is_more_than_noise(case, decision.model) and left > _MOST * before
 
 
 def is_weak(decision: Decision) -> bool:

@@ -5,15 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import NoiseLevel, fast_power, noise_level, pooled
+from gmfbo.diagnosis.budget import NoiseLevel, fast_power, loop_covariance, noise_level, pooled
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.loop_noise import noise_runs
 from gmfbo.diagnosis.nuisances import Direction
 from gmfbo.diagnosis.records import ScoredSignal, resolution
 from gmfbo.diagnosis.rig import Rig
 from gmfbo.diagnosis.simulations import Simulations
+from gmfbo.diagnosis.whitening import Window
 from gmfbo.sources.twin import FmuTwin
+
+Array = NDArray[np.float64]
+
+_AS_MUCH = 0.7  # of the noise, from which it is left as it is
+_LEAST_SHARE = 1e-6
+_SHOWN_HZ = (2.0, 100.0)  # where noise of an input is told from that of the outputs
+_ABOVE_OWN = 4.0  # times the outputs' own noise
+_FEWEST_BINS = 20
 
 
 def noise_of_all(
@@ -71,6 +81,7 @@ def position_noise(
 def noise_through_loop(
     twin: FmuTwin,
     simulations: Simulations,
+    windows: Sequence[Window],
     base: Fitted,
     rig: Rig,
     noise: Sequence[dict[str, NoiseLevel]],
@@ -78,12 +89,17 @@ def noise_through_loop(
 ) -> list[list[Direction]]:
     """Changes of each recording's signals under noise as large as the one that was recorded.
 
+    The fast part of a recorded input may be what the axis got, as the command of a loop is, and no
+    error of the record: no more of it is sent than the quietest recording shows.
+
     Parameters
     ----------
     twin : FmuTwin
         The user's.
     simulations : Simulations
         Of the recordings.
+    windows : sequence of Window
+        What is scored.
     base : Fitted
         About which.
     rig : Rig
@@ -96,16 +112,56 @@ def noise_through_loop(
     counts = [
         s.resolution for r in simulations.records for s in r.signals if s.name == rig.position
     ]
-    return noise_runs(
-        simulations,
-        base.hypothesis.point(base.x),
-        base.simulated,
-        position_noise(simulations, rig, noise),
-        rig.position,
-        _input_noise(twin, simulations),
-        rng,
-        float(np.median(counts)) / rig.position_to_si if counts else 0.0,
-    )
+
+    def runs(inputs: dict[str, list[float]]) -> list[list[Direction]]:
+        return noise_runs(
+            simulations,
+            base.hypothesis.point(base.x),
+            base.simulated,
+            position_noise(simulations, rig, noise),
+            rig.position,
+            inputs,
+            rng,
+            float(np.median(counts)) / rig.position_to_si if counts else 0.0,
+        )
+
+    inputs = _input_noise(twin, simulations)
+    through = runs(inputs)
+    if not inputs:
+        return through
+    shares = np.sqrt(_shares_shown(simulations, windows, base, noise, through))
+    shown = {port: float(np.min(shares * own)) for port, own in inputs.items()}
+    if all(shown[port] > _AS_MUCH * max(own) for port, own in inputs.items()):
+        return through
+    # What records an input is the same in all recordings.
+    return runs({port: [level] * len(inputs[port]) for port, level in shown.items()})
+
+
+def _shares_shown(
+    simulations: Simulations,
+    windows: Sequence[Window],
+    base: Fitted,
+    noise: Sequence[dict[str, NoiseLevel]],
+    through: Sequence[Sequence[Direction]],
+) -> Array:
+    """Share of the noise's power that is in each recording's residual, at most 1."""
+    ratios: dict[int, list[Array]] = {k: [] for k in range(len(simulations.records))}
+    for window in windows:
+        k = window.record
+        signals = simulations.records[k].signals
+        pairs = zip(signals, base.simulated[k].signals, strict=True)
+        left = np.abs(window.spectra([s.values - values for s, values in pairs])) ** 2
+        sent = np.real(np.einsum("fii->fi", loop_covariance(window, through[k])))
+        white = window.white([noise[k][s.name].total ** 2 for s in signals])
+        low, high = _SHOWN_HZ
+        band = ((window.frequencies > low) & (window.frequencies < high))[:, None]
+        told = band & window.seen & (sent > _ABOVE_OWN * white)
+        ratios[k].append(left[told] / sent[told])
+    shares = np.ones(len(ratios))
+    for k, parts in ratios.items():
+        if parts and (own := np.concatenate(parts)).size >= _FEWEST_BINS:
+            shares[k] = np.median(own) / np.log(2.0)
+    return np.asarray(np.clip(shares, _LEAST_SHARE, 1.0))
 
 
 def _input_noise(twin: FmuTwin, simulations: Simulations) -> dict[str, list[float]]:

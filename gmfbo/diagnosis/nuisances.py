@@ -7,7 +7,7 @@ left out of every residual (Whitener.without), so that no effect is claimed for 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,9 +128,15 @@ def actuator_directions(
         -ACTUATOR_LAG_S * np.gradient(command, grid),
         ACTUATOR_GAIN * command,
     ]
+    runs = [
+        simulations.run_one(point, record, excitation={port: gain * column}) for column in small
+    ]
+    if simulations.tracking is not None and "command" in ports:
+        # A recorded command holds what is faster than its smooth part, and lags as well.
+        lagging = {**point.physics, "actuator_lag.time": ACTUATOR_LAG_S}
+        runs[0] = simulations.run_one(replace(point, physics=lagging), record)
     directions = []
-    for column in small:
-        run = simulations.run_one(point, record, excitation={port: gain * column})
+    for run in runs:
         if run.finite:
             directions.append(
                 tuple(a - b for a, b in zip(run.signals, base[record].signals, strict=True))

@@ -397,7 +397,7 @@ class _Opening:
     ) -> Budget:
         noise = noise_levels(simulations.records, base.simulated)
         point = base.hypothesis.point(base.x)
-        through = noise_through_loop(self.twin, simulations, base, rig, noise, self.rng)
+        through = noise_through_loop(self.twin, simulations, windows, base, rig, noise, self.rng)
         own = [
             own_variances(record, levels, changes, run, rig.position)
             for record, levels, changes, run in zip(

@@ -20,7 +20,13 @@ from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
-from gmfbo.diagnosis.judging import drop_improbable, is_known, is_weak, parameters_matter
+from gmfbo.diagnosis.judging import (
+    drop_improbable,
+    is_known,
+    is_weak,
+    leaves_most,
+    parameters_matter,
+)
 from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untestable
 from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.location import locate
@@ -131,11 +137,14 @@ class Search:
             if outside.is_better and not is_known(decision):
                 decision.model = case.base
                 decision.rounds.clear()
+        if leaves_most(case, decision):
+            self._take_names_back(decision, "leaves most of what is beyond noise")
         self.progress("validating", 0.85)
         result = self._validated(decision, outside, unseen)
         removed = result.fit.explainable_error_removed
         if removed is not None and removed < _LEAST_REMOVED and is_weak(decision):
-            self._take_names_back(decision, removed)
+            why = f"removes {removed:.0%} of the explainable error on the others"
+            self._take_names_back(decision, why)
             result = self._validated(decision, outside, unseen)
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
@@ -277,12 +286,11 @@ class Search:
         split = split_of(case, shows)
         return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
 
-    def _take_names_back(self, decision: Decision, removed: float) -> None:
-        """Name nothing where that would not help on recordings that no fit has seen."""
+    def _take_names_back(self, decision: Decision, why: str) -> None:
+        """Name nothing where that would not help."""
         names = " and ".join(words(entry.winner.name) for entry in decision.rounds)
         self.case.notes.append(
-            f"{names} would explain the recordings that were fitted, but removes {removed:.0%} of "
-            "the explainable error on the others: nothing is named"
+            f"{names} would explain the recordings that were fitted, but {why}: nothing is named"
         )
         decision.refused = [entry.winner for entry in decision.rounds]
         decision.rounds.clear()
