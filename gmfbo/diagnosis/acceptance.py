@@ -10,6 +10,7 @@ from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Decision, Evidence
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import spread_of
+from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.threshold import left_out_square
 
@@ -45,17 +46,22 @@ def needed_gain(decision: Decision) -> float:
     return max(further, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
 
 
-def slack_of(decision: Decision, accepted: Sequence[Evidence]) -> float:
+def slack_of(case: Case, decision: Decision, accepted: Sequence[Evidence]) -> float:
     """What the best law leaves beyond noise: its limit could as well leave that.
 
     Parameters
     ----------
+    case : Case
+        Twin, recordings and budget.
     decision : Decision
         So far.
     accepted : sequence of Evidence
         Effects that could be named.
     """
-    return _NEXT_SHARE * min(e.chi2 for e in accepted) * (1.0 - 1.0 / decision.dispersion)
+    best = min(accepted, key=lambda e: e.chi2)
+    plain = Misfit(case.simulations, case.budget.whiteners())
+    times = best.fitted.measured_by(plain).chi2 / float(sum(case.budget.noise_squares))
+    return _NEXT_SHARE * best.chi2 * (1.0 - 1.0 / max(times, decision.dispersion))
 
 
 def margin_over_limit(threshold: float, slack: float) -> float:

@@ -229,7 +229,7 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if not claimable or best_silent > max(e.gain for e in claimable) - decision.threshold:
         decision.in_doubt = max(silent, key=lambda e: e.gain)
         return False
-    slack = slack_of(decision, claimable)
+    slack = slack_of(case, decision, claimable)
     winner = _polished(case, decision, simplest(claimable, decision.threshold, slack))
     rivals = rivals_of(winner, [e for e in evidence if e.name not in decision.silent])
     margin = margin_over_limit(decision.threshold, slack)
