@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.case import Case, times_noise
 from gmfbo.diagnosis.decision import Decision, Evidence
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import spread_of
-from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.threshold import left_out_square
 
@@ -59,8 +58,7 @@ def slack_of(case: Case, decision: Decision, accepted: Sequence[Evidence]) -> fl
         Effects that could be named.
     """
     best = min(accepted, key=lambda e: e.chi2)
-    plain = Misfit(case.simulations, case.budget.whiteners())
-    times = best.fitted.measured_by(plain).chi2 / float(sum(case.budget.noise_squares))
+    times = times_noise(case, best.fitted)
     return _NEXT_SHARE * best.chi2 * (1.0 - 1.0 / max(times, decision.dispersion))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,16 @@ class Budget:
     loop_noise: tuple[list[Direction], ...]
     own_variances: tuple[list[float], ...]
     noise_squares: tuple[float, ...]
+
+    @property
+    def noise(self) -> float:
+        """chi2 that noise alone gives in all windows."""
+        return float(sum(self.noise_squares))
+
+    @cached_property
+    def plain(self) -> tuple[Whitener, ...]:
+        """Whiteners that know of noise alone."""
+        return self.whiteners()
 
     def whiteners(
         self, dispersion: Sequence[NDArray[np.float64]] | None = None
@@ -100,6 +111,11 @@ class Case:
     base: Fitted
     notes: list[str]
 
+    @property
+    def plain(self) -> Misfit:
+        """Residuals by the budget alone, whatever the best model leaves."""
+        return Misfit(self.simulations, self.budget.plain)
+
     def change_setting(self, setting: Setting) -> None:
         """Let other lines, bounds or scales hold from here on; the refit stays as it is."""
         self.setting = setting
@@ -122,8 +138,8 @@ def chi2_per_dof(fitted: Fitted, misfit: Misfit) -> float:
     return chi2(fitted.residual) / max(1, dof(misfit))
 
 
-def is_more_than_noise(case: Case, model: Fitted) -> bool:
-    """Whether a model leaves more than noise does, by the budget alone.
+def times_noise(case: Case, model: Fitted) -> float:
+    """chi2 that a model leaves by the budget alone, over what noise gives.
 
     Parameters
     ----------
@@ -132,6 +148,9 @@ def is_more_than_noise(case: Case, model: Fitted) -> bool:
     model : Fitted
         The twin refitted, with or without named effects.
     """
-    plain = Misfit(case.simulations, case.budget.whiteners())
-    left = model.measured_by(plain).chi2
-    return left > _MORE_THAN_NOISE * float(sum(case.budget.noise_squares))
+    return model.measured_by(case.plain).chi2 / case.budget.noise
+
+
+def is_more_than_noise(case: Case, model: Fitted) -> bool:
+    """Whether a model leaves more than noise does; see `times_noise`."""
+    return times_noise(case, model) > _MORE_THAN_NOISE

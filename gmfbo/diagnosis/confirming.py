@@ -9,8 +9,8 @@ import numpy as np
 
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.leaving_out import normal_equations
-from gmfbo.diagnosis.misfit import Blocks, Misfit
+from gmfbo.diagnosis.leaving_out import square_after_refit
+from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.recorded_noise import under_noise
 from gmfbo.diagnosis.screening import Probe, Screened
 from gmfbo.physics.harmonic import strongest_first
@@ -166,15 +166,9 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
     for parameters in (base.parameters, nominal):
         simulated = misfit.simulations.run_here(hypothesis.point(hypothesis.start(parameters)))
         if all(run.finite for run in simulated):
-            square = _after_refit(misfit.residual(simulated), base)
+            square = square_after_refit(misfit.residual(simulated), base.sensitivity, base.prior)
             trials.append(Trial(hypothesis, parameters, square))
     return trials
-
-
-def _after_refit(residual: Blocks, base: Fitted) -> float:
-    one_group = [0] * len(residual)
-    normal = normal_equations(residual, base.sensitivity, one_group, base.prior)
-    return float(normal.fitted().sum())
 
 
 def rough_worth_fitting(

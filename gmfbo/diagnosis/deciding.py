@@ -299,7 +299,7 @@ def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fi
 def _narrow_budget(case: Case, decision: Decision) -> None:
     """Measure by what the library leaves beside named effects, where that is less than before."""
     assert decision.model is not None
-    plain = Misfit(case.simulations, case.budget.whiteners())
+    plain = case.plain
     model = decision.model.measured_by(plain)
     left = _beyond_library(plain, model, decision.tried)
     if chi2(left) < decision.left * sum(block.size for block in left):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gmfbo.diagnosis.case import Case, is_more_than_noise
+from gmfbo.diagnosis.case import Case, is_more_than_noise, times_noise
 from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.simulations import Point
 
 LEAST_PROBABILITY = 0.3
@@ -37,10 +36,8 @@ def leaves_most(case: Case, decision: Decision) -> bool:
     """
     if case.simulations.tracking is None or decision.model is None or not decision.rounds:
         return False
-    plain = Misfit(case.simulations, case.budget.whiteners())
-    noise = float(sum(case.budget.noise_squares))
-    before = case.base.measured_by(plain).chi2 - noise
-    left = decision.model.measured_by(plain).chi2 - noise
+    left = times_noise(case, decision.model) - 1.0
+    before = times_noise(case, case.base) - 1.0
     return is_more_than_noise(case, decision.model) and left > _MOST * before
 
 

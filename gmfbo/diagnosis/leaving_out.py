@@ -104,6 +104,22 @@ def normal_equations(
     return Normal(matrix, vector, square, np.zeros(n) if precision is None else precision)
 
 
+def square_after_refit(residual: Blocks, columns: Blocks, precision: NDArray[np.float64]) -> float:
+    """Square over all windows that a linear step of all changes leaves.
+
+    Parameters
+    ----------
+    residual : Blocks
+        Shape (n_residuals,) a window.
+    columns : Blocks
+        Shape (n, n_residuals) a window.
+    precision : ndarray, shape (n,)
+        Of a weak prior of each change.
+    """
+    normal = normal_equations(residual, columns, [0] * len(residual), precision)
+    return float(normal.fitted().sum())
+
+
 def sums_of_others(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum over all groups but one, for each; a group may outweigh all others by 1e12.
 

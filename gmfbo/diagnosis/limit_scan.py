@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.leaving_out import normal_equations
+from gmfbo.diagnosis.leaving_out import square_after_refit
 from gmfbo.diagnosis.misfit import Blocks
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.ranges import states_of
@@ -60,12 +60,16 @@ def scan_limits(
             zip(model.simulated, case.simulations.records, strict=True)
         )
     ]
-    before = _left(model.residual, model)
+
+    def left(residual: Blocks) -> float:
+        return square_after_refit(residual, model.sensitivity, model.prior)
+
+    before = left(model.residual)
     found = []
     for name in wanted:
         best = max(
             (
-                (before - _left(_without(case, model, response, states, name, values), model), i)
+                (before - left(_without(case, model, response, states, name, values)), i)
                 for i, values in enumerate(_sizes(name, states))
             ),
             default=(0.0, -1),
@@ -128,10 +132,3 @@ def _without(
     ]
     columns = case.misfit.whitened(changes)
     return tuple(r - c for r, c in zip(model.residual, columns, strict=True))
-
-
-def _left(residual: Blocks, model: Fitted) -> float:
-    """chi2 after the parameters were refitted linearly."""
-    one_group = [0] * len(residual)
-    normal = normal_equations(residual, model.sensitivity, one_group, model.prior)
-    return float(normal.fitted().sum())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
@@ -13,6 +13,7 @@ from gmfbo.diagnosis.misfit import Blocks
 from gmfbo.diagnosis.port_response import PortResponse
 from gmfbo.diagnosis.pulses import Pulse, pulse_change, strongest_pulse
 from gmfbo.diagnosis.regression import Regression, joined
+from gmfbo.physics import Excitation
 
 _RIPPLE = 2  # lines that grow with the current: one of them has to be the strongest
 
@@ -60,6 +61,16 @@ class Lines:
     def pulses(self) -> tuple[tuple[float, float], ...]:
         """(start, duration) [s] as `Excitation` takes them."""
         return tuple((pulse.start, pulse.duration) for pulse in self.passing)
+
+    def within(self, excitation: Excitation) -> Excitation:
+        """Let an excitation hold these lines, from which effects start."""
+        return replace(
+            excitation,
+            wavenumbers=self.wavenumbers,
+            ripple_wavenumbers=self.ripple_wavenumbers,
+            frequencies=self.frequencies,
+            pulses=self.pulses,
+        )
 
 
 def find_lines(case: Case, base: Fitted, response: PortResponse) -> Lines:

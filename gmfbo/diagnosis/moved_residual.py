@@ -43,7 +43,7 @@ def chance_of_moving(case: Case, model: Fitted, rng: np.random.Generator) -> flo
         windows are too short to tell.
     """
     energies, motions = [], []
-    for whitener in case.budget.whiteners():
+    for whitener in case.budget.plain:
         energy, motion = _stretches(case, model, whitener)
         if energy.size >= _FEWEST:
             energies.append(energy)

@@ -124,19 +124,18 @@ def actuator_directions(
     port, gain = ("command", 1.0) if "command" in ports else ("torque", torque)
     command = _smooth(told)
     grid = simulations.records[record].plan.grid
-    small = [
-        -ACTUATOR_LAG_S * np.gradient(command, grid),
-        ACTUATOR_GAIN * command,
-    ]
-    runs = [
-        simulations.run_one(point, record, excitation={port: gain * column}) for column in small
-    ]
+
+    def with_more(column: NDArray[np.float64]) -> Simulated:
+        return simulations.run_one(point, record, excitation={port: gain * column})
+
     if simulations.tracking is not None and "command" in ports:
         # A recorded command holds what is faster than its smooth part, and lags as well.
-        lagging = {**point.physics, "actuator_lag.time": ACTUATOR_LAG_S}
-        runs[0] = simulations.run_one(replace(point, physics=lagging), record)
+        physics = {**point.physics, "actuator_lag.time": ACTUATOR_LAG_S}
+        lagging = simulations.run_one(replace(point, physics=physics), record)
+    else:
+        lagging = with_more(-ACTUATOR_LAG_S * np.gradient(command, grid))
     directions = []
-    for run in runs:
+    for run in (lagging, with_more(ACTUATOR_GAIN * command)):
         if run.finite:
             directions.append(
                 tuple(a - b for a, b in zip(run.signals, base[record].signals, strict=True))

@@ -172,12 +172,7 @@ class _Opening:
         noise = noise_levels(simulations.records, nominal)
         excitation = like.setting.excitation
         windows = windows_of(simulations.records, excitation.loop_time)
-        empty: list[list[Direction]] = [[] for _ in simulations.records]
-        own = [
-            white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)
-        ]
-        spectra = covariances(windows, simulations.records, like.rig, own, empty)
-        misfit = Misfit(simulations, whiteners(windows, spectra, empty))
+        misfit = _without_loop_noise(simulations, windows, like.rig, noise)
         hypothesis = Hypothesis(like.setting)
         base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
         assert base is not None, "the nominal twin was simulated a moment ago"
@@ -249,7 +244,7 @@ class _Opening:
         least = self.twin.binding.variables[role].variable.minimum if role else None
         setting = Setting(self._uncertain(), excitation, role, least or 0.0)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
-        misfit, base = self._first_fit(simulations, windows, rig, noise, setting, nominal)
+        base = self._first_fit(simulations, windows, rig, noise, setting)
         budget = self._budget(simulations, windows, rig, base, ratio)
         misfit = Misfit(simulations, budget.whiteners())
         refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
@@ -373,19 +368,12 @@ class _Opening:
         rig: Rig,
         noise: list[dict[str, NoiseLevel]],
         setting: Setting,
-        nominal: list[Simulated],
-    ) -> tuple[Misfit, Fitted]:
+    ) -> Fitted:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
-        empty: list[list[Direction]] = [[] for _ in simulations.records]
-        own = [
-            white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)
-        ]
-        spectra = covariances(windows, simulations.records, rig, own, empty)
-        misfit = Misfit(simulations, whiteners(windows, spectra, empty))
+        misfit = _without_loop_noise(simulations, windows, rig, noise)
         base = fit(misfit, Hypothesis(setting), {}, parallel=True, iterations=6)
-        require_run(nominal, self.twin.name)
         assert base is not None, "the nominal twin was simulated a moment ago"
-        return misfit, base
+        return base
 
     def _budget(
         self,
@@ -410,3 +398,16 @@ class _Opening:
         return Budget(
             windows, tuple(spectra), tuple(directions), tuple(through), tuple(own), squares
         )
+
+
+def _without_loop_noise(
+    simulations: Simulations,
+    windows: Sequence[Window],
+    rig: Rig,
+    noise: Sequence[dict[str, NoiseLevel]],
+) -> Misfit:
+    """Residuals by a budget in which each signal's noise is its own, before more is known."""
+    empty: list[list[Direction]] = [[] for _ in simulations.records]
+    own = [white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)]
+    spectra = covariances(windows, simulations.records, rig, own, empty)
+    return Misfit(simulations, whiteners(windows, spectra, empty))

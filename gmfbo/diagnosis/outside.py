@@ -10,7 +10,6 @@ import numpy as np
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.moved_residual import chance_of_moving
 from gmfbo.diagnosis.port_response import PortResponse
 from gmfbo.diagnosis.residual_test import ResidualTest
@@ -80,7 +79,7 @@ def look_outside(
     """
     assert decision.model is not None
     # By the budget alone: what the best name leaves must not count as noise here.
-    plain = Misfit(case.simulations, case.budget.whiteners())
+    plain = case.plain
     base, with_names = case.base.measured_by(plain), decision.model.measured_by(plain)
     model = unnamed(replace(case, misfit=plain, base=base), base, response)
     gain = _best(model)
@@ -92,7 +91,7 @@ def look_outside(
     is_better = is_large and is_most and named < _BETTER * gain
     if decision.rounds and not is_better:
         beside = _best(unnamed(replace(case, misfit=plain, base=with_names), with_names, response))
-        noise = float(sum(case.budget.noise_squares))
+        noise = case.budget.noise
         left_over = with_names.chi2 - noise
         least = max(_THRESHOLDS * decision.threshold, _BESIDE_SHARE * named)
         is_better = beside > max(least, _REST_SHARE * left_over)
@@ -118,8 +117,7 @@ def unexplained(case: Case, model: Fitted) -> float:
     model : Fitted
         The twin refitted, with or without named effects.
     """
-    plain = Misfit(case.simulations, case.budget.whiteners())
-    return chi2_per_dof(model.measured_by(plain), plain)
+    return chi2_per_dof(model.measured_by(case.plain), case.plain)
 
 
 def is_uneven(case: Case, model: Fitted, rng: np.random.Generator) -> bool:

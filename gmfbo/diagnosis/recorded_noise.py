@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.budget import noise_level
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Hypothesis
-from gmfbo.diagnosis.leaving_out import normal_equations
+from gmfbo.diagnosis.leaving_out import square_after_refit
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.simulations import Point, Simulations
@@ -198,9 +198,8 @@ def _explains_more(misfit: Misfit, model: Fitted, noisy: Hypothesis) -> bool:
         return False
     if chi2(misfit.change(after, model.simulated)) <= _FELT:
         return False
-    one_group = [0] * len(model.residual)
-    normal = normal_equations(misfit.residual(after), model.sensitivity, one_group, model.prior)
-    return float(normal.fitted().sum()) < model.chi2
+    left = square_after_refit(misfit.residual(after), model.sensitivity, model.prior)
+    return left < model.chi2
 
 
 def _read_about(simulations: Simulations, model: Fitted, k: int) -> RecordedNoise | None:

@@ -30,7 +30,7 @@ def predictions_of(case: Case, decision: Decision, augmented: Fitted, units: Uni
     units : Units
         Of the twin.
     """
-    plain = case.misfit.with_whiteners(case.budget.whiteners())
+    plain = case.plain
     fits = {}
     if augmented.hypothesis.effects:
         fits[_name(augmented)] = augmented

@@ -202,13 +202,7 @@ class Search:
             return
         lines = find_lines(case, case.base, response)
         self._pulses = lines.passing
-        excitation = replace(
-            case.setting.excitation,
-            wavenumbers=lines.wavenumbers,
-            ripple_wavenumbers=lines.ripple_wavenumbers,
-            frequencies=lines.frequencies,
-            pulses=lines.pulses,
-        )
+        excitation = lines.within(case.setting.excitation)
         case.change_setting(replace(case.setting, excitation=excitation))
 
     def _lines_beside(self, model: Fitted, testable: Sequence[str]) -> list[Candidate]:
@@ -217,13 +211,7 @@ class Search:
             return []
         lines = find_lines(self.case, model, self._response)
         self._pulses = lines.passing
-        excitation = replace(
-            self.case.setting.excitation,
-            wavenumbers=lines.wavenumbers,
-            ripple_wavenumbers=lines.ripple_wavenumbers,
-            frequencies=lines.frequencies,
-            pulses=lines.pulses,
-        )
+        excitation = lines.within(self.case.setting.excitation)
         searched = [name for name in testable if CATALOGUE[name].is_searched]
         return candidates(searched, excitation) + self._passing(testable, excitation)
 

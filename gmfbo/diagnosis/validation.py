@@ -228,7 +228,7 @@ def _removed(
     What noise leaves is known from above: by its budget, by what the whole library leaves in all
     recordings, and by what the augmented twin leaves in these ones when fitted to all.
     """
-    whole = Misfit(case.simulations, case.budget.whiteners())
+    whole = case.plain
     misfit = restricted(whole, scored)
     before, after, fitted_to_all = (
         chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented, best)
