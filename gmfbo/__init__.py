@@ -46,6 +46,9 @@ _HOMES = {
     "step_reference": "gmfbo.recordings",
 }
 
+_TAKE_METHODS = ("Comparison", "Study", "Tuner", "compare")
+"""Names that look a method up: those of `gmfbo.retuning` add themselves when it is imported."""
+
 __all__ = [
     "Check",
     "Comparison",
@@ -65,6 +68,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'gmfbo' has no attribute '{name}'")
+    if name in _TAKE_METHODS:
+        import_module("gmfbo.retuning")
     return getattr(import_module(_HOMES[name]), name)
 
 

@@ -10,5 +10,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from hypothesis import settings  # noqa: E402
 
+import gmfbo.retuning  # noqa: E402, F401 - all methods are listed before tests are collected
+
 settings.register_profile("gmfbo", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("gmfbo")

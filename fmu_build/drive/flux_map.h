@@ -69,6 +69,17 @@ static inline void flux_map_alter(FluxMap *map, double noise, uint64_t seed, con
     }
 }
 
+/* The altered nodes [A] of the table itself, row-major. */
+static inline void flux_map_read_out(const FluxMap *map, double *node_d, double *node_q) {
+    for (int i = 0; i < MAP_NODES; ++i) {
+        for (int j = 0; j < MAP_NODES; ++j) {
+            const double *node = map->nodes[MAP_GHOSTS + i][MAP_GHOSTS + j];
+            node_d[i * MAP_NODES + j] = node[0];
+            node_q[i * MAP_NODES + j] = node[1];
+        }
+    }
+}
+
 /* ---- looking it up --------------------------------------------------------------------- */
 
 /* Weights of the four nodes around x [cells from the first ghost]; returns the first of them.

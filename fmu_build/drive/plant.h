@@ -215,6 +215,7 @@ static inline const char *plant_initialise(Plant *plant, double *v, const char *
     if (fault) return fault;
     flux_map_alter(&plant->map, v[V_map_noise], (uint64_t)v[V_map_seed], &v[V_map_delta_d],
                    &v[V_map_delta_q]);
+    flux_map_read_out(&plant->map, &v[V_map_node_d], &v[V_map_node_q]);
     plant_read_parameters(plant, v);
     plant_energise(plant, v);
     plant->state[MOTOR_ANGLE] = plant->state[LOAD_ANGLE] = v[V_initial_position];

@@ -11,8 +11,8 @@ from gmfbo.cli.console import console, parse_settings
 from gmfbo.cli.tune import print_result
 
 if TYPE_CHECKING:
+    from gmfbo import Tuner
     from gmfbo.tuning.request import TrialRequest
-    from gmfbo.tuning.tuner import Tuner
 
 
 def ask(
@@ -23,10 +23,10 @@ def ask(
     json: Annotated[bool, typer.Option("--json", help="Print it as JSON, for a script.")] = False,
 ) -> None:
     """Print the next gains to try; asking again before telling prints the same ones."""
+    from gmfbo import Tuner
     from gmfbo.cli.study_display import StudyDisplay
     from gmfbo.tuning.next_run import next_run_text, remove_next_run, write_next_run
     from gmfbo.tuning.study import Study
-    from gmfbo.tuning.tuner import Tuner
 
     asked = Study.read(study)
     display = StudyDisplay(console, asked.file.budget.is1_runs)

@@ -7,6 +7,7 @@ from gmfbo.cli.console import console
 
 def methods() -> None:
     """List the tuning methods."""
+    import gmfbo.retuning  # noqa: F401 - adds its methods
     from gmfbo.tuning.methods import all_methods
 
     for name, method in all_methods().items():

@@ -12,9 +12,9 @@ from gmfbo.cli.tune import metric_text
 from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
+    from gmfbo import Tuner
     from gmfbo.recordings.trial import Trial
     from gmfbo.tuning.request import TrialRequest
-    from gmfbo.tuning.tuner import Tuner
 
 
 def tell(
@@ -38,10 +38,10 @@ def tell(
     ] = None,
 ) -> None:
     """Take back the recording of the run that `gmfbo ask` wanted."""
+    from gmfbo import Tuner
     from gmfbo.sources.failed_run import failed_run
     from gmfbo.tuning.next_run import remove_next_run
     from gmfbo.tuning.study import Study
-    from gmfbo.tuning.tuner import Tuner
 
     if bool(recordings) == (failed is not None):
         raise InputError("expected either a recording or --failed WHY; give one of them")

@@ -41,8 +41,8 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
     TuningResult
         Best observed gains and, separately, the recommended ones.
     """
+    from gmfbo import Tuner
     from gmfbo.cli.study_display import StudyDisplay
-    from gmfbo.tuning.tuner import Tuner
 
     display = StudyDisplay(console, study.file.budget.is1_runs)
     with Tuner(study, resume=resume) as tuner, display:
@@ -64,6 +64,8 @@ def print_result(study: Study, result: TuningResult) -> None:
         console.print(f"taken over         {runs}", markup=False)
     for drift in result.drifts:
         console.print(f"plant changed      {drift.message}")
+    for number, reason in enumerate(result.twin_versions, start=1):
+        console.print(f"twin version {number:<6}{reason}", markup=False)
     if result.best is None:
         console.print("no real run succeeded, so there are no gains to take")
     else:

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 
 from gmfbo.sources.twin_file import TwinFile
 
-_LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters"}
+# A table's nodes in force are local variables of the FMU, which the joined FMU does not show.
+_LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters", "tables"}
 
 
 def augmented_twin_file(

@@ -21,8 +21,8 @@ def content_hash(binding: Binding, parameters: Mapping[str, float], step: float)
     step : float
         [s] Communication step in force.
     """
-    # How a logger names its columns changes no run.
-    apart = {"name", "fmu", "fmus", "step", "columns", "dialect"}
+    # How a logger names its columns changes no run, and neither does what may be estimated.
+    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables"}
     file = binding.file.model_dump(mode="json", exclude=apart)
     meaning = {
         "file": file,

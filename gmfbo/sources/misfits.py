@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from difflib import get_close_matches
+from math import prod
 from typing import TYPE_CHECKING
 
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.sources.fmu_variable import FmuVariable
+from gmfbo.sources.lookup_table import LEAST_NODES, elements, shape_of
 from gmfbo.sources.twin_file import ControllerEntry, SignalEntry
 
 if TYPE_CHECKING:
@@ -58,6 +60,7 @@ def find_misfits(binding: Binding) -> Iterator[str]:
     ):
         for key, name in names.items():
             yield from _misfit(binding, f"[{table}] '{key}'", name, part)
+    yield from _table_problems(binding)
     yield from _column_slips(binding)
     yield from _controller_problems(binding)
     yield from _value_problems(binding)
@@ -80,6 +83,33 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
         yield f"{where}: expected {words} of the FMU, {is_a}{valid}"
+
+
+def _table_problems(binding: Binding) -> Iterator[str]:
+    for table, entry in binding.file.tables.items():
+        where = f"[tables] '{table}'"
+        found = elements(entry.nodes, binding.variables)
+        whole = len({len(index) for index in found}) == 1 and len(found) == prod(shape_of(found))
+        if not whole or len(found) < LEAST_NODES:
+            stems = {name.partition("[")[0] for name in binding.variables if "[" in name}
+            yield (
+                f"{where} nodes: expected {LEAST_NODES} or more variables {entry.nodes}[1], ... or "
+                f"{entry.nodes}[1,1], ... of the FMU, found {len(found)}"
+            ) + did_you_mean(entry.nodes, stems - {entry.nodes})
+            continue
+        part = _OUTPUT if entry.deltas else _PARAMETER
+        for name in found.values():
+            yield from _misfit(binding, f"{where} nodes", name, part)
+        if entry.deltas is None:
+            continue
+        added = elements(entry.deltas, binding.variables)
+        if added.keys() != found.keys():
+            yield (
+                f"{where} deltas: expected a parameter {entry.deltas}[...] for each of the "
+                f"{len(found)} nodes, found {len(added)}"
+            )
+        for name in added.values():
+            yield from _misfit(binding, f"{where} deltas", name, _PARAMETER)
 
 
 def _column_slips(binding: Binding) -> Iterator[str]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from gmfbo.errors import FmuFileError, InputError
+from gmfbo.errors import FmuFileError, InputError, SimulationError
 from gmfbo.recordings.column_mapping import ColumnMapping
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.signal import SignalSpec
@@ -195,6 +195,40 @@ class FmuTwin:
         self._warn(result.outcome)
         seconds = time.perf_counter() - started
         return experiment.trajectory(result, lead, seconds)
+
+    def values_at_start(
+        self, names: Sequence[str], *, parameters: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
+        """Read variables of the FMU right after its initialisation, all inputs at their starts.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Outputs, local variables or parameters that are numbers.
+        parameters : mapping of str to float, optional
+            [FMU's unit] Over the twin's.
+
+        Returns
+        -------
+        dict of str to float
+            [FMU's unit]
+
+        Raises
+        ------
+        InputError
+            A name is unknown or a value outside the FMU's bounds.
+        SimulationError
+            The FMU did not initialise.
+        """
+        from gmfbo.sources.initial_values import initial_order
+
+        order = initial_order(self._binding, names, {**self._parameters, **(parameters or {})})
+        with self._lock:
+            runner = self._runner = self._runner or self._start()
+            outcome, read = runner.run(order)[0]
+        if outcome.rows == 0:
+            raise SimulationError(f"{self.name}: {outcome.message}; run 'gmfbo simulate' on it")
+        return dict(zip(names, map(float, read[0]), strict=True))
 
     def close(self) -> None:
         """End the worker and remove its files; a later run starts anew."""

@@ -39,6 +39,24 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class TableEntry(Table):
+    """A lookup table inside the FMU whose nodes are known only roughly.
+
+    Attributes
+    ----------
+    nodes : str
+        FMU variables `NODES[i]` or `NODES[i,j]`, from 1, that hold the table in force.
+    deltas : str or None
+        FMU parameters `DELTAS[i,j]` that are added to it; None where the nodes are parameters.
+    rising : {"rows", "columns"} or None
+        Index along which no value is smaller than the one before it: `rows` is the first.
+    """
+
+    nodes: Text
+    deltas: Text | None = None
+    rising: Literal["rows", "columns"] | None = None
+
+
 class GainRange(Table):
     """Range of one gain [unit of the FMU parameter]; a fixed gain has low = high."""
 

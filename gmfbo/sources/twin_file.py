@@ -23,6 +23,7 @@ from gmfbo.sources.twin_entries import (
     Positive,
     SignalEntry,
     Table,
+    TableEntry,
     Text,
 )
 from gmfbo.sources.validation import describe_problems
@@ -34,6 +35,7 @@ __all__ = [
     "InputEntry",
     "OutputEntry",
     "SignalEntry",
+    "TableEntry",
     "TwinFile",
 ]
 
@@ -74,6 +76,8 @@ class TwinFile(Table):
         What tuning may move.
     uncertain : dict of str to tuple of float
         Known only roughly: [low, high].
+    tables : dict of str to TableEntry
+        Lookup tables that are known only roughly, by a name for people.
     ports, states, roles : dict of str to str
         FMU inputs where physics may act, outputs it may depend on, parameters with a meaning.
     initial : dict of str to str or float
@@ -96,6 +100,7 @@ class TwinFile(Table):
     parameters: dict[str, ParameterValue] = Field(default_factory=dict)
     gains: dict[str, GainRange] = Field(default_factory=dict)
     uncertain: dict[str, Pair] = Field(default_factory=dict)
+    tables: dict[str, TableEntry] = Field(default_factory=dict)
     ports: dict[str, Text] = Field(default_factory=dict)
     states: dict[str, Text] = Field(default_factory=dict)
     roles: dict[str, Text] = Field(default_factory=dict)

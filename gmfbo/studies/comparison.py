@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
 
+import gmfbo.retuning  # noqa: F401 - adds its methods
 from gmfbo import __version__
 from gmfbo.errors import InputError, StoreError
 from gmfbo.studies.comparison_folder import ComparisonFolder

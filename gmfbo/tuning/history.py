@@ -55,6 +55,11 @@ class History:
         Runs of the twin over the box that the method wants before the first query.
     earlier : int
         Real runs of an earlier study, which come before those that are made here.
+
+    Attributes
+    ----------
+    twin : str or None
+        Content hash of the twin as it is now; None while it was never corrected.
     """
 
     def __init__(
@@ -71,11 +76,12 @@ class History:
         self.survey, self.earlier = survey, earlier
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
+        self.twin: str | None = None
         events = store.events()
         self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
         asked = [event["number"] for event in events if event["event"] == "ask"]
         self.last_asked: int = asked[-1] if asked else 0
-        self._observations: list[Observation] = []
+        self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
         self._leaves: dict[int, bool] = {}
         self._objective: Objective | None = None
@@ -87,8 +93,25 @@ class History:
         return [trial for trial in self.trials if trial.source in sources]
 
     def children(self, parent: Trial, source: SourceName) -> list[Trial]:
-        """Runs that one source made because of a real run."""
-        return [trial for trial in self.of(source) if trial.parent == parent.number]
+        """Runs that one source made because of a real run, with the twin as it is now."""
+        return [
+            trial
+            for trial in self.of(source)
+            if trial.parent == parent.number and self.is_current(trial)
+        ]
+
+    def is_current(self, trial: Trial) -> bool:
+        """Whether a run is of the real axis or of the twin as it is now."""
+        return trial.source == "IS1" or self.twin is None or trial.twin == self.twin
+
+    @property
+    def unprompted(self) -> list[Trial]:
+        """Twin runs that no real run caused: initial ones, survey and queries.
+
+        Runs that a corrected twin makes again are not among them.
+        """
+        runs = [trial for trial in self.of("IS2") if trial.parent is None]
+        return [trial for trial in runs if trial.twin == runs[0].twin]
 
     def gains_at(self, unit: NDArray[np.float64]) -> dict[str, float]:
         """All gains by name at a point of the unit cube, shape (d,)."""
@@ -111,14 +134,9 @@ class History:
     @property
     def queries(self) -> int:
         """Queries of either source after the initial ones; survey, pairs and IS3 are none."""
-        budget, twin = self.study.budget, self.unprompted_twin_runs - self.survey
+        budget, twin = self.study.budget, len(self.unprompted) - self.survey
         real, initial = len(self.of("IS1")), max(budget.initial_is1, self.earlier)
         return max(twin - budget.initial_is2, 0) + max(real - initial, 0)
-
-    @property
-    def unprompted_twin_runs(self) -> int:
-        """Twin runs that no real run caused: initial ones, survey and queries."""
-        return sum(trial.parent is None for trial in self.of("IS2"))
 
     @property
     def used_up(self) -> bool:
@@ -289,7 +307,7 @@ class History:
             space=self.gains.space,
             observations=self._aged(self.observations()),
             fixed=fixed,
-            trials=tuple(self.trials),
+            trials=tuple(trial for trial in self.trials if self.is_current(trial)),
             experiment=self.experiment,
             objective=self.objective,
             limits=self.limits,
@@ -324,7 +342,7 @@ class History:
                 # A run that broke down shows neither.
                 if trial.status == "ok":
                     safe.append(self.unit_point(trial.gains))
-            elif trial.source == "IS1" or self._twin_leaves(trial):
+            elif trial.source == "IS1" or (self.is_current(trial) and self._twin_leaves(trial)):
                 unsafe.append(self.unit_point(trial.gains))
         width = len(self.gains.space)
         return KeepOut(np.reshape(unsafe, (-1, width)), np.reshape(safe, (-1, width)))
@@ -337,12 +355,16 @@ class History:
         return self._leaves[trial.number]
 
     def observations(self) -> tuple[Observation, ...]:
-        """All runs as the surrogate sees them; draws of IS3 that were not accepted are left out."""
+        """All runs as the surrogate sees them, in order.
+
+        Draws of IS3 that were not accepted, and runs of a twin that has been corrected since,
+        are left out.
+        """
         for trial in self.trials[self._seen :]:
             self._seen += 1
             if trial.accepted is not False:
-                self._observations.append(self._observation(trial))
-        return tuple(self._observations)
+                self._observations.append((trial, self._observation(trial)))
+        return tuple(seen for trial, seen in self._observations if self.is_current(trial))
 
     def _observation(self, trial: Trial) -> Observation:
         uncorrected = uncorrected_scaled = None

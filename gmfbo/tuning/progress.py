@@ -8,7 +8,7 @@ from typing import Literal
 
 from gmfbo.recordings.trial import SourceName
 
-Phase = Literal["initial", "query", "correction", "drift", "done"]
+Phase = Literal["initial", "query", "correction", "drift", "twin", "done"]
 
 
 @dataclass(frozen=True)
@@ -17,9 +17,10 @@ class Progress:
 
     Attributes
     ----------
-    phase : {"initial", "query", "correction", "drift", "done"}
+    phase : {"initial", "query", "correction", "drift", "twin", "done"}
         Initial data, a query that the method asked for, the twin runs made after a real one,
-        a change of the plant that the last real run revealed, or the end of the study.
+        a change of the plant that the last real run revealed, a twin that was corrected by it,
+        or the end of the study.
     iteration, iterations : int
         Queries done, and at most to be done.
     is1_runs : int

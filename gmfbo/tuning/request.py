@@ -73,6 +73,8 @@ class TuningResult:
         All runs in units of a real run.
     drifts : tuple of Drift
         Changes of the plant that were found, in order; `best` is since the last one.
+    twin_versions : tuple of str
+        Why the twin was corrected, each time.
     """
 
     best: Trial | None
@@ -83,3 +85,4 @@ class TuningResult:
     drifts: tuple[Drift, ...] = ()
     earlier: int = 0
     left_out: int = 0
+    twin_versions: tuple[str, ...] = ()

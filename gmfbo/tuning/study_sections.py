@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -63,6 +64,10 @@ def _as_words(value: object) -> object:
 Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
 
 
+# Keeps the draw of what is hidden apart from all other draws of the same seed.
+_HIDDEN_STREAM = 0x41D
+
+
 class Section(BaseModel):
     """Part of a study file; unknown keys are refused."""
 
@@ -76,6 +81,49 @@ class PlantChange(Section):
     parameters: Parameters
 
 
+class HiddenPhysics(Section):
+    """Physics of the plant that its twin knows nothing of, drawn from the study's seed."""
+
+    count: tuple[int, int] = (1, 1)
+    groups: dict[str, dict[str, tuple[int | float, int | float]]]
+
+    @model_validator(mode="after")
+    def _drawable(self) -> Self:
+        low, high = self.count
+        if not 0 <= low <= high <= len(self.groups):
+            raise ValueError(
+                f"count: expected [least, most] of the {len(self.groups)} groups, "
+                f"got [{low}, {high}]"
+            )
+        for group, ranges in self.groups.items():
+            for name, (least, most) in ranges.items():
+                if not (0 < least <= most < math.inf):
+                    raise ValueError(
+                        f"groups.{group} '{name}': expected [low, high] with 0 < low <= high, "
+                        f"got [{least:g}, {most:g}]"
+                    )
+        return self
+
+    def drawn(self, seed: int) -> dict[str, float]:
+        """Parameters of a few groups, log-uniform in their ranges; whole between whole numbers.
+
+        Parameters
+        ----------
+        seed : int
+            Of the study.
+        """
+        rng = np.random.default_rng([seed, _HIDDEN_STREAM])
+        count = int(rng.integers(self.count[0], self.count[1] + 1))
+        chosen = rng.choice(len(self.groups), size=count, replace=False)
+        values: dict[str, float] = {}
+        for group in sorted(chosen):
+            for name, (low, high) in list(self.groups.values())[group].items():
+                value = float(np.exp(rng.uniform(np.log(low), np.log(high))))
+                whole = isinstance(low, int) and isinstance(high, int)
+                values[name] = float(round(value)) if whole else value
+        return values
+
+
 class PlantSection(Section):
     """IS1, the real axis: an FMU or a program that plays it, recordings, or who asks and tells."""
 
@@ -86,6 +134,7 @@ class PlantSection(Section):
     time_limit: Positive = 600.0  # [s] of one run of the command
     retries: int = Field(0, ge=0)
     parameters: Parameters = {}
+    hidden: HiddenPhysics | None = None
     change: PlantChange | None = None
 
     @model_validator(mode="after")
@@ -96,8 +145,8 @@ class PlantSection(Section):
                 'expected exactly one of twin = FILE, command = ["program", ...], '
                 "recorded = FOLDER and ask_tell = true"
             )
-        if self.twin is None and (self.parameters or self.change):
-            raise ValueError("parameters and change need a twin that plays the plant")
+        if self.twin is None and (self.parameters or self.hidden or self.change):
+            raise ValueError("parameters, hidden and change need a twin that plays the plant")
         if self.command is None and self.model_fields_set & {"time_limit", "retries"}:
             raise ValueError("time_limit and retries need a command")
         return self

@@ -114,7 +114,7 @@ class StudySources:
             if is1 is None:
                 is1 = opener.plant(study.is1, reading)
                 if study.is1.twin is not None and change is not None:
-                    after = {**study.is1.parameters, **change.parameters}
+                    after = {**opener.plant_parameters(study.is1), **change.parameters}
                     changed = opener.twin(study.is1.twin, after)
             return cls(
                 is1=is1,
@@ -161,7 +161,7 @@ class _Opener:
     def plant(self, section: PlantSection, reading: SignalReading | None) -> Source | None:
         """Source of the kind that the file names; None where somebody asks and tells."""
         if section.twin is not None:
-            return self.twin(section.twin, section.parameters)
+            return self.twin(section.twin, self.plant_parameters(section))
         if section.command is not None:
             plant = CommandPlant(
                 tuple(section.command),
@@ -175,6 +175,11 @@ class _Opener:
         if section.recorded is not None:
             return RecordedGrid.open(self.folder / section.recorded, reading)
         return None
+
+    def plant_parameters(self, section: PlantSection) -> dict[str, float | Literal["seed"]]:
+        """Parameters of the FMU that plays the plant, with what is hidden in it."""
+        hidden = section.hidden.drawn(self.seed) if section.hidden is not None else {}
+        return {**section.parameters, **hidden}
 
     def twin(self, path: str, parameters: Mapping[str, float | Literal["seed"]]) -> FmuTwin:
         from gmfbo.sources.twin import FmuTwin

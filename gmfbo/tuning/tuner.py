@@ -34,6 +34,7 @@ from gmfbo.tuning.study_sources import StudySources
 from gmfbo.tuning.study_terms import check_signals, known_safe, own_metrics
 from gmfbo.tuning.told_gains import told_gains
 from gmfbo.tuning.told_series import Told, read_told
+from gmfbo.tuning.twin_corrections import TwinCorrections
 from gmfbo.tuning.twin_runs import TwinRuns
 from gmfbo.tuning.watch import Watch
 
@@ -120,6 +121,9 @@ class Tuner:
             self._closing = closing.pop_all()
         around_real = correction if correction and correction.around_real else None
         self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
+        self._corrections = TwinCorrections.begin(self.method, self._twin)
+        self._twin = self._corrections.runs
+        self._closing.callback(self._corrections.close)
         self._pending = TrialRequest.unanswered(self._store.events(), self.history.next_number)
         self._last_request = self._pending
         self._drift = DriftWatch(self.history, study.file.drift)
@@ -275,6 +279,7 @@ class Tuner:
             drifts=tuple(self.history.drifts),
             earlier=len(self._earlier),
             left_out=self._earlier.left_out,
+            twin_versions=self._corrections.reasons,
         )
 
     @property
@@ -303,6 +308,7 @@ class Tuner:
         self._twin.follow_up()
         if (drift := self._drift.look()) is not None:
             self._watch.tell("drift", self.history.of("IS1")[-1], None, drift.message)
+        self._twin = self._corrections.follow(self._watch)
         if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
             return None
         request = self._decide(held)

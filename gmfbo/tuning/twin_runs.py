@@ -75,10 +75,26 @@ class TwinRuns:
         points = initial_points(
             history.gains.space, history.study.seed, Stream.SURVEY, history.survey
         )
-        done = history.unprompted_twin_runs - history.study.budget.initial_is2
+        done = len(history.unprompted) - history.study.budget.initial_is2
         for point in points[done:]:
             trial = history.write(self._run(history.gains_at(point)))
             self.announce("initial", trial)
+
+    def renew(self) -> None:
+        """Run the corrected twin wherever the twin was run before; after a kill, the rest.
+
+        Corrected runs are made around the last real run alone: those around the others told
+        how far the twin was off, and that is another twin's now.
+        """
+        history = self.history
+        again = [t for t in history.of("IS2") if t.parent is None and history.is_current(t)]
+        for trial in history.unprompted[len(again) :]:
+            self.announce("correction", history.write(self._run(trial.gains)))
+        for real in history.of("IS1"):
+            if not history.children(real, "IS2"):
+                pair = self._run(real.gains, parent=real.number)
+                self.announce("correction", history.write(pair))
+        self.follow_up()
 
     def query(self, gains: Mapping[str, float]) -> Trial:
         """Run a point that the method asked for."""

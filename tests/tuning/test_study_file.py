@@ -127,7 +127,7 @@ def test_known_normalising_constants_are_taken() -> None:
         ),
         (
             '[is1]\nask_tell = true\nparameters = { a = 1 }\n[is2]\ntwin = "b"',
-            "parameters and change need a twin that plays the plant",
+            "parameters, hidden and change need a twin that plays the plant",
         ),
         (
             '[is1]\ntwin = "a"\nparameters = { a = "sead" }\n[is2]\ntwin = "b"',

@@ -54,7 +54,7 @@ class Gmfbo:
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
         points, mean, variance, log_weight = _belief(state)
-        new = _is_new(points, state)
+        new = is_new(points, state)
         if not new.any():
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere new")
@@ -80,24 +80,40 @@ def _belief(
 
     Mean and variance of the cost, and the log probability that the limits are met.
     """
+    times = sample_times(state)
+    points, simulated = twin_at_points(state, times)
+    if not len(points):
+        return points, np.empty(0), np.empty(0), np.empty(0)
+    mean, variance = corrected_model(state, times).predict(points, simulated)
+    return points, mean, variance, log_limit_weight(state, times, points, simulated)
+
+
+def twin_at_points(
+    state: TuningState, times: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points (q, d) that a proposal may be, and the twin's trajectories (q, m) there.
+
+    Parameters
+    ----------
+    state : TuningState
+        What was observed.
+    times : ndarray, shape (m,)
+        [s] See `sample_times`.
+    """
     from gmfbo.correction.residual_process import ResidualProcess
     from gmfbo.surrogate.corrected_twin import likeliest_lengthscale
 
-    times = sample_times(state)
     points, simulated = twin_runs(state, times)
-    if not len(points):
-        return points, np.empty(0), np.empty(0), np.empty(0)
-    if state.fixed:
-        # Held gains lie off the simulated points: the twin is interpolated there.
-        length = likeliest_lengthscale(points, simulated - simulated.mean(axis=0))
-        emulator = ResidualProcess.fit(points, simulated, lengthscale=length, centred=True)
-        points = state.hold(points)
-        simulated = emulator.mean(points)
-    mean, variance = corrected_model(state, times).predict(points, simulated)
-    return points, mean, variance, _log_weight(state, times, points, simulated)
+    if not len(points) or not state.fixed:
+        return points, simulated
+    # Held gains lie off the simulated points: the twin is interpolated there.
+    length = likeliest_lengthscale(points, simulated - simulated.mean(axis=0))
+    emulator = ResidualProcess.fit(points, simulated, lengthscale=length, centred=True)
+    held = state.hold(points)
+    return held, emulator.mean(held)
 
 
-def _log_weight(
+def log_limit_weight(
     state: TuningState,
     times: NDArray[np.float64],
     points: NDArray[np.float64],
@@ -206,7 +222,7 @@ def _point(state: TuningState, trial: Trial) -> NDArray[np.float64]:
     return state.space.to_unit([trial.gains[name] for name in state.space.names])
 
 
-def _is_new(points: NDArray[np.float64], state: TuningState) -> NDArray[np.bool_]:
+def is_new(points: NDArray[np.float64], state: TuningState) -> NDArray[np.bool_]:
     """Points that are no repeat of a real run, and not next to one that failed, shape (q,)."""
     new = np.ones(len(points), dtype=bool)
     for seen in state.of("IS1"):

@@ -1,0 +1,32 @@
+"""A diagnosis becomes IS2: the one place where tuning and diagnosis meet.
+
+After a real run the twin's uncertain parameters and tables are estimated (`Calibration`), what
+is then still unexplained is put to the diagnosis (`complete`), and the corrected twin takes the
+place of the old one (`PhysicsRefiner`); a twin that misleads is taken back (`misleads`).
+
+Importing this package adds its methods to `gmfbo.tuning.methods.METHODS`.
+"""
+
+from __future__ import annotations
+
+from gmfbo.retuning.corrected_methods import (
+    GMFBO_CALIBRATED,
+    GMFBO_COMPOSITE,
+    GMFBO_PHYSICS,
+    GMFBO_SMOOTHED,
+)
+from gmfbo.tuning.method import Method
+from gmfbo.tuning.methods import METHODS
+
+RETUNING: tuple[Method, ...] = (
+    GMFBO_PHYSICS,
+    GMFBO_COMPOSITE,
+    GMFBO_CALIBRATED,
+    GMFBO_SMOOTHED,
+)
+"""Methods that this package adds."""
+
+for _method in RETUNING:
+    METHODS.setdefault(_method.name, _method)
+
+__all__ = ["RETUNING"]

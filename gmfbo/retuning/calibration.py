@@ -1,0 +1,232 @@
+"""Estimates what is uncertain about a twin from real runs, by simulating it.
+
+The most probable x under its prior and the recordings: a Gauss-Newton method in the form of
+Levenberg (1944) and Marquardt (1963), with the noise of each signal estimated beside it. What the
+runs of a twin change with x is found by differences once, and then corrected along the steps that
+are made (Broyden 1965), so that a later estimate from one more run costs a fraction of the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.retuning.unknowns import Unknowns
+
+Vector = NDArray[np.float64]
+
+EFFECTIVE_SAMPLES = 75
+"""Independent samples that a signal of one run counts for: neighbouring ones are alike."""
+
+FLOOR = 2e-3
+"""Least error of a signal over its range: quantisation, and what no twin holds."""
+
+DIFFERENCE = 0.05
+"""Step of the differences in standard deviations of the prior; the encoders of a twin make a
+smaller one rough."""
+
+_STEPS, _TRIES, _GAIN = 12, 5, 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class RealRun:
+    """One run of the axis that the twin is held against; s signals, m samples.
+
+    Attributes
+    ----------
+    number : int
+        Of the trial.
+    measured : ndarray, shape (s, m)
+        [SI]
+    simulate : callable
+        FMU parameters to the twin's signals, shape (s, m); None where the twin fails.
+    weight : float
+        Between 0 and 1; less for a run from before the plant changed.
+    """
+
+    number: int
+    measured: Vector
+    simulate: Callable[[dict[str, float]], Vector | None]
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Where an estimation stands; enough to go on from.
+
+    Attributes
+    ----------
+    x : ndarray, shape (size,)
+        See `Unknowns`.
+    errors : ndarray, shape (s,)
+        [SI] RMS error of each signal, at least its floor.
+    slopes : dict of int to ndarray, shape (s * m, size)
+        Derivative of each run's signals, by number of the trial.
+    simulations : int
+        Runs of the twin that were made.
+    """
+
+    x: Vector
+    errors: Vector
+    slopes: dict[int, Vector]
+    simulations: int = 0
+
+    @classmethod
+    def begin(cls, unknowns: Unknowns, signals: int) -> Self:
+        """Before any recording: tables smoothed, all else nominal."""
+        return cls(unknowns.smoothed, np.ones(signals), {})
+
+
+@dataclass(eq=False)
+class Calibration:
+    """The estimation from some runs.
+
+    Attributes
+    ----------
+    unknowns : Unknowns
+        What is estimated.
+    runs : sequence of RealRun
+        At least one.
+    """
+
+    unknowns: Unknowns
+    runs: Sequence[RealRun]
+    simulations: int = 0
+
+    def estimate(self, start: Estimate) -> Estimate:
+        """Go on from an earlier estimate.
+
+        Parameters
+        ----------
+        start : Estimate
+            With the slopes of the runs that it knew.
+        """
+        x = start.x
+        residuals = self._residuals(x)
+        if residuals is None:
+            # A table as noisy as the twin's may not run at all; the smooth one does.
+            x = self.unknowns.smoothed
+            residuals = self._residuals(x)
+        if residuals is None:
+            return replace(start, simulations=self.simulations)
+        slopes = {run.number: start.slopes.get(run.number) for run in self.runs}
+        fresh = all(slope is None for slope in slopes.values())
+        known = {n: s if s is not None else self._slope(n, x) for n, s in slopes.items()}
+        damping = 1e-2
+        for _ in range(_STEPS):
+            errors = self.errors(residuals)
+            before = self._loss(x, residuals, errors)
+            found = self._step(x, residuals, errors, known, damping)
+            if found is None:
+                if fresh:
+                    break
+                known = {run.number: self._slope(run.number, x) for run in self.runs}
+                fresh, damping = True, 1e-2
+                continue
+            moved, after, damping = found
+            _correct(known, self.runs, moved - x, residuals, after)
+            fresh = False
+            gained = before - self._loss(moved, after, errors)
+            x, residuals = moved, after
+            if gained < _GAIN * (1.0 + before):
+                break
+        return Estimate(x, self.errors(residuals), known, self.simulations)
+
+    def errors(self, residuals: Sequence[Vector]) -> Vector:
+        """RMS error [SI] of each signal over the runs by their weights, at least its floor."""
+        weights = np.array([run.weight for run in self.runs])
+        squares = np.array([np.mean(left**2, axis=1) for left in residuals])
+        mean = np.average(squares, axis=0, weights=weights)
+        return np.maximum(np.sqrt(mean), floors(self.runs))
+
+    def _residuals(self, x: Vector) -> list[Vector] | None:
+        settings = self.unknowns.settings(x)
+        left = []
+        for run in self.runs:
+            simulated = run.simulate(settings)
+            self.simulations += 1
+            if simulated is None:
+                return None
+            left.append(simulated - run.measured)
+        return left
+
+    def _slope(self, number: int, x: Vector) -> Vector:
+        """Derivative of one run's signals, shape (s * m, size); zero where the twin fails."""
+        run = next(run for run in self.runs if run.number == number)
+        slope = np.zeros((run.measured.size, x.size))
+        at = run.simulate(self.unknowns.settings(x))
+        self.simulations += 1 + x.size
+        for column in range(x.size if at is not None else 0):
+            moved = x.copy()
+            moved[column] += DIFFERENCE
+            simulated = run.simulate(self.unknowns.settings(moved))
+            if simulated is not None:
+                assert at is not None
+                slope[:, column] = (simulated - at).ravel() / DIFFERENCE
+        return slope
+
+    def _scales(self, errors: Vector) -> list[Vector]:
+        """Weight of each sample of each run, shape (s * m,)."""
+        scales = []
+        for run in self.runs:
+            count = run.measured.shape[1]
+            share = np.sqrt(run.weight * min(EFFECTIVE_SAMPLES / count, 1.0))
+            scales.append(np.repeat(share / errors, count))
+        return scales
+
+    def _loss(self, x: Vector, residuals: Sequence[Vector], errors: Vector) -> float:
+        rows = [
+            left.ravel() * scale
+            for left, scale in zip(residuals, self._scales(errors), strict=True)
+        ]
+        return float(sum(row @ row for row in (*rows, self.unknowns.prior_rows(x))))
+
+    def _step(
+        self,
+        x: Vector,
+        residuals: Sequence[Vector],
+        errors: Vector,
+        slopes: dict[int, Vector],
+        damping: float,
+    ) -> tuple[Vector, list[Vector], float] | None:
+        """A step that makes the loss less, with its residuals and the next damping."""
+        scales = self._scales(errors)
+        prior, left = self.unknowns.prior_slope(x), self.unknowns.prior_rows(x)
+        normal, gradient = prior.T @ prior, prior.T @ left
+        for run, residual, scale in zip(self.runs, residuals, scales, strict=True):
+            weighted = slopes[run.number] * scale[:, None]
+            normal = normal + weighted.T @ weighted
+            gradient = gradient + weighted.T @ (residual.ravel() * scale)
+        before = self._loss(x, residuals, errors)
+        for _ in range(_TRIES):
+            moved = x - np.linalg.solve(normal + damping * np.eye(x.size), gradient)
+            after = self._residuals(moved)
+            if after is not None and self._loss(moved, after, errors) < before:
+                return moved, after, max(damping / 5.0, 1e-4)
+            damping *= 8.0
+        return None
+
+
+def floors(runs: Sequence[RealRun]) -> Vector:
+    """Least error [SI] of each signal, shape (s,)."""
+    ranges = np.max([np.ptp(run.measured, axis=1) for run in runs], axis=0)
+    return FLOOR * np.where(ranges > 0.0, ranges, 1.0)
+
+
+def _correct(
+    slopes: dict[int, Vector],
+    runs: Sequence[RealRun],
+    step: Vector,
+    before: Sequence[Vector],
+    after: Sequence[Vector],
+) -> None:
+    """Let the slopes tell what the step has just shown (Broyden 1965, eq. 4.5)."""
+    length = float(step @ step)
+    for run, old, new in zip(runs, before, after, strict=True):
+        slope = slopes[run.number]
+        missed = (new - old).ravel() - slope @ step
+        slopes[run.number] = slope + np.outer(missed, step) / length

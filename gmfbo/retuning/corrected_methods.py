@@ -1,0 +1,102 @@
+"""Methods that propose on a twin which is corrected after each real run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.retuning.refiner import PhysicsRefiner, nothing_missing
+from gmfbo.retuning.sampled_trajectories import SampledTrajectories
+from gmfbo.retuning.smoothing_refiner import SmoothingRefiner
+from gmfbo.sources.source import Source
+from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.method import CorrectionOptions, Method, Proposal
+from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
+from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.twin_version import TwinRefiner
+
+
+@dataclass(frozen=True)
+class OnCorrectedTwin:
+    """Lets another method propose, on a twin that is estimated anew from the real runs.
+
+    Attributes
+    ----------
+    name, summary, reference : str
+        As of any method.
+    searching : Method
+        Who proposes.
+    refine : callable
+        From a twin and a folder to who corrects it; None where this twin cannot be.
+    correction : CorrectionOptions
+        How corrected runs are made.
+    """
+
+    name: str
+    summary: str
+    reference: str
+    searching: Method
+    refine: Callable[[FmuTwin, Path], TwinRefiner | None]
+    correction: CorrectionOptions = CORRECTION
+
+    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
+        """Ask the real axis where the corrected twin promises most."""
+        return self.searching.propose(state, rng)
+
+    def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
+        """Least expected cost among the gains where the twin was run."""
+        return self.searching.recommend(state)
+
+    def refiner(self, twin: Source, folder: Path) -> TwinRefiner | None:
+        """Return who corrects the twin; None where it is no FMU with a twin file."""
+        return self.refine(twin, folder) if isinstance(twin, FmuTwin) else None
+
+
+def _calibrate(twin: FmuTwin, folder: Path) -> TwinRefiner:
+    return PhysicsRefiner(twin, folder, nothing_missing)
+
+
+def _smooth(twin: FmuTwin, folder: Path) -> TwinRefiner | None:
+    return SmoothingRefiner(twin) if twin.file.tables else None
+
+
+_CALIBRATION = (
+    "Kennedy and O'Hagan 2001, Bayesian calibration of computer models; on the corrected twin "
+)
+
+GMFBO_PHYSICS = OnCorrectedTwin(
+    name="gmfbo_physics",
+    summary="gmfbo on a twin whose parameters, tables and missing physics are estimated",
+    reference=_CALIBRATION + "as gmfbo",
+    searching=Gmfbo(),
+    refine=PhysicsRefiner,
+)
+
+GMFBO_CALIBRATED = OnCorrectedTwin(
+    name="gmfbo_calibrated",
+    summary="gmfbo_physics without the diagnosis: parameters and tables alone are estimated",
+    reference=_CALIBRATION + "as gmfbo",
+    searching=Gmfbo(),
+    refine=_calibrate,
+)
+
+GMFBO_COMPOSITE = OnCorrectedTwin(
+    name="gmfbo_composite",
+    summary="gmfbo_physics by expected improvement over sampled trajectories of the axis",
+    reference=_CALIBRATION + "as Astudillo and Frazier 2019, Bayesian optimization of composite "
+    "functions",
+    searching=SampledTrajectories(),
+    refine=PhysicsRefiner,
+)
+
+GMFBO_SMOOTHED = OnCorrectedTwin(
+    name="gmfbo_smoothed",
+    summary="gmfbo on a twin whose tables were smoothed without any recording",
+    reference="as gmfbo; Wahba 1990, Spline models for observational data",
+    searching=Gmfbo(),
+    refine=_smooth,
+)

@@ -1,0 +1,101 @@
+"""Asks the diagnosis what a calibrated twin still lacks, and builds the twin that has it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gmfbo.errors import GmfboError
+from gmfbo.recordings.recording import Recording
+from gmfbo.retuning.unknowns import Scalar
+from gmfbo.sources.twin import FmuTwin
+
+_FACTOR, _SHARE = 4.0, 1.0
+"""Range of an identified parameter about its value: a factor, or a share where it may be zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Completion:
+    """A twin with the physics that was missing.
+
+    Attributes
+    ----------
+    twin : FmuTwin
+        The augmented twin; its FMU lies in the folder that was given.
+    scalars : tuple of Scalar
+        Parameters of the physics, at their identified values.
+    names : tuple of str
+        Of the effects.
+    parameters : mapping of str to float
+        Uncertain parameters [FMU's unit] that were refitted beside them.
+    sentence : str
+        The verdict in plain words.
+    """
+
+    twin: FmuTwin
+    scalars: tuple[Scalar, ...]
+    names: tuple[str, ...]
+    parameters: Mapping[str, float]
+    sentence: str
+
+
+def complete(
+    twin: FmuTwin,
+    tables: Mapping[str, float],
+    recordings: Sequence[Recording],
+    folder: Path,
+    *,
+    seed: int,
+) -> Completion | None:
+    """Diagnose a twin, and export it with what is missing.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        As given.
+    tables : mapping of str to float
+        Parameters [FMU's unit] of its tables, as estimated.
+    recordings : sequence of Recording
+        Real runs.
+    folder : Path
+        For the augmented FMU; made if it is needed.
+    seed : int
+        Of the diagnosis.
+
+    Returns
+    -------
+    Completion or None
+        None where nothing is named: nothing is missing, nothing known explains it, the
+        recordings cannot tell, or this twin cannot be exported.
+    """
+    from gmfbo.diagnosis.engine import diagnose
+
+    given = {**twin.parameters, **tables}
+    try:
+        with FmuTwin(twin.path, parameters=given) as calibrated:
+            found = diagnose(calibrated, recordings, seed=seed, jobs=1)
+            if not found.effects or found.augmentation is None:
+                return None
+            folder.mkdir(parents=True, exist_ok=True)
+            exported = found.augmentation.export(folder)
+            parameters = dict(found.augmentation.parameters)
+            physics = found.augmentation.physics
+    except GmfboError:
+        # A study must not end because its twin cannot be explained.
+        return None
+    augmented = FmuTwin(exported.twin_file)
+    scalars = tuple(_about(augmented, f"physics.{one.name}", one.value) for one in physics)
+    names = tuple(effect.name for effect in found.effects)
+    return Completion(augmented, scalars, names, parameters, found.sentence)
+
+
+def _about(twin: FmuTwin, name: str, value: float) -> Scalar:
+    """A parameter that is known as well as a diagnosis from a few short runs knows it."""
+    variable = twin.binding.variables[name].variable
+    low = -float("inf") if variable.minimum is None else variable.minimum
+    high = float("inf") if variable.maximum is None else variable.maximum
+    if value > 0.0 and low >= 0.0:
+        return Scalar(name, value, max(value / _FACTOR, low), min(value * _FACTOR, high))
+    reach = _SHARE * (abs(value) or 1.0)
+    return Scalar(name, value, max(value - reach, low), min(value + reach, high))

@@ -1,0 +1,130 @@
+"""The real runs of a study, made comparable with a twin that is simulated anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo import __version__
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.trial import Trial
+from gmfbo.retuning.calibration import RealRun
+from gmfbo.retuning.twin_at import TwinAt
+from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.experiment_series import ExperimentSeries
+from gmfbo.tuning.history import History
+from gmfbo.tuning.playing import play
+
+MOST_SAMPLES = 300
+"""Samples of a run that are compared."""
+
+
+def usable_trials(history: History) -> list[Trial]:
+    """Real runs that ended well, without those from before the plant changed."""
+    return [
+        trial
+        for trial in history.of("IS1")
+        if trial.status == "ok" and trial.number > history.changed_after
+    ]
+
+
+def compared_signals(trials: Sequence[Trial], twin: FmuTwin) -> tuple[str, ...]:
+    """Outputs of the twin that every one of these runs holds."""
+    return tuple(
+        name
+        for name in twin.file.outputs
+        if all(
+            name in trial.recording.signals and np.isfinite(trial.recording.signal(name)).sum() >= 2
+            for trial in trials
+        )
+    )
+
+
+def real_run(
+    trial: Trial, signals: Sequence[str], twin: FmuTwin, experiment: ExperimentSeries
+) -> RealRun:
+    """Make a real run that a twin can be held against.
+
+    Parameters
+    ----------
+    trial : Trial
+        Of the axis.
+    signals : sequence of str
+        What is compared.
+    twin : FmuTwin
+        Simulated at the same gains; nothing else of the trial is known to it.
+    experiment : ExperimentSeries
+        What was played.
+    """
+    time = trial.recording.time
+    times = np.linspace(time[0], time[-1], min(MOST_SAMPLES, time.size))
+
+    def simulate(settings: dict[str, float]) -> NDArray[np.float64] | None:
+        run = play(TwinAt(twin, settings), trial.gains, experiment)
+        return rows_of(run, signals, times)
+
+    measured = rows_of(trial.recording, signals, times)
+    assert measured is not None, "a trial that ended well"
+    return RealRun(trial.number, measured, simulate)
+
+
+def rows_of(
+    run: Recording, signals: Sequence[str], times: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
+    """Signals at given times, shape (s, m); None where the run failed."""
+    if isinstance(run, Trajectory) and run.status != "ok":
+        return None
+    rows = []
+    for name in signals:
+        values = run.signal(name)
+        known = np.isfinite(values)
+        rows.append(np.interp(times, run.time[known], values[known]))
+    return np.stack(rows)
+
+
+def plain_recordings(
+    trials: Sequence[Trial], twin: FmuTwin, experiment: ExperimentSeries
+) -> list[Recording]:
+    """Real runs as a diagnosis takes them, one for each reference.
+
+    A trial whose plant is an FMU knows the parameters that this plant was run at; they are the
+    answer and not part of the recording. Gains alone go with it.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Of the axis.
+    twin : FmuTwin
+        Names the signals.
+    experiment : ExperimentSeries
+        What was played; a recording that lacks the reference gets it from here.
+    """
+    recordings = []
+    for trial in trials:
+        for part, reference in enumerate(experiment.references):
+            run = experiment.part_of(trial.recording, part)
+            signals = {
+                name: np.interp(run.time, reference.time, values)
+                for name, values in reference.signals.items()
+                if name in twin.file.inputs
+            }
+            signals |= {
+                name: values
+                for name, values in run.signals.items()
+                if name in twin.file.inputs or name in twin.file.outputs
+            }
+            name = f"run {trial.number}" + (f", reference {part + 1}" if part else "")
+            recordings.append(
+                Recording(
+                    time=run.time,
+                    signals=signals,
+                    units={n: unit for n, unit in run.units.items() if n in signals},
+                    name=name,
+                    parameters=dict(trial.gains),
+                    # A plant that is an FMU logs as gmfbo's own files do.
+                    written_by=run.written_by or (__version__ if trial.twin else ""),
+                )
+            )
+    return recordings

@@ -1,0 +1,282 @@
+"""Corrects the twin of a study from its real runs: estimates, completes, and takes it back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from gmfbo.recordings.recording import Recording
+from gmfbo.recordings.trial import Trial
+from gmfbo.retuning.calibration import Calibration, Estimate, RealRun, floors
+from gmfbo.retuning.kept_estimate import keep_estimate, read_estimate
+from gmfbo.retuning.missing_physics import Completion, complete
+from gmfbo.retuning.real_runs import (
+    compared_signals,
+    plain_recordings,
+    real_run,
+    usable_trials,
+)
+from gmfbo.retuning.twin_at import TwinAt
+from gmfbo.retuning.twin_guard import misleads
+from gmfbo.retuning.unknowns import Scalar, Unknowns
+from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.history import History
+from gmfbo.tuning.twin_version import TwinVersion
+
+UNEXPLAINED = 3.0
+"""Times its floor that a signal's error may be before the diagnosis is asked."""
+
+SURPRISE = 1.5
+"""Times the error so far that a new run's may be before the twin is estimated anew."""
+
+DIAGNOSED_AT = (2, 3, 4, 6, 8, 12, 16, 24, 32)
+"""Real runs since the plant changed, at which it is worth asking the diagnosis."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Version:
+    """What the refiner goes on from.
+
+    Attributes
+    ----------
+    number : int
+        0 before the first correction.
+    model : FmuTwin
+        The twin as given, or the augmented one.
+    unknowns : Unknowns
+        What is estimated of it.
+    estimate : Estimate or None
+        None before the first.
+    first : int
+        Number of the last real run that the first correction knew.
+    effects : tuple of str
+        Named by the diagnosis.
+    given_up : bool
+        The twin as given is in force again.
+    """
+
+    number: int
+    model: FmuTwin
+    unknowns: Unknowns
+    estimate: Estimate | None = None
+    first: int = 0
+    effects: tuple[str, ...] = ()
+    given_up: bool = False
+
+
+class Completer(Protocol):
+    """Finds what a twin lacks; as `gmfbo.retuning.missing_physics.complete`."""
+
+    def __call__(
+        self,
+        twin: FmuTwin,
+        tables: Mapping[str, float],
+        recordings: Sequence[Recording],
+        folder: Path,
+        *,
+        seed: int,
+    ) -> Completion | None: ...
+
+
+def nothing_missing(
+    twin: FmuTwin,
+    tables: Mapping[str, float],
+    recordings: Sequence[Recording],
+    folder: Path,
+    *,
+    seed: int,
+) -> None:
+    """Complete no twin: parameters and tables are all that is estimated."""
+
+
+class PhysicsRefiner:
+    """Estimates what the twin file calls uncertain; where that does not do, asks for physics.
+
+    After the initial real runs, and after each one that surprises it, the uncertain parameters
+    and tables are estimated from all real runs since the plant changed. Where a signal is still
+    not explained, the diagnosis decides whether physics is missing, and that is estimated along
+    from then on. A corrected twin that predicts the next real runs worse than the twin as given
+    is taken back.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        As the study file names it.
+    folder : Path
+        For what belongs to the versions.
+    completer : callable
+        Who is asked for missing physics.
+    """
+
+    def __init__(self, twin: FmuTwin, folder: Path, completer: Completer = complete) -> None:
+        self._given, self._folder, self._completer = twin, folder, completer
+        self._version = _Version(0, twin, Unknowns.of(twin))
+        self._opened: list[FmuTwin] = []
+
+    def revise(self, history: History) -> TwinVersion | None:
+        """Look at the newest real run; see `TwinRefiner`."""
+        version = self._version
+        if version.given_up or not (trials := usable_trials(history)):
+            return None
+        if version.number and misleads(history, self._given, version.first):
+            return self._take_back(history)
+        signals = compared_signals(trials, self._given)
+        if not signals:
+            return None
+        runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
+        if version.estimate is not None and self._expected(runs[-1], version.estimate):
+            return None
+        begun = version.estimate or Estimate.begin(version.unknowns, len(signals))
+        estimate = Calibration(version.unknowns, runs).estimate(begun)
+        reason = f"estimated from {_runs(len(runs))}"
+        if _unexplained(estimate, runs) and len(runs) in DIAGNOSED_AT:
+            completed = self._completed(history, trials, signals, estimate)
+            if completed is not None and _is_better(completed[1], estimate):
+                version, estimate, reason = completed
+        first = version.first or history.of("IS1")[-1].number
+        self._version = replace(version, number=version.number + 1, estimate=estimate, first=first)
+        return self._told(reason, signals)
+
+    def restore(self, event: Mapping[str, Any]) -> TwinVersion:
+        """Bring back a version that was logged; see `TwinRefiner`."""
+        model, unknowns = self._given, Unknowns.of(self._given)
+        if event["augmented"] is not None:
+            model = FmuTwin(self._folder / event["augmented"])
+            self._opened.append(model)
+            unknowns = Unknowns.of(self._given, [Scalar(**scalar) for scalar in event["physics"]])
+        given_up = bool(event["given_up"])
+        estimate = None
+        if not given_up:
+            estimate = read_estimate(self._folder / _estimate_file(event["version"]))
+        self._version = _Version(
+            event["version"],
+            model,
+            unknowns,
+            estimate,
+            event["first"],
+            tuple(event["effects"]),
+            given_up,
+        )
+        return self._as_version(event["reason"], {})
+
+    def close(self) -> None:
+        """Give back the augmented twins."""
+        for twin in self._opened:
+            twin.close()
+
+    def _expected(self, newest: RealRun, estimate: Estimate) -> bool:
+        """Whether the newest real run is no surprise, so that there is nothing to learn."""
+        simulated = newest.simulate(self._version.unknowns.settings(estimate.x))
+        if simulated is None or len(estimate.errors) != len(simulated):
+            return False
+        errors = np.sqrt(np.mean((simulated - newest.measured) ** 2, axis=1))
+        return bool(np.all(errors <= SURPRISE * estimate.errors))
+
+    def _completed(
+        self,
+        history: History,
+        trials: Sequence[Trial],
+        signals: Sequence[str],
+        estimate: Estimate,
+    ) -> tuple[_Version, Estimate, str] | None:
+        """The twin with what the diagnosis finds missing, estimated, and the verdict."""
+        unknowns = self._version.unknowns
+        values = unknowns.settings(estimate.x)
+        names = {name for table in unknowns.tables for name in table.parameters}
+        found = self._completer(
+            self._given,
+            {name: value for name, value in values.items() if name in names},
+            plain_recordings(trials, self._given, history.experiment),
+            self._folder / f"{self._version.number + 1:05d}",
+            seed=history.study.seed,
+        )
+        if found is None:
+            return None
+        self._opened.append(found.twin)
+        version = replace(
+            self._version,
+            model=found.twin,
+            unknowns=Unknowns.of(self._given, found.scalars),
+            effects=found.names,
+        )
+        runs = [real_run(t, signals, found.twin, history.experiment) for t in trials]
+        begun = _carried_over(estimate, version.unknowns, found)
+        return version, Calibration(version.unknowns, runs).estimate(begun), found.sentence
+
+    def _take_back(self, history: History) -> TwinVersion:
+        self._version = replace(
+            self._version,
+            number=self._version.number + 1,
+            model=self._given,
+            estimate=None,
+            effects=(),
+            given_up=True,
+        )
+        return self._told(
+            "taken back: the corrected twin predicted the last real runs worse than the twin "
+            "as given",
+            (),
+        )
+
+    def _told(self, reason: str, signals: Sequence[str]) -> TwinVersion:
+        version, estimate = self._version, self._version.estimate
+        details: dict[str, Any] = {
+            "first": version.first,
+            "effects": list(version.effects),
+            "given_up": version.given_up,
+            "augmented": None,
+            "physics": [],
+            "parameters": {},
+        }
+        if estimate is not None:
+            keep_estimate(self._folder / _estimate_file(version.number), estimate)
+            details["parameters"] = version.unknowns.settings(estimate.x)
+            details["errors"] = dict(zip(signals, map(float, estimate.errors), strict=True))
+            details["simulations"] = estimate.simulations
+        if version.model is not self._given:
+            place = version.model.path.resolve().relative_to(self._folder.resolve())
+            details["augmented"] = place.as_posix()
+            known = self._given.file.uncertain.keys()
+            details["physics"] = [
+                vars(scalar) for scalar in version.unknowns.scalars if scalar.name not in known
+            ]
+        return self._as_version(reason, details)
+
+    def _as_version(self, reason: str, details: Mapping[str, Any]) -> TwinVersion:
+        version = self._version
+        if version.given_up or version.estimate is None:
+            return TwinVersion(version.number, self._given, reason, details)
+        source = TwinAt(version.model, version.unknowns.settings(version.estimate.x))
+        return TwinVersion(version.number, source, reason, details)
+
+
+def _carried_over(before: Estimate, unknowns: Unknowns, found: Completion) -> Estimate:
+    """The tables as they were estimated; parameters and physics as the diagnosis left them."""
+    tables = sum(prior.nodes.size for prior in unknowns.priors)
+    scalars = len(unknowns.scalars)
+    x = np.concatenate([np.zeros(scalars), before.x[before.x.size - tables :]])
+    for k, scalar in enumerate(unknowns.scalars):
+        if scalar.name in found.parameters:
+            x[k] = scalar.place(found.parameters[scalar.name])
+    return Estimate(x, before.errors, {})
+
+
+def _unexplained(estimate: Estimate, runs: Sequence[RealRun]) -> bool:
+    return bool(np.any(estimate.errors > UNEXPLAINED * floors(runs)))
+
+
+def _is_better(one: Estimate, other: Estimate) -> bool:
+    """Whether the signals are explained better, each by its own measure."""
+    return float(np.sum(np.log(one.errors))) < float(np.sum(np.log(other.errors)))
+
+
+def _runs(count: int) -> str:
+    return "1 real run" if count == 1 else f"{count} real runs"
+
+
+def _estimate_file(version: int) -> str:
+    return f"{version:05d}/estimate.npz"

@@ -1,0 +1,45 @@
+"""A twin at other values of its parameters, as an information source."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.twin import FmuTwin
+
+
+@dataclass(frozen=True, eq=False)
+class TwinAt:
+    """Runs somebody else's twin at fixed values; closing it leaves the twin open.
+
+    Attributes
+    ----------
+    twin : FmuTwin
+        Who runs.
+    values : mapping of str to float
+        [FMU's unit] Over the twin's own parameters.
+    """
+
+    twin: FmuTwin
+    values: Mapping[str, float]
+
+    @property
+    def name(self) -> str:
+        """Of the twin."""
+        return self.twin.name
+
+    @property
+    def content_hash(self) -> str:
+        """SHA-256 of the twin's hash and the values."""
+        text = json.dumps([self.twin.content_hash, dict(self.values)], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def run(self, gains: Mapping[str, float], reference: Recording) -> Trajectory:
+        """Simulate the twin at these gains."""
+        return self.twin.run(gains, reference, parameters=self.values)
+
+    def close(self) -> None:
+        """Leave the twin to its owner."""

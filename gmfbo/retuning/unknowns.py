@@ -1,0 +1,159 @@
+"""What of a twin is known only roughly, as one vector with its prior."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.retuning.table_prior import TablePrior
+from gmfbo.sources.lookup_table import LookupTable, tables_of
+from gmfbo.sources.twin import FmuTwin
+
+_RANGES_PER_SPREAD = 4.0
+"""A range that somebody states holds about 95 %: four standard deviations."""
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A parameter of an FMU that is known roughly.
+
+    Attributes
+    ----------
+    name : str
+        FMU parameter.
+    nominal, low, high : float
+        [FMU's unit]
+    """
+
+    name: str
+    nominal: float
+    low: float
+    high: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """A range of one sign is a range of factors: inertias, stiffnesses, levels."""
+        return self.low > 0.0 and self.nominal > 0.0
+
+    def value(self, x: float) -> float:
+        """Value [FMU's unit] at x standard deviations from the nominal one, within the range."""
+        if self.logarithmic:
+            spread = np.log(self.high / self.low) / _RANGES_PER_SPREAD
+            value = self.nominal * np.exp(spread * x)
+        else:
+            value = self.nominal + (self.high - self.low) / _RANGES_PER_SPREAD * x
+        return float(np.clip(value, self.low, self.high))
+
+    def place(self, value: float) -> float:
+        """Standard deviations x at which it has a value [FMU's unit] within its range."""
+        if self.logarithmic:
+            spread = np.log(self.high / self.low) / _RANGES_PER_SPREAD
+            return float(np.log(max(value, self.low) / self.nominal) / spread)
+        return float((value - self.nominal) * _RANGES_PER_SPREAD / (self.high - self.low))
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """Scalars and tables of a twin as a vector x, zero as the twin file has it.
+
+    Scalars come first, in standard deviations of their priors; then the changes of the nodes
+    of each table, in standard deviations of their noise.
+
+    Attributes
+    ----------
+    scalars : tuple of Scalar
+        From [uncertain], and of physics that was found missing.
+    tables : tuple of LookupTable
+        From [tables].
+    priors : tuple of TablePrior
+        One a table.
+    before : tuple of ndarray
+        Values of each table's parameters as the twin has them [FMU's unit].
+    """
+
+    scalars: tuple[Scalar, ...]
+    tables: tuple[LookupTable, ...] = ()
+    priors: tuple[TablePrior, ...] = ()
+    before: tuple[NDArray[np.float64], ...] = ()
+
+    @classmethod
+    def of(cls, twin: FmuTwin, added: Sequence[Scalar] = ()) -> Self:
+        """Read them from a twin.
+
+        Parameters
+        ----------
+        twin : FmuTwin
+            Its [uncertain] and [tables].
+        added : sequence of Scalar
+            Parameters of physics.
+
+        Raises
+        ------
+        SimulationError
+            The tables cannot be read: the FMU does not initialise.
+        """
+        scalars = []
+        for name, (low, high) in twin.file.uncertain.items():
+            nominal = _value(twin, name)
+            scalars.append(Scalar(name, nominal, min(low, nominal), max(high, nominal)))
+        tables = tables_of(twin.binding)
+        priors, before = [], []
+        for table in tables:
+            read = twin.values_at_start(table.nodes)
+            nodes = np.array([read[name] for name in table.nodes])
+            priors.append(TablePrior.of(nodes, table.shape, table.rising))
+            before.append(np.array([_value(twin, name) for name in table.parameters]))
+        return cls((*scalars, *added), tables, tuple(priors), tuple(before))
+
+    @property
+    def size(self) -> int:
+        """Length of x."""
+        return len(self.scalars) + sum(prior.nodes.size for prior in self.priors)
+
+    @property
+    def smoothed(self) -> NDArray[np.float64]:
+        """Most probable x without any recording, shape (size,)."""
+        parts = [np.zeros(len(self.scalars))]
+        parts += [prior.smoothing_change / (prior.scale * prior.noise) for prior in self.priors]
+        return np.concatenate(parts)
+
+    def settings(self, x: NDArray[np.float64]) -> dict[str, float]:
+        """FMU parameters [FMU's unit] at x, shape (size,)."""
+        values = {one.name: one.value(x[k]) for k, one in enumerate(self.scalars)}
+        for table, prior, before, change in zip(
+            self.tables, self.priors, self.before, self._changes(x), strict=True
+        ):
+            values |= table.settings(prior.nodes, change, before)
+        return values
+
+    def prior_rows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Residuals of the prior; their squares add up to minus twice its logarithm."""
+        rows = [x[: len(self.scalars)]]
+        rows += [p.rows(change) for p, change in zip(self.priors, self._changes(x), strict=True)]
+        return np.concatenate(rows)
+
+    def prior_slope(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Derivative of `prior_rows` with respect to x, shape (rows, size)."""
+        from scipy.linalg import block_diag
+
+        blocks = [np.eye(len(self.scalars))]
+        for prior, change in zip(self.priors, self._changes(x), strict=True):
+            blocks.append(prior.slope_of_rows(change) * (prior.scale * prior.noise))
+        return np.asarray(block_diag(*blocks))
+
+    def _changes(self, x: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        changes, first = [], len(self.scalars)
+        for prior in self.priors:
+            last = first + prior.nodes.size
+            changes.append(x[first:last] * prior.scale * prior.noise)
+            first = last
+        return changes
+
+
+def _value(twin: FmuTwin, name: str) -> float:
+    given: Mapping[str, float] = twin.parameters
+    return float(given[name]) if name in given else twin.binding.nominal(name)

@@ -1,0 +1,99 @@
+"""Keeps the twin of a study up to date where its method has somebody who corrects it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+from gmfbo.tuning.history import History
+from gmfbo.tuning.method import Method
+from gmfbo.tuning.twin_runs import TwinRuns
+from gmfbo.tuning.twin_version import RefiningMethod, TwinRefiner, TwinVersion
+from gmfbo.tuning.watch import Watch
+
+EVENT = "twin_version"
+
+
+@dataclass(eq=False)
+class TwinCorrections:
+    """The versions of a study's twin.
+
+    Attributes
+    ----------
+    runs : TwinRuns
+        With the twin as it is now.
+    refiner : TwinRefiner or None
+        None where the twin stays as the study file names it.
+    seen : int
+        Number of the last real run that the refiner was shown.
+    """
+
+    runs: TwinRuns
+    refiner: TwinRefiner | None
+    seen: int = 0
+
+    @classmethod
+    def begin(cls, method: Method, runs: TwinRuns) -> Self:
+        """Bring back the version that a study has come to.
+
+        Parameters
+        ----------
+        method : Method
+            May have somebody who corrects the twin.
+        runs : TwinRuns
+            With the twin as the study file names it.
+        """
+        if not isinstance(method, RefiningMethod):
+            return cls(runs, None)
+        history = runs.history
+        corrections = cls(runs, method.refiner(runs.source, history.store.location / "twins"))
+        logged = [event for event in history.store.events() if event["event"] == EVENT]
+        if corrections.refiner is not None and logged:
+            corrections.seen = logged[-1]["after"]
+            corrections._use(corrections.refiner.restore(logged[-1]))
+        return corrections
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the twin was corrected, each time."""
+        events = self.runs.history.store.events()
+        return tuple(event["reason"] for event in events if event["event"] == EVENT)
+
+    def follow(self, watch: Watch) -> TwinRuns:
+        """Show the newest real run to the refiner; after a correction make the runs again.
+
+        Parameters
+        ----------
+        watch : Watch
+            Told of a correction.
+        """
+        history: History = self.runs.history
+        real = history.of("IS1")
+        if self.refiner is None or len(real) < history.study.budget.initial_is1:
+            return self.runs
+        if real[-1].number > self.seen:
+            self.seen = real[-1].number
+            version = self.refiner.revise(history)
+            if version is not None:
+                history.store.log(
+                    EVENT,
+                    version=version.number,
+                    after=self.seen,
+                    twin=version.source.content_hash,
+                    reason=version.reason,
+                    **version.details,
+                )
+                self._use(version)
+                watch.tell("twin", real[-1], None, f"the twin was corrected: {version.reason}")
+        if history.twin is not None:
+            self.runs.renew()
+        return self.runs
+
+    def close(self) -> None:
+        """Give back what was opened to correct the twin."""
+        if self.refiner is not None:
+            self.refiner.close()
+
+    def _use(self, version: TwinVersion) -> None:
+        self.runs = replace(self.runs, source=version.source)
+        self.runs.history.twin = version.source.content_hash

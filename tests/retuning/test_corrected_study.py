@@ -1,0 +1,216 @@
+"""Studies on the drive whose twin has a noisy flux map: the twin is corrected as they run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gmfbo import Study, Tuner
+from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.trial import Trial
+from gmfbo.retuning.corrected_methods import (
+    GMFBO_CALIBRATED,
+    GMFBO_COMPOSITE,
+    GMFBO_SMOOTHED,
+    OnCorrectedTwin,
+)
+from gmfbo.retuning.real_runs import plain_recordings
+from gmfbo.retuning.twin_at import TwinAt
+from gmfbo.retuning.twin_guard import misleads
+from gmfbo.sources.models import models_folder
+from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.history import History
+from gmfbo.tuning.method import CorrectionOptions
+from gmfbo.tuning.twin_version import TwinVersion
+
+OPTIONS = CorrectionOptions(survey=12)
+STUDY = """
+name = "drive"
+seed = 3
+method = "gmfbo_calibrated"
+[is1]
+twin = "{models}/drive_twin.toml"
+{plant}
+[is2]
+twin = "{models}/drive_twin.toml"
+parameters = {{ "map.noise" = {noise}, "map.seed" = "seed" }}
+[reference]
+step = 1.0
+[budget]
+initial_is1 = 2
+initial_is2 = 10
+is1_runs = {runs}
+is3_per_run = 1
+"""
+
+
+def study_in(folder: Path, *, runs: int = 4, noise: float = 0.5, plant: str = "") -> Study:
+    folder.mkdir(exist_ok=True)
+    text = STUDY.format(models=models_folder().as_posix(), runs=runs, noise=noise, plant=plant)
+    (folder / "drive.toml").write_text(text, encoding="utf-8")
+    return Study.read(folder / "drive.toml")
+
+
+def events(study: Study, name: str) -> list[dict[str, Any]]:
+    with StudyStore.open(study.location) as store:
+        return [event for event in store.events() if event["event"] == name]
+
+
+def position_error(one: Trial, other: Trial) -> float:
+    """RMS difference [rad]."""
+    difference = one.recording.signal("position") - other.recording.signal("position")
+    return float(np.sqrt(np.mean(difference**2)))
+
+
+def beside(trials: Sequence[Trial], real: Trial) -> list[Trial]:
+    """Twin runs at the gains of a real run, in the order in which they were made."""
+    return [t for t in trials if t.source == "IS2" and t.parent == real.number]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    study = study_in(tmp_path_factory.mktemp("whole"))
+    with Tuner(study, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
+        tuner.run()
+    return study
+
+
+def test_the_corrected_twin_predicts_runs_it_has_not_seen(whole: Study) -> None:
+    trials = whole.trials
+    third = [t for t in trials if t.source == "IS1"][2]
+    predicted = beside(trials, third)[0]
+    with FmuTwin(
+        models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
+    ) as given:
+        reference = third.recording
+        run = given.run(third.gains, replace(reference, parameters={}))
+    as_given = replace(predicted, recording=run)
+    assert position_error(predicted, third) < 0.2 * position_error(as_given, third)
+
+
+def test_each_version_is_logged_with_its_reason_and_what_it_is(whole: Study) -> None:
+    versions = events(whole, "twin_version")
+    assert [event["version"] for event in versions] == list(range(1, len(versions) + 1))
+    first = versions[0]
+    assert first["reason"] == "estimated from 2 real runs"
+    assert len(first["parameters"]) == 52
+    assert 0.07 <= first["parameters"]["load.inertia"] <= 0.28
+    assert set(first["errors"]) == {"position", "torque_command", "velocity"}
+
+
+def test_the_twin_runs_again_wherever_it_was_run(whole: Study) -> None:
+    first = events(whole, "twin_version")[0]["twin"]
+    runs = [t for t in whole.trials if t.source == "IS2" and t.parent is None]
+    as_given = [t for t in runs if t.twin == runs[0].twin]
+    again = [t for t in runs if t.twin == first]
+    assert [dict(t.gains) for t in again] == [dict(t.gains) for t in as_given]
+    assert len(as_given) == 10 + 12
+
+
+def test_runs_made_again_are_no_queries(whole: Study) -> None:
+    with Tuner(whole, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
+        assert tuner.history.queries == 2
+        current = {t.twin for t in tuner.history.state({}).trials if t.source != "IS1"}
+        assert len(current) == 1
+
+
+def test_a_study_that_is_opened_anew_for_each_run_goes_on_the_same(
+    whole: Study, tmp_path: Path
+) -> None:
+    study = study_in(tmp_path / "pieces")
+    method = replace(GMFBO_CALIBRATED, correction=OPTIONS)
+    for _ in range(6):
+        with Tuner(study, method=method) as tuner:
+            request = tuner.ask()
+            if request is None:
+                break
+            real = next(t for t in whole.trials if t.number == request.number)
+            assert dict(request.gains) == dict(real.gains)
+            tuner.tell(request, real.recording)
+    assert [(t.source, t.twin, t.objective) for t in study.trials] == [
+        (t.source, t.twin, t.objective) for t in whole.trials
+    ]
+
+
+def test_smoothing_alone_changes_the_twin_once(tmp_path: Path) -> None:
+    study = study_in(tmp_path / "smooth", runs=3)
+    with Tuner(study, method=replace(GMFBO_SMOOTHED, correction=OPTIONS)) as tuner:
+        result = tuner.run()
+    assert result.twin_versions == ("its tables were smoothed",)
+
+
+def test_sampled_trajectories_propose_on_the_corrected_twin(tmp_path: Path) -> None:
+    study = study_in(tmp_path / "composite", runs=3, noise=0.0)
+    with Tuner(study, method=replace(GMFBO_COMPOSITE, correction=OPTIONS)) as tuner:
+        tuner.run()
+        point, mean, std = tuner.method.recommend(tuner.history.state({}))
+    assert np.all((point >= 0.0) & (point <= 1.0))
+    assert np.isfinite(mean)
+    assert std >= 0.0
+
+
+def test_a_diagnosis_is_not_told_what_the_plant_was_run_at(tmp_path: Path) -> None:
+    study = study_in(tmp_path / "leak", runs=2, plant='parameters = { "friction.scale" = 2.0 }')
+    with Tuner(study, method=replace(GMFBO_SMOOTHED, correction=OPTIONS)) as tuner:
+        tuner.run()
+        real = tuner.history.of("IS1")
+        # Negative control: the trial itself knows it.
+        assert real[0].recording.parameters["friction.scale"] == 2.0
+        with FmuTwin(models_folder() / "drive_twin.toml") as twin:
+            told = plain_recordings(real, twin, tuner.history.experiment)
+    for recording, trial in zip(told, real, strict=True):
+        assert dict(recording.parameters) == dict(trial.gains)
+        assert set(recording.signals) == {"reference", "position", "torque_command", "velocity"}
+
+
+@dataclass
+class Stubborn:
+    """Corrects the twin once, to values that it is given."""
+
+    twin: FmuTwin
+    values: Mapping[str, float]
+    done: bool = False
+
+    def revise(self, history: History) -> TwinVersion | None:
+        if self.done:
+            return None
+        self.done = True
+        return TwinVersion(1, TwinAt(self.twin, self.values), "because")
+
+    def restore(self, event: Mapping[str, Any]) -> TwinVersion:
+        raise AssertionError("not resumed here")
+
+    def close(self) -> None:
+        """Nothing was opened."""
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [({"load.inertia": 0.28, "friction.viscous": 1.0}, True), ({"map.noise": 0.0}, False)],
+    ids=["a twin made worse", "negative control: the plant itself"],
+)
+def test_a_corrected_twin_that_predicts_worse_misleads(
+    tmp_path: Path, values: dict[str, float], expected: bool
+) -> None:
+    study = study_in(tmp_path / "guard", runs=5, noise=0.1)
+    method = OnCorrectedTwin(
+        name="stubborn",
+        summary="",
+        reference="",
+        searching=GMFBO_CALIBRATED.searching,
+        refine=lambda twin, folder: Stubborn(twin, values),
+        correction=OPTIONS,
+    )
+    with Tuner(study, method=method) as tuner:
+        tuner.run()
+        given = FmuTwin(
+            models_folder() / "drive_twin.toml", parameters={"map.noise": 0.1, "map.seed": 3.0}
+        )
+        first = tuner.history.of("IS1")[1].number
+        with given:
+            assert misleads(tuner.history, given, first) is expected
