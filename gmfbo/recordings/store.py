@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -18,6 +19,11 @@ from gmfbo.recordings.trial_file import trial_image
 from gmfbo.recordings.writer_lock import WriterLock
 
 _LOCK_NAME = "writer.lock"
+
+INDEX_SHARE = 0.05
+"""Share of the time that a long study may spend on its index, which is written anew each time."""
+
+_SHORT_STUDY = 50
 
 
 class StudyStore:
@@ -36,6 +42,7 @@ class StudyStore:
         self.location = reading.location
         self._reading = reading
         self._lock = lock
+        self._index_due, self._index_behind = 0.0, False
 
     @classmethod
     def create(cls, folder: str | Path, study_text: str) -> StudyStore:
@@ -177,8 +184,10 @@ class StudyStore:
                 f"{path}: cannot store trial {trial.number}: {cause(error)}"
             ) from error
         # The trial is safe by now; an index that lags behind is mended by the next refresh.
-        with contextlib.suppress(StoreError):
-            self.refresh_index()
+        self._index_behind = True
+        if trial.number <= _SHORT_STUDY or time.monotonic() >= self._index_due:
+            with contextlib.suppress(StoreError):
+                self.refresh_index()
         return path
 
     def log(self, event: str, **fields: Any) -> None:
@@ -221,17 +230,22 @@ class StudyStore:
         StoreError
             It cannot be written; an older index is untouched.
         """
-        folder = self._writable()
+        folder, began = self._writable(), time.monotonic()
         try:
             write_index(folder.location, folder.numbers(), folder.study_text())
         except OSError as error:
             raise StoreError(
                 f"{folder.location}: cannot write the index: {cause(error)}"
             ) from error
+        ended = time.monotonic()
+        self._index_due, self._index_behind = ended + (ended - began) / INDEX_SHARE, False
 
     def close(self) -> None:
         """Let the next writer in; a second call does nothing."""
         if self._lock is not None:
+            if self._index_behind:
+                with contextlib.suppress(StoreError):
+                    self.refresh_index()
             self._lock.release()
             self._lock = None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from gmfbo.errors import FmuFileError, TwinFileError
@@ -44,7 +45,7 @@ class Binding:
     variables: Mapping[str, BoundVariable]
     preset: Mapping[str, float]
 
-    @property
+    @cached_property
     def parameters(self) -> dict[str, BoundVariable]:
         """All parameters that are numbers, by name."""
         return {name: v for name, v in self.variables.items() if is_parameter(v.variable)}
