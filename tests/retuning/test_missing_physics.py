@@ -1,0 +1,84 @@
+"""The diagnosis' answer as a twin that tuning can use."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gmfbo import FmuTwin, Recording, step_reference
+from gmfbo.recordings.recording import Trajectory
+from gmfbo.retuning.missing_physics import Completion, complete
+from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.models import models_folder
+
+AXIS = models_folder() / "servo_axis.toml"
+GAINS = ({"kp": 60.0, "kd": 1.2}, {"kp": 110.0, "kd": 2.0}, {"kp": 85.0, "kd": 1.5})
+
+
+def played(friction: float) -> list[Recording]:
+    """Steps there and back at three gains, of an axis with some Coulomb friction [N.m]."""
+    there = step_reference(0.4, at=0.1, horizon=0.6)
+    time = np.arange(1400) * 1e-3
+    wave = np.interp(time, there.time, there.signals["reference"]) * (time < 0.7)
+    rng = np.random.default_rng(5)
+    runs = []
+    with AugmentedTwin(FmuTwin(AXIS), substeps=10) as axis:
+        names = list(axis.twin.file.gains)
+        for gains in GAINS:
+            values = dict(zip(names, gains.values(), strict=True))
+            asked = Recording(time=time, signals={"reference": wave}, parameters=values)
+            noise = 3e-5 * rng.standard_normal(time.size)
+            run = axis.run(
+                axis.plan(asked, {}),
+                {},
+                {"coulomb_friction.level": friction},
+                excitation={"sensor": noise},
+            )
+            logged = {"reference": wave, **run.held, "position": run.states["position"] + noise}
+            runs.append(Recording(time=time, signals=logged, parameters=values, written_by="test"))
+    return runs
+
+
+def position_error(run: Trajectory, recording: Recording) -> float:
+    """RMS [rad]."""
+    return float(np.std(run.signal("position") - recording.signal("position")))
+
+
+@pytest.fixture(scope="module")
+def completed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Completion, list[Recording]]:
+    recordings = played(0.2)
+    with FmuTwin(AXIS) as twin:
+        found = complete(
+            twin, {}, recordings[:2], tmp_path_factory.mktemp("made") / "00001", seed=0
+        )
+    assert found is not None
+    return found, recordings
+
+
+def test_the_completed_twin_predicts_a_run_that_nobody_saw(
+    completed: tuple[Completion, list[Recording]],
+) -> None:
+    found, recordings = completed
+    values = {scalar.name: scalar.nominal for scalar in found.scalars} | dict(found.parameters)
+    with FmuTwin(AXIS) as given:
+        before = position_error(given.run({}, recordings[2]), recordings[2])
+    after = position_error(found.twin.run({}, recordings[2], parameters=values), recordings[2])
+    assert after < 0.2 * before
+
+
+def test_its_parameters_can_be_estimated_on(
+    completed: tuple[Completion, list[Recording]],
+) -> None:
+    found, _ = completed
+    for scalar in found.scalars:
+        assert scalar.low <= scalar.nominal <= scalar.high
+        assert scalar.name in found.twin.binding.parameters
+    assert any(name in found.sentence for name in ("riction", "friction"))
+
+
+def test_negative_control_nothing_is_completed_where_nothing_is_missing(tmp_path: Path) -> None:
+    with FmuTwin(AXIS) as twin:
+        assert complete(twin, {}, played(0.0)[:2], tmp_path / "00001", seed=0) is None
+    assert not (tmp_path / "00001").exists()
