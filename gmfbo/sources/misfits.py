@@ -71,6 +71,12 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
     if found is None:
         choices = [known for known, v in binding.variables.items() if fits(v.variable)]
         yield f"{where}: no FMU variable '{name}'" + did_you_mean(name, choices)
+    elif shape := found.variable.shape:
+        size = " x ".join(map(str, shape))
+        yield (
+            f"{where}: expected a single number, '{name}' is an array of {size}; ask its vendor "
+            "for an export with scalar variables"
+        )
     elif found.variable.value_type is None:
         yield f"{where}: expected a number, '{name}' is of type {found.variable.type}"
     elif not fits(found.variable):

@@ -19,16 +19,6 @@ if TYPE_CHECKING:
     from tests.sources.conftest import Repack
 
 ALL = sorted([*models_folder().glob("*.fmu"), *TEST_FMUS.glob("*.fmu")])
-FMU_3 = b"""<?xml version="1.0"?>
-<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t">
-  <CoSimulation modelIdentifier="m"/>
-  <ModelVariables>
-    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
-    <Float64 name="k" valueReference="2" causality="parameter" variability="tunable" start="1"/>
-    <Float64 name="y" valueReference="1" causality="output"/>
-  </ModelVariables>
-  <ModelStructure><Output valueReference="1"/></ModelStructure>
-</fmiModelDescription>"""
 
 
 def test_the_linear_axis_is_told_as_it_was_declared() -> None:
@@ -54,13 +44,6 @@ def test_what_cannot_run_here_is_told_and_not_refused() -> None:
     assert report.kinds == ("model exchange",)
     assert "ask its vendor to export FMI 2.0 co-simulation" in report.obstacle
     assert "has no binary for this machine" in inspect_fmu(TEST_FMUS / "no_binary.fmu").obstacle
-
-
-def test_fmi_3_is_told_with_the_cure(repack: Repack) -> None:
-    report = inspect_fmu(repack(members={"modelDescription.xml": FMU_3}))
-    assert report.fmi_version == "3.0"
-    assert "is FMI 3.0: expected FMI 2.0" in report.obstacle
-    assert [variable.name for variable in report.outputs] == ["y"]
 
 
 def test_violations_of_the_standard_are_findings_and_no_refusal(repack: Repack) -> None:
