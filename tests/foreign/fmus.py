@@ -40,7 +40,7 @@ name = "vendor axis"
 step = 1e-3
 
 [fmus]
-controller = { kind = "pd_filtered", sample_time = 1e-3, kp = 2000.0, kd = 60.0, u_min = -200.0, u_max = 200.0 }
+controller = { kind = "pd_filtered", sample_time = 1e-3, kp = 2000.0, kd = 60.0 }
 plant = "FMU"
 
 [wires]
@@ -55,6 +55,8 @@ position = "plant.mass.s"
 force = "controller.u"
 
 [parameters]                     # the spring is taken out: a sliding mass with a damper
+"controller.u_min" = -200.0
+"controller.u_max" = 200.0
 "plant.spring.c" = 0.0
 "plant.spring.s_rel0" = 0.0
 "plant.fixed.s0" = 0.0
@@ -87,7 +89,7 @@ name = "own axis"
 step = 1e-3
 
 [fmus]
-controller = { kind = "pd_filtered", sample_time = 1e-3, kp = 2000.0, kd = 60.0, u_min = -200.0, u_max = 200.0 }
+controller = { kind = "pd_filtered", sample_time = 1e-3, kp = 2000.0, kd = 60.0 }
 plant = "FMU"
 
 [wires]
@@ -102,6 +104,8 @@ position = "plant.true_position"
 force = "controller.u"
 
 [parameters]                     # its own controller is switched off: the plant alone
+"controller.u_min" = -200.0
+"controller.u_max" = 200.0
 "plant.kp" = 0.0
 "plant.kv" = 0.0
 "plant.mass" = 1.0

@@ -1,4 +1,4 @@
-"""FMUs of another maker: inspected without running them, simulated, wired, joined to our controllers."""
+"""FMUs of another maker: inspected, simulated, wired, joined to our controllers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.linalg import expm
 
 from gmfbo import FmuTwin, Recording
 from gmfbo.errors import TwinFileError
-from gmfbo.sources.inspection import inspect_fmu
+from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
 from tests.foreign.fmus import foreign_fmu, write_own_axis, write_vendor_axis
 
 MASS_DAMPER = """
@@ -84,6 +84,24 @@ def test_inspect_tells_what_it_is_and_what_is_wrong_with_it() -> None:
     assert "runs here: yes" in shown
     assert "  damper.d [N.s/m] = 10 in [0, ]  Damping constant" in shown
     assert "findings: 1\n" in shown  # a name that the naming convention does not allow
+
+
+def test_the_starting_twin_file_guesses_what_the_written_one_says() -> None:
+    """The vendor names an output `y` without a unit; what it is stands among the locals."""
+    text = starting_twin_file(inspect_fmu(foreign_fmu("Mass_Damper")))
+    for line in (
+        '# position = "mass.s"  # guess: a local variable, its name, unit m',
+        '# velocity = "mass.v"  # guess: a local variable, its name, unit m/s',
+        '# torque = "f"  # guess: it drives the plant, unit N',
+        '# inertia = "mass.m"  # guess: the unit kg',
+        '# "damper.d" = [5.0, 20.0]  # [N.s/m] Damping constant',
+        '## "plant.f" = "controller.u"',
+        '## "controller.measured" = "plant.mass.s"',
+    ):
+        assert f"\n{line}\n" in text
+    springs = starting_twin_file(inspect_fmu(foreign_fmu("MassSpringSubSystem1")))
+    assert '# k1 = "k1"\n' in springs  # a spring rate that begins at 1 is no signal
+    assert '# position = "x1"  # guess: its name, without a unit' in springs
 
 
 def test_a_force_step_gives_the_closed_form(tmp_path: Path) -> None:

@@ -43,8 +43,10 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_the_same_study_runs_with_either_twin_by_changing_one_line(folder: Path) -> None:
-    texts = [(folder / f"{name}_study.toml").read_text() for name in ("vendor", "own")]
-    changed = [line for line in difflib.ndiff(*(t.splitlines() for t in texts)) if line[0] in "+-"]
+    vendor, own = (
+        (folder / f"{name}_study.toml").read_text().splitlines() for name in ("vendor", "own")
+    )
+    changed = [line for line in difflib.ndiff(vendor, own) if line[0] in "+-"]
     assert changed == ['- twin = "vendor.toml"', '+ twin = "own.toml"']
     best = []
     for name in ("vendor", "own"):
