@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.sources.fmu_variable import FmuVariable
 from gmfbo.sources.role_guesses import Guess, Guesses, guess_roles
+from gmfbo.sources.twin_text import bare_key, free_key, toml_table, toml_text
 
 if TYPE_CHECKING:
     from gmfbo.sources.inspection import FmuReport
@@ -36,7 +35,7 @@ def starting_twin_file(report: FmuReport) -> str:
     outputs = [v for v in report.outputs if v.value_type is not None]
     blocks = [
         _head(report, step),
-        _table(
+        toml_table(
             "inputs",
             "recorded signal = FMU input it drives; the rest keeps its start value",
             [
@@ -44,16 +43,16 @@ def starting_twin_file(report: FmuReport) -> str:
                 *(f"# {line}" for line in _signals(guesses.idle, taken)),
             ],
         ),
-        _table(
+        toml_table(
             "outputs",
             "recorded signal = FMU output it is compared with",
             [*_signals(outputs, taken), *_local_signals(guesses.outputs, taken)],
         ),
-        _table(
+        toml_table(
             "parameters",
             "values over the FMU's own; remove the # to change one",
             (
-                _line(v, f"# {_text(v.name)} = {v.start!r}", _bounds(v))
+                _line(v, f"# {toml_text(v.name)} = {v.start!r}", _bounds(v))
                 for v in report.parameters
                 if v.value_type is not None and v.start is not None
             ),
@@ -67,8 +66,10 @@ def starting_twin_file(report: FmuReport) -> str:
 def _guessed(guesses: Guesses) -> Iterator[str]:
     """Tables that change what gmfbo does: all of their lines are comments."""
     story = "guesses, remove the # where one is right"
-    yield _table("gains", f"what tuning may move = [low, high]; {story}", _ranges(guesses.gains))
-    yield _table(
+    yield toml_table(
+        "gains", f"what tuning may move = [low, high]; {story}", _ranges(guesses.gains)
+    )
+    yield toml_table(
         "uncertain",
         f"known only roughly = [low, high], refitted before any physics is claimed; {story}",
         _ranges(guesses.uncertain),
@@ -78,10 +79,10 @@ def _guessed(guesses: Guesses) -> Iterator[str]:
         ("states", "FMU outputs that physics may depend on", guesses.states),
         ("roles", "parameters with a meaning to physics", guesses.roles),
     ):
-        yield _table(
+        yield toml_table(
             name,
             f"{means}; {story}",
-            (f"# {g.key} = {_text(g.variable.name)}  # guess: {g.why}" for g in entries),
+            (f"# {g.key} = {toml_text(g.variable.name)}  # guess: {g.why}" for g in entries),
         )
 
 
@@ -97,10 +98,10 @@ def _controller(report: FmuReport, guesses: Guesses) -> str:
             'in place of `fmu`, and with every name below written "plant.NAME",',
             "[fmus]",
             'controller = { kind = "pd_filtered", sample_time = 1e-3 }  # or pid, cascade_p_pi',
-            f"plant = {_text(Path(report.path).name)}",
+            f"plant = {toml_text(Path(report.path).name)}",
             "[wires]",
-            f'{_text("plant." + guesses.drive.name)} = "controller.u"',
-            f'"controller.measured" = {_text("plant." + position[0])}',
+            f'{toml_text("plant." + guesses.drive.name)} = "controller.u"',
+            f'"controller.measured" = {toml_text("plant." + position[0])}',
             "[inputs]",
             'reference = "controller.reference"',
         )
@@ -110,32 +111,22 @@ def _controller(report: FmuReport, guesses: Guesses) -> str:
 def _head(report: FmuReport, step: float) -> str:
     stated = "" if report.default_step else ", a guess: the FMU states none"
     return (
-        f"name = {_text(report.name)}\n"
-        f"fmu = {_text(Path(report.path).name)}\n"
+        f"name = {toml_text(report.name)}\n"
+        f"fmu = {toml_text(Path(report.path).name)}\n"
         f"step = {step!r}  # [s] communication step{stated}\n"
     )
 
 
-def _table(name: str, story: str, lines: Iterable[str]) -> str:
-    body = list(lines)
-    # A table without entries would be refused, or say nothing; [outputs] has to be there.
-    if not body and name != "outputs":
-        return ""
-    return f"[{name}]  # {story}\n" + "".join(f"{line}\n" for line in body)
-
-
 def _signals(variables: Iterable[FmuVariable], taken: set[str]) -> Iterator[str]:
     for variable in variables:
-        name = _free(_signal_name(variable.name), taken)
-        taken.add(name)
-        yield _line(variable, f"{name} = {_text(variable.name)}")
+        name = free_key(bare_key(variable.name), taken)
+        yield _line(variable, f"{name} = {toml_text(variable.name)}")
 
 
 def _local_signals(guesses: Iterable[Guess], taken: set[str]) -> Iterator[str]:
     for guess in guesses:
-        name = _free(guess.key, taken)
-        taken.add(name)
-        yield f"# {name} = {_text(guess.variable.name)}  # guess: {guess.why}"
+        name = free_key(guess.key, taken)
+        yield f"# {name} = {toml_text(guess.variable.name)}  # guess: {guess.why}"
 
 
 def _ranges(parameters: Iterable[FmuVariable]) -> Iterator[str]:
@@ -145,20 +136,7 @@ def _ranges(parameters: Iterable[FmuVariable]) -> Iterator[str]:
         low = low if variable.minimum is None else max(low, variable.minimum)
         high = high if variable.maximum is None else min(high, variable.maximum)
         if low < high:
-            yield _line(variable, f"# {_text(variable.name)} = [{low!r}, {high!r}]")
-
-
-def _signal_name(variable: str) -> str:
-    """Bare TOML key of a variable's name."""
-    return re.sub(r"[^A-Za-z0-9_]+", "_", variable).strip("_") or "signal"
-
-
-def _free(name: str, taken: set[str]) -> str:
-    number, free = 1, name
-    while free in taken:
-        number += 1
-        free = f"{name}_{number}"
-    return free
+            yield _line(variable, f"# {toml_text(variable.name)} = [{low!r}, {high!r}]")
 
 
 def _line(variable: FmuVariable, entry: str, more: str = "") -> str:
@@ -173,8 +151,3 @@ def _bounds(variable: FmuVariable) -> str:
     low = "-inf" if variable.minimum is None else f"{variable.minimum:g}"
     high = "inf" if variable.maximum is None else f"{variable.maximum:g}"
     return f"{low} to {high};"
-
-
-def _text(value: str) -> str:
-    """TOML basic string, whose escapes are those of JSON but for the control character DEL."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
