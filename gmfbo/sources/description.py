@@ -167,6 +167,11 @@ def read_description(path: Path) -> FmuDescription:
     """
     with open_archive(path) as archive:
         names = archive.namelist()
+    if "modelDescription.xml" not in names and "SystemStructure.ssd" in names:
+        raise FmuFileError(
+            f"'{path}' is an SSP package of several FMUs: gmfbo import '{path.name}' --out FOLDER "
+            "makes a twin of it"
+        )
     if "modelDescription.xml" not in names:
         raise FmuFileError(
             f"'{path}' is no FMU: expected a modelDescription.xml at the top of the archive; "

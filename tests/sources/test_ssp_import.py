@@ -14,6 +14,7 @@ from gmfbo import FmuTwin
 from gmfbo.cli.application import app
 from gmfbo.errors import FmuFileError, GmfboError, InputError
 from gmfbo.recordings import Recording
+from gmfbo.sources.inspection import inspect_fmu
 from gmfbo.sources.models import models_folder
 from gmfbo.sources.ssp_import import import_ssp
 from tests.sources.conftest import LOOP
@@ -212,3 +213,8 @@ def test_entities_are_refused_before_they_are_read(tmp_path: Path) -> None:
 def test_an_archive_without_a_structure_is_no_package(tmp_path: Path) -> None:
     with pytest.raises(FmuFileError, match=r"is no SSP package: expected SystemStructure\.ssd"):
         import_ssp(models_folder() / "pid.fmu", tmp_path)
+
+
+def test_a_package_that_is_taken_for_an_fmu_is_told_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(FmuFileError, match="SSP package of several FMUs: gmfbo import 'loop.ssp'"):
+        inspect_fmu(pack(tmp_path, FLAT))
