@@ -216,5 +216,5 @@ def test_an_archive_without_a_structure_is_no_package(tmp_path: Path) -> None:
 
 
 def test_a_package_that_is_taken_for_an_fmu_is_told_what_to_do(tmp_path: Path) -> None:
-    with pytest.raises(FmuFileError, match="SSP package of several FMUs: gmfbo import 'loop.ssp'"):
+    with pytest.raises(FmuFileError, match="is an SSP package of several FMUs: gmfbo"):
         inspect_fmu(pack(tmp_path, FLAT))
