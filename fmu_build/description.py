@@ -26,18 +26,36 @@ _CAPABILITIES = {
 
 def model_description(declaration: Declaration, guid: str) -> bytes:
     """XML text with variables in the order of the declaration, so that index = value reference."""
-    root = ET.Element(
+    root = new_description(declaration, {"fmiVersion": "2.0"}, {"guid": guid})
+    _add_kind(root, declaration)
+    add_units(root, declaration)
+    add_experiment(root, declaration)
+    variables = ET.SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(declaration.variables):
+        _add_variable(variables, reference, variable)
+    _add_structure(root, declaration)
+    ET.indent(root)
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def new_description(
+    declaration: Declaration, version: dict[str, str], token: dict[str, str]
+) -> ET.Element:
+    """Root element, whose attributes FMI 2.0 and 3.0 write alike but for two."""
+    name = {"modelName": declaration.name}
+    return ET.Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=declaration.name,
-        guid=guid,
+        version | name | token,
         description=declaration.description,
         license="MIT",
         generationTool="gmfbo",
         variableNamingConvention="structured",
     )
-    _add_kind(root, declaration)
-    add_units(root, declaration)
+
+
+def add_experiment(root: ET.Element, declaration: Declaration) -> None:
+    """Add log categories and default experiment, which FMI 2.0 and 3.0 write alike."""
     categories = ET.SubElement(root, "LogCategories")
     for name in LOG_CATEGORIES:
         ET.SubElement(categories, "Category", name=name)
@@ -48,13 +66,6 @@ def model_description(declaration: Declaration, guid: str) -> bytes:
         stopTime=number(declaration.stop_time),
         stepSize=number(declaration.communication_step),
     )
-    variables = ET.SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(declaration.variables):
-        _add_variable(variables, reference, variable)
-    _add_structure(root, declaration)
-    ET.indent(root)
-    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return text + b"\n"
 
 
 def _add_kind(root: ET.Element, declaration: Declaration) -> None:

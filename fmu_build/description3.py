@@ -6,11 +6,11 @@ from xml.etree import ElementTree as ET
 
 from fmu_build.declaration import Declaration, Variable
 from fmu_build.description import (
-    LOG_CATEGORIES,
+    add_experiment,
     add_units,
     bounds_and_start,
     initial,
-    number,
+    new_description,
     variability,
 )
 
@@ -25,28 +25,10 @@ _CAPABILITIES = {
 
 def model_description3(declaration: Declaration, token: str) -> bytes:
     """XML text with value references as in FMI 2.0; the one after the last is that of the time."""
-    root = ET.Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=declaration.name,
-        instantiationToken=token,
-        description=declaration.description,
-        license="MIT",
-        generationTool="gmfbo",
-        variableNamingConvention="structured",
-    )
+    root = new_description(declaration, {"fmiVersion": "3.0"}, {"instantiationToken": token})
     ET.SubElement(root, "CoSimulation", {"modelIdentifier": declaration.name, **_CAPABILITIES})
     add_units(root, declaration)
-    categories = ET.SubElement(root, "LogCategories")
-    for name in LOG_CATEGORIES:
-        ET.SubElement(categories, "Category", name=name)
-    ET.SubElement(
-        root,
-        "DefaultExperiment",
-        startTime="0",
-        stopTime=number(declaration.stop_time),
-        stepSize=number(declaration.communication_step),
-    )
+    add_experiment(root, declaration)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(declaration.variables):
         _add_variable(variables, reference, variable)
