@@ -134,9 +134,16 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         *(("gains", name, pair) for name, pair in ranges.items()),
         *(("uncertain", name, pair) for name, pair in file.uncertain.items()),
     )
+    moved = {entry.variable for entry in file.inputs.values()} | {*file.wires, *file.ports.values()}
+    # Exporters offer constants as inputs; one that nothing drives keeps the value it begins with.
+    held = (
+        "a parameter, or an input that nothing drives,",
+        lambda v: is_parameter(v) or _is_input(v),
+    )
     for table, name, numbers in values:
         where = f"[{table}]"
-        misfit = list(_misfit(binding, f"{where} '{name}'", name, _PARAMETER))
+        part = held if table == "parameters" and name not in moved else _PARAMETER
+        misfit = list(_misfit(binding, f"{where} '{name}'", name, part))
         yield from misfit
         for value in () if misfit else numbers:
             yield from _bounds_problem(binding, where, name, value)

@@ -37,7 +37,8 @@ def starting_twin_file(report: FmuReport) -> str:
         _head(report, step),
         toml_table(
             "inputs",
-            "recorded signal = FMU input it drives; the rest keeps its start value",
+            "recorded signal = FMU input it drives; the rest keeps its start value, or one that "
+            "[parameters] gives",
             [
                 *_signals(guesses.inputs, taken),
                 *(f"# {line}" for line in _signals(guesses.idle, taken)),

@@ -142,6 +142,24 @@ def test_two_fmus_joined_by_wires_move_as_the_whole(tmp_path: Path) -> None:
     np.testing.assert_allclose(joined, whole, atol=5e-3)
 
 
+def test_a_constant_that_its_exporter_made_an_input_is_held_by_parameters(tmp_path: Path) -> None:
+    text = WHOLE.replace("WHOLE", str(foreign_fmu("MassSpringSystem")))
+    run = spring_run(tmp_path, text + "[parameters]\nk2 = 3.0\nm1 = 2.0\n")
+    k1, k2, k3, m1, m2 = 1.0, 3.0, 1.0, 2.0, 1.0
+    stiffness = np.array([[-(k1 + k2) / m1, k2 / m1], [k2 / m2, -(k2 + k3) / m2]])
+    system = np.block([[np.zeros((2, 2)), np.eye(2)], [stiffness, np.zeros((2, 2))]])
+    exact = np.array([expm(system * t) @ run[0] for t in np.arange(0, 3001, 100) * 1e-3])
+    # Explicit Euler grows by exp(h w^2 t / 2): about 1 % over 3 s at 2.6 rad/s.
+    np.testing.assert_allclose(run[::100], exact, atol=0.01 * np.abs(exact).max())
+
+
+def test_an_input_that_a_wire_drives_is_no_parameter(tmp_path: Path) -> None:
+    path = write_vendor_axis(tmp_path)
+    path.write_text(path.read_text().replace("[parameters]", '[parameters]\n"plant.f" = 1.0\n#'))
+    with pytest.raises(TwinFileError, match="is of causality input; such are"):
+        FmuTwin(path)
+
+
 def test_our_controller_and_a_foreign_plant_follow_as_our_own_plant_does(tmp_path: Path) -> None:
     """The same mass and damper; the foreign FMU steps by explicit Euler, ours by Runge-Kutta."""
     runs = []
