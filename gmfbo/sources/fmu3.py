@@ -110,14 +110,32 @@ class Instance3(Instance):
     def set_values(
         self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
     ) -> int:
+        """Set values of one type; FMI 3.0 counts them apart from the variables."""
         count = len(references)
         return self.call(FMI3.setter(kind), stage, references, count, values, count)
 
     def get_values(self, kind: ValueType, references: Values, values: Values) -> int:
+        """Read values of one type; FMI 3.0 counts them apart from the variables."""
         count = len(references)
         return self.call(FMI3.getter(kind), Stage.STEP, references, count, values, count)
 
     def step(self, time: float, step: float) -> int:
+        """Make one communication step, without event mode and early return.
+
+        Parameters
+        ----------
+        time : float
+            [s] Communication point that it begins at.
+        step : float
+            [s] Its length.
+
+        Raises
+        ------
+        FmuCallError
+            The FMU refused.
+        StepDemand
+            It asks for event mode, returned early, or ended the simulation.
+        """
         event, terminate, early = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()
         last = ctypes.c_double(time + step)
         pointers = (*map(ctypes.byref, (event, terminate, early)), ctypes.byref(last))
@@ -129,6 +147,7 @@ class Instance3(Instance):
         return status
 
     def free(self) -> None:
+        """Free the instance; the library stays loaded."""
         self._slave.fmi3FreeInstance(self.component)
 
     def _enter(self, start: float) -> None:
