@@ -17,7 +17,7 @@ from fmu_build.archive import members  # noqa: E402
 from fmu_build.compile import Compiler, CompilerName, find_compiler  # noqa: E402
 from fmu_build.declaration import Declaration, read_declaration  # noqa: E402
 from fmu_build.failure import BuildError  # noqa: E402
-from fmu_build.fmu import WRAPPER, build_fmu  # noqa: E402
+from fmu_build.fmu import WRAPPER, build_fmu, build_plain_fmu  # noqa: E402
 from fmu_build.platforms import FOREIGN, PLATFORMS, Platform, this_platform  # noqa: E402
 from fmu_build.translate import check_translation, translate_model  # noqa: E402
 
@@ -104,8 +104,13 @@ def model_folders() -> list[Path]:
     return sorted(path.parent for path in SOURCES.glob("*/model.toml"))
 
 
+def plain_folders() -> list[Path]:
+    """Folders with an FMI 3.0 FMU by hand, for the tests: its model description lies there too."""
+    return sorted(path.parent for path in SOURCES.glob("*/modelDescription.xml"))
+
+
 def _choose(only: Sequence[str]) -> list[str]:
-    known = [folder.name for folder in model_folders()] + ["master", "front"]
+    known = [folder.name for folder in (*model_folders(), *plain_folders())] + ["master", "front"]
     for name in only:
         if name not in known:
             raise BuildError(f"no model '{name}' in {SOURCES.name}/; known are {', '.join(known)}")
@@ -125,10 +130,12 @@ def _products(
     name: str, compiler: Compiler, targets: Sequence[Platform], work: Path, output: Path
 ) -> Iterator[tuple[Path, bytes]]:
     if name == "master":
-        for source in ("master.c", "master.h"):
-            (work / source).write_bytes((SOURCES / "master" / source).read_bytes())
+        sources = sorted((SOURCES / "master").glob("*.[ch]"))
+        for path in sources:
+            (work / path.name).write_bytes(path.read_bytes())
+        units = [path.name for path in sources if path.suffix == ".c"]
         for target in targets:
-            library = compiler.shared_library(work, ["master.c"], MASTER, target)
+            library = compiler.shared_library(work, units, MASTER, target)
             yield output / "master" / target.name / (MASTER + target.suffix), library
     elif name == "front":
         for path in (*(SOURCES / "front").iterdir(), *map(WRAPPER.joinpath, _FRONT_SHARED)):
@@ -137,13 +144,21 @@ def _products(
             if target.name in FRONT_PLATFORMS:
                 library = compiler.shared_library(work, _FRONT_SOURCES, FRONT, target)
                 yield output / "front" / target.name / (FRONT + target.suffix), library
+    elif SOURCES / name in plain_folders():
+        folder = TEST_FMUS if output.resolve() == MODELS else output
+        yield folder / f"{name}.fmu", build_plain_fmu(SOURCES / name, compiler, targets, work)
     else:
         declaration = read_declaration(SOURCES / name / "model.toml")
         folder = TEST_FMUS if declaration.test_only and output.resolve() == MODELS else output
         chosen = _platforms_of(declaration, targets)
         if compiler.cache is None and chosen != targets and chosen:
             return  # only zig can build it
-        yield folder / f"{declaration.name}.fmu", build_fmu(declaration, compiler, chosen, work)
+        for fmi in declaration.fmi:
+            place = work / f"fmi{fmi}"
+            place.mkdir()
+            suffix = "" if fmi == 2 else f"_fmi{fmi}"
+            data = build_fmu(declaration, compiler, chosen, place, fmi)
+            yield folder / f"{declaration.name}{suffix}.fmu", data
 
 
 def _platforms_of(declaration: Declaration, targets: Sequence[Platform]) -> Sequence[Platform]:

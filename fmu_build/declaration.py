@@ -21,7 +21,7 @@ _FIELDS = ("name", "causality", "type", "unit", "start", "min", "max", "descript
 _VARIABLE_KEYS = frozenset({*_FIELDS, "tunable", "dimensions"})
 _TIMES = ("internal_step", "communication_step", "stop_time")
 _MODEL_KEYS = frozenset(
-    {*_TIMES, "name", "description", "sources", "kind", "platforms", "test_only", "variable"}
+    {*_TIMES, "name", "description", "sources", "kind", "platforms", "test_only", "fmi", "variable"}
 )
 
 
@@ -63,6 +63,8 @@ class Declaration:
         The only platforms to build for; None for all.
     test_only : bool
         Whether it serves the tests and does not ship.
+    fmi : tuple of int
+        Major versions of FMI that it is built for.
     arrays : mapping of str to tuple of int
         First index and number of elements of each declared name; scalars have one.
     """
@@ -77,6 +79,7 @@ class Declaration:
     kind: Literal["co_simulation", "model_exchange"]
     platforms: tuple[str, ...] | None
     test_only: bool
+    fmi: tuple[int, ...]
     variables: tuple[Variable, ...]
     arrays: dict[str, tuple[int, int]]
 
@@ -114,12 +117,19 @@ def read_declaration(path: Path) -> Declaration:
             kind=table.get("kind", "co_simulation"),
             platforms=tuple(table["platforms"]) if "platforms" in table else None,
             test_only=table.get("test_only", False),
+            fmi=_versions(table.get("fmi", [2]), path),
             variables=tuple(variables),
             arrays=arrays,
         )
     except KeyError as error:
         raise BuildError(f"{path}: the key {error} is missing") from None
     return declaration
+
+
+def _versions(given: list[int], path: Path) -> tuple[int, ...]:
+    if not given or not set(given) <= {2, 3}:
+        raise BuildError(f"{path}: fmi: expected [2], [3] or [2, 3], got {given}")
+    return tuple(given)
 
 
 def _expand(entry: dict[str, Any], path: Path) -> Iterator[Variable]:

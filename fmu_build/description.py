@@ -26,28 +26,10 @@ _CAPABILITIES = {
 
 def model_description(declaration: Declaration, guid: str) -> bytes:
     """XML text with variables in the order of the declaration, so that index = value reference."""
-    root = ET.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=declaration.name,
-        guid=guid,
-        description=declaration.description,
-        license="MIT",
-        generationTool="gmfbo",
-        variableNamingConvention="structured",
-    )
+    root = new_description(declaration, {"fmiVersion": "2.0"}, {"guid": guid})
     _add_kind(root, declaration)
-    _add_units(root, declaration)
-    categories = ET.SubElement(root, "LogCategories")
-    for name in LOG_CATEGORIES:
-        ET.SubElement(categories, "Category", name=name)
-    ET.SubElement(
-        root,
-        "DefaultExperiment",
-        startTime="0",
-        stopTime=_number(declaration.stop_time),
-        stepSize=_number(declaration.communication_step),
-    )
+    add_units(root, declaration)
+    add_experiment(root, declaration)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(declaration.variables):
         _add_variable(variables, reference, variable)
@@ -55,6 +37,35 @@ def model_description(declaration: Declaration, guid: str) -> bytes:
     ET.indent(root)
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
+
+
+def new_description(
+    declaration: Declaration, version: dict[str, str], token: dict[str, str]
+) -> ET.Element:
+    """Root element, whose attributes FMI 2.0 and 3.0 write alike but for two."""
+    name = {"modelName": declaration.name}
+    return ET.Element(
+        "fmiModelDescription",
+        version | name | token,
+        description=declaration.description,
+        license="MIT",
+        generationTool="gmfbo",
+        variableNamingConvention="structured",
+    )
+
+
+def add_experiment(root: ET.Element, declaration: Declaration) -> None:
+    """Add log categories and default experiment, which FMI 2.0 and 3.0 write alike."""
+    categories = ET.SubElement(root, "LogCategories")
+    for name in LOG_CATEGORIES:
+        ET.SubElement(categories, "Category", name=name)
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=number(declaration.stop_time),
+        stepSize=number(declaration.communication_step),
+    )
 
 
 def _add_kind(root: ET.Element, declaration: Declaration) -> None:
@@ -65,7 +76,8 @@ def _add_kind(root: ET.Element, declaration: Declaration) -> None:
         ET.SubElement(root, "CoSimulation", attributes)
 
 
-def _add_units(root: ET.Element, declaration: Declaration) -> None:
+def add_units(root: ET.Element, declaration: Declaration) -> None:
+    """Add the unit definitions, which FMI 2.0 and 3.0 write alike."""
     names = sorted({variable.unit for variable in declaration.variables if variable.unit})
     if not names:
         return
@@ -76,7 +88,7 @@ def _add_units(root: ET.Element, declaration: Declaration) -> None:
         powers = zip(BASE_UNITS, unit.powers, strict=True)
         attributes = {base: str(power) for base, power in powers if power}
         if unit.factor != 1.0:
-            attributes["factor"] = _number(unit.factor)
+            attributes["factor"] = number(unit.factor)
         ET.SubElement(element, "BaseUnit", attributes)
 
 
@@ -86,27 +98,39 @@ def _add_variable(variables: ET.Element, reference: int, variable: Variable) -> 
         "valueReference": str(reference),
         "description": variable.description,
         "causality": variable.causality,
-        "variability": _variability(variable),
+        "variability": variability(variable),
+        **initial(variable),
     }
-    if variable.causality == "parameter":
-        attributes["initial"] = "exact"
-    elif not variable.has_start:
-        attributes["initial"] = "calculated"
     element = ET.SubElement(variables, "ScalarVariable", attributes)
     kind: dict[str, str] = {}
     if variable.unit and variable.type == "Real":
         kind["unit"] = variable.unit
-    if variable.type != "Boolean":
-        bounds = {"min": variable.low, "max": variable.high}
-        kind |= {
-            key: _value(variable, bound) for key, bound in bounds.items() if math.isfinite(bound)
-        }
-    if variable.has_start:
-        kind["start"] = _value(variable, variable.start)
+    kind |= bounds_and_start(variable)
     ET.SubElement(element, variable.type, kind)
 
 
-def _variability(variable: Variable) -> str:
+def initial(variable: Variable) -> dict[str, str]:
+    """Attribute that says how a variable begins; none where the standard's default is meant."""
+    if variable.causality == "parameter":
+        return {"initial": "exact"}
+    return {} if variable.has_start else {"initial": "calculated"}
+
+
+def bounds_and_start(variable: Variable) -> dict[str, str]:
+    """Attributes of the type that a declaration gives."""
+    attributes: dict[str, str] = {}
+    if variable.type != "Boolean":
+        bounds = {"min": variable.low, "max": variable.high}
+        attributes |= {
+            key: _value(variable, bound) for key, bound in bounds.items() if math.isfinite(bound)
+        }
+    if variable.has_start:
+        attributes["start"] = _value(variable, variable.start)
+    return attributes
+
+
+def variability(variable: Variable) -> str:
+    """When a variable may change."""
     if variable.causality == "parameter":
         return "tunable" if variable.tunable else "fixed"
     return "continuous" if variable.type == "Real" else "discrete"
@@ -115,10 +139,11 @@ def _variability(variable: Variable) -> str:
 def _value(variable: Variable, value: float) -> str:
     if variable.type == "Boolean":
         return "true" if value else "false"
-    return str(int(value)) if variable.type == "Integer" else _number(value)
+    return str(int(value)) if variable.type == "Integer" else number(value)
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
+    """Shortest text that reads back as the same number."""
     return repr(float(value))
 
 

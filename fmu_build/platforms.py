@@ -23,27 +23,32 @@ class Platform:
         Of a shared library.
     fmi_folder : str
         Folder below binaries/ of an FMU. FMI 2.0 has none for Linux on ARM: that of FMI 3.0.
+    fmi3_folder : str
+        The same for FMI 3.0.
     """
 
     name: str
     target: str
     suffix: str
     fmi_folder: str
+    fmi3_folder: str
 
 
 PLATFORMS = {
     entry.name: entry
     for entry in (
-        Platform("linux-x86_64", "x86_64-linux-gnu.2.17", ".so", "linux64"),
-        Platform("linux-aarch64", "aarch64-linux-gnu.2.17", ".so", "aarch64-linux"),
-        Platform("windows-x86_64", "x86_64-windows-gnu", ".dll", "win64"),
-        Platform("macos-x86_64", "x86_64-macos.11.0", ".dylib", "darwin64"),
-        Platform("macos-aarch64", "aarch64-macos.11.0", ".dylib", "darwin64"),
+        Platform("linux-x86_64", "x86_64-linux-gnu.2.17", ".so", "linux64", "x86_64-linux"),
+        Platform(
+            "linux-aarch64", "aarch64-linux-gnu.2.17", ".so", "aarch64-linux", "aarch64-linux"
+        ),
+        Platform("windows-x86_64", "x86_64-windows-gnu", ".dll", "win64", "x86_64-windows"),
+        Platform("macos-x86_64", "x86_64-macos.11.0", ".dylib", "darwin64", "x86_64-darwin"),
+        Platform("macos-aarch64", "aarch64-macos.11.0", ".dylib", "darwin64", "aarch64-darwin"),
     )
 }
 
 # For a test of what the driver says about an FMU that nobody here can run.
-FOREIGN = Platform("linux-i386", "x86-linux-gnu.2.17", ".so", "linux32")
+FOREIGN = Platform("linux-i386", "x86-linux-gnu.2.17", ".so", "linux32", "x86-linux")
 
 
 def this_platform() -> Platform:

@@ -24,6 +24,7 @@ from gmfbo.cli import (
     diagnose,
     experiment,
     export,
+    import_,
     inspect,
     methods,
     simulate,
@@ -45,6 +46,7 @@ app = typer.Typer(
 )
 app.command("demo")(demo.demo)
 app.command("inspect")(inspect.inspect)
+app.command("import")(import_.import_)
 app.command("simulate")(simulate.simulate)
 app.command("tune")(tune.tune)
 app.command("ask")(ask.ask)

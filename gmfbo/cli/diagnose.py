@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -87,9 +88,23 @@ def diagnose_and_show(
     with DiagnosisDisplay(console) as display:
         diagnosis = run_diagnosis(twin, recordings, progress=display.show, **options)
     written = diagnosis.save(out)
-    for line in screenful(diagnosis, written):
+    for line in screenful(with_notes_of_saving(diagnosis, out), written):
         typer.echo(line)
     return diagnosis
+
+
+def with_notes_of_saving(diagnosis: Diagnosis, out: Path) -> Diagnosis:
+    """Add what saving noted, first: it finds out whether the twin can be exported.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        As it was saved.
+    out : Path
+        Where.
+    """
+    noted = [note for note in type(diagnosis).from_json(out).notes if note not in diagnosis.notes]
+    return replace(diagnosis, notes=(*noted, *diagnosis.notes))
 
 
 def _check_effects(assume: Sequence[str], exclude: Sequence[str]) -> None:

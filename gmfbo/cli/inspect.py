@@ -62,6 +62,8 @@ def _print_variables(title: str, variables: Sequence[FmuVariable], most: int | N
     typer.echo(f"{title}: {len(variables) or 'none'}")
     for variable in variables[:most]:
         unit = f" [{variable.unit}]" if variable.unit else ""
+        if variable.shape:
+            unit += f" array of {' x '.join(map(str, variable.shape))}, not used"
         start = "" if variable.start is None else f" = {variable.start:g}"
         bounds = (
             ""

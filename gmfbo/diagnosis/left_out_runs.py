@@ -44,8 +44,11 @@ def simulated_left_out(
     for g, simulated in enumerate(runs):
         if not all(run.finite for run in simulated):
             continue
-        there = squares(misfit.residual(simulated), groups)
-        if there.sum() - there[g] < here.sum() - here[g]:
+        # A run on its way to infinity is finite still, while its square is not: it serves nothing.
+        with np.errstate(over="ignore", invalid="ignore"):
+            there = squares(misfit.residual(simulated), groups)
+            serves = there.sum() - there[g] < here.sum() - here[g]
+        if serves:
             left_out[g] = there[g]
     return left_out
 

@@ -47,8 +47,13 @@ class Binding:
 
     @cached_property
     def parameters(self) -> dict[str, BoundVariable]:
-        """All parameters that are numbers, by name."""
-        return {name: v for name, v in self.variables.items() if is_parameter(v.variable)}
+        """All parameters that are numbers, and inputs that [parameters] holds at a value."""
+        held = self.file.parameters
+        return {
+            name: v
+            for name, v in self.variables.items()
+            if is_parameter(v.variable) or name in held
+        }
 
     def nominal(self, name: str) -> float:
         """Value [FMU's unit] of a parameter as the twin file leaves it."""

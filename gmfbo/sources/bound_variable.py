@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from gmfbo.errors import InputError
 from gmfbo.sources.fmu_variable import FmuVariable
-from gmfbo.sources.job import Port, Setting, Wire
+from gmfbo.sources.job import Port, Setting, ValueType, Wire
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class BoundVariable:
                 f"parameter '{self.name}': expected a value within [{', '.join(shown)}]{unit}, "
                 f"the FMU's bounds, got {value:g}"
             )
-        if self._type != 0 and value != round(value):
+        if not ValueType(self._type).is_real and value != round(value):
             raise InputError(
                 f"parameter '{self.name}': expected a whole number, it is of type "
                 f"{self.variable.type}, got {value:g}"

@@ -26,6 +26,7 @@ _CAPABILITIES = (
     "providesDirectionalDerivative",
     "needsExecutionTool",
 )
+_CAPABILITIES_3 = ("hasEventMode", "canReturnEarlyAfterIntermediateUpdate")
 _SYSTEM_OF = {"linux": "Linux", "win": "Windows", "windows": "Windows", "darwin": "macOS"}
 
 
@@ -42,7 +43,7 @@ class FmuDescription:
     fmi_version : str
         Such as `2.0`.
     kinds : tuple of str
-        Of `co-simulation` and `model exchange`.
+        Of `co-simulation`, `model exchange` and `scheduled execution`.
     identifier : str
         Model identifier for co-simulation, else for model exchange: stem of the library's name.
     platforms : tuple of str
@@ -71,6 +72,11 @@ class FmuDescription:
     variables: Mapping[str, FmuVariable]
     default_step: float | None = None
 
+    @property
+    def major(self) -> int:
+        """Major version of FMI; 0 where it is none."""
+        return int(self.fmi_version[0]) if self.fmi_version[:1].isdigit() else 0
+
     def library(self, platform: Platform | None = None) -> str:
         """Archive member with the library for a platform.
 
@@ -85,17 +91,8 @@ class FmuDescription:
             The FMU cannot run here: it says what it has and what to ask the vendor for.
         """
         here = platform or this_platform()
-        if "co-simulation" not in self.kinds:
-            raise FmuFileError(
-                f"'{self.path.name}' is for model exchange only: expected co-simulation, which "
-                "brings its own solver; ask its vendor to export FMI 2.0 co-simulation"
-            )
-        if self.fmi_version != "2.0":
-            raise FmuFileError(
-                f"'{self.path.name}' is FMI {self.fmi_version}: expected FMI 2.0; ask its vendor "
-                "to export FMI 2.0 co-simulation"
-            )
-        for folder in here.fmi_folders:
+        self._check_steppable()
+        for folder in self._folders(here):
             found = [
                 member
                 for member in map(PurePosixPath, self.libraries)
@@ -113,14 +110,43 @@ class FmuDescription:
                 )
         raise FmuFileError(self._no_binary(here))
 
+    def _check_steppable(self) -> None:
+        """Refuse what cannot be stepped from communication point to communication point."""
+        ask = f"ask its vendor to export FMI {3 if self.major == 3 else 2}.0 co-simulation"
+        if "co-simulation" not in self.kinds:
+            own = "brings its own solver"
+            if self.kinds == ("scheduled execution",):
+                own = "keeps its own time"
+            raise FmuFileError(
+                f"'{self.path.name}' is for {' and '.join(self.kinds)} only: expected "
+                f"co-simulation, which {own}; {ask}"
+            )
+        if self.major not in (2, 3):
+            raise FmuFileError(
+                f"'{self.path.name}' is FMI {self.fmi_version}: expected FMI 2.0 or 3.0; {ask}"
+            )
+        clocks = [name for name, variable in self.variables.items() if variable.type == "Clock"]
+        if clocks:
+            others = f" and {len(clocks) - 1} more" if len(clocks) > 1 else ""
+            raise FmuFileError(
+                f"'{self.path.name}' has the clock '{clocks[0]}'{others}: expected an FMU without "
+                "clocks, since gmfbo steps at fixed communication points; ask its vendor for an "
+                "export that ticks its clocks itself"
+            )
+
+    def _folders(self, here: Platform) -> tuple[str, ...]:
+        """Where a library for a platform may lie, the version's own folder first."""
+        return here.fmi_folders if self.major == 2 else here.fmi_folders[::-1]
+
     def _no_binary(self, here: Platform) -> str:
+        wanted = self._folders(here)[0]
         has = ", ".join(self.platforms) if self.platforms else "no binaries at all"
         systems = sorted({_system_of(folder) for folder in self.platforms})
         other = f", or use it on {' or '.join(systems)}" if systems else ""
         return (
             f"'{self.path.name}' has no binary for this machine ({here.name}): expected a library "
-            f"in binaries/{here.fmi_folders[0]}, it has {has}; ask its vendor for an FMI 2.0 "
-            f"co-simulation export with binaries/{here.fmi_folders[0]}{other}"
+            f"in binaries/{wanted}, it has {has}; ask its vendor for an FMI {self.major}.0 "
+            f"co-simulation export with binaries/{wanted}{other}"
         )
 
 
@@ -141,27 +167,34 @@ def read_description(path: Path) -> FmuDescription:
     """
     with open_archive(path) as archive:
         names = archive.namelist()
+    if "modelDescription.xml" not in names and "SystemStructure.ssd" in names:
+        raise FmuFileError(
+            f"'{path}' is an SSP package of several FMUs: gmfbo import '{path.name}' --out FOLDER "
+            "makes a twin of it"
+        )
     if "modelDescription.xml" not in names:
         raise FmuFileError(
             f"'{path}' is no FMU: expected a modelDescription.xml at the top of the archive; "
             "export it again"
         )
     raw = _parse(path)
-    interface = raw.coSimulation or raw.modelExchange
+    interface = raw.coSimulation or raw.modelExchange or raw.scheduledExecution
     if interface is None:
         raise FmuFileError(
             f"'{path.name}' offers neither co-simulation nor model exchange; export it again"
         )
+    version = raw.fmiVersion or ""
     libraries = tuple(name for name in names if _is_library(member_path(path, name)))
     units = {unit.name: unit.baseUnit for unit in raw.unitDefinitions}
-    variables = [variable_from(variable, units) for variable in raw.modelVariables]
+    fmi = 3 if version.startswith("3") else 2
+    variables = [variable_from(variable, units, fmi) for variable in raw.modelVariables]
     return FmuDescription(
         path=path,
         model_name=raw.modelName or path.stem,
         guid=raw.guid or "",
         generation_tool=raw.generationTool or "",
         description=raw.description or "",
-        fmi_version=raw.fmiVersion or "",
+        fmi_version=version,
         kinds=_kinds(raw),
         identifier=interface.modelIdentifier or path.stem,
         platforms=tuple(dict.fromkeys(PurePosixPath(name).parts[1] for name in libraries)),
@@ -200,13 +233,18 @@ def _system_of(folder: str) -> str:
 
 
 def _kinds(raw: ModelDescription) -> tuple[str, ...]:
-    kinds = (("co-simulation", raw.coSimulation), ("model exchange", raw.modelExchange))
+    kinds = (
+        ("co-simulation", raw.coSimulation),
+        ("model exchange", raw.modelExchange),
+        ("scheduled execution", raw.scheduledExecution),
+    )
     return tuple(kind for kind, interface in kinds if interface is not None)
 
 
 def _capabilities(raw: ModelDescription) -> dict[str, bool | int]:
-    interface = raw.coSimulation or raw.modelExchange
-    stated = {name: getattr(interface, name, None) for name in _CAPABILITIES}
+    interface = raw.coSimulation or raw.modelExchange or raw.scheduledExecution
+    names = _CAPABILITIES + (_CAPABILITIES_3 if (raw.fmiVersion or "").startswith("3") else ())
+    stated = {name: getattr(interface, name, None) for name in names}
     return {name: _flag(value) for name, value in stated.items() if value is not None}
 
 

@@ -39,10 +39,16 @@ def check_exportable(binding: Binding) -> None:
     Raises
     ------
     ExportError
-        An FMU needs its own tool, or may be instantiated once only and is in the twin twice.
+        An FMU is not FMI 2.0, needs its own tool, or may be instantiated once only and is in the
+        twin twice.
     """
     seen: dict[str, FmuDescription] = {}
     for fmu, content in zip(binding.fmus, binding.content, strict=True):
+        if fmu.major != 2:
+            raise ExportError(
+                f"'{fmu.path.name}' is FMI {fmu.fmi_version}: expected FMI 2.0, which the "
+                "augmented FMU is made of; ask its vendor for it, the diagnosis holds without"
+            )
         if fmu.capabilities.get("needsExecutionTool"):
             raise ExportError(
                 f"'{fmu.path.name}' needs the tool that made it: expected an FMU that runs by "

@@ -7,33 +7,19 @@ import os
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import fmpy.fmi2
 from fmpy.fmi1 import FMICallException
 
 from gmfbo.errors import FmuFileError, SimulationError
 from gmfbo.sources.fmu_log import FmuLog
+from gmfbo.sources.interface import FMI2, Interface, Values, crossing
 from gmfbo.sources.job import Setting, Stage, ValueType
 from gmfbo.sources.unpacked_fmu import UnpackedFmu
 
 STATUS_WORDS = ("ok", "warning", "discard", "error", "fatal", "pending")
-_REQUIRED = (
-    "fmi2Instantiate",
-    "fmi2FreeInstance",
-    "fmi2SetupExperiment",
-    "fmi2EnterInitializationMode",
-    "fmi2ExitInitializationMode",
-    "fmi2SetReal",
-    "fmi2GetReal",
-    "fmi2DoStep",
-)
-_SETTERS: dict[ValueType, tuple[str, Any]] = {
-    ValueType.REAL: ("fmi2SetReal", ctypes.c_double),
-    ValueType.INTEGER: ("fmi2SetInteger", ctypes.c_int),
-    ValueType.BOOLEAN: ("fmi2SetBoolean", ctypes.c_int),
-}
-_ERROR = 3
+ERROR = 3
 _FOREIGN = r"invalid ELF header|wrong ELF class|not a valid Win32|incompatible arch"
 
 
@@ -55,10 +41,11 @@ class FmuCallError(SimulationError):
 
 
 def _absent(*_: object) -> int:
-    return _ERROR
+    return ERROR
 
 
-_ABSENT = ctypes.CFUNCTYPE(ctypes.c_int)(_absent)
+ABSENT = ctypes.CFUNCTYPE(ctypes.c_int)(_absent)
+"""Stands for an optional function that a library lacks."""
 
 
 class FMU2TolerantSlave(fmpy.fmi2.FMU2Slave):  # type: ignore[misc]  # fmpy is untyped
@@ -72,7 +59,7 @@ class FMU2TolerantSlave(fmpy.fmi2.FMU2Slave):  # type: ignore[misc]  # fmpy is u
             name for name in dir(self) if name.startswith("fmi2") and not hasattr(self.dll, name)
         }
         for name in self.absent:
-            setattr(self.dll, name, _ABSENT)
+            setattr(self.dll, name, ABSENT)
         super()._loadFunctions()
 
 
@@ -90,12 +77,25 @@ class LoadedFmu:
         The library cannot be loaded; the message names what is missing and the cure.
     """
 
+    interface: ClassVar[Interface] = FMI2
+    slave_class: ClassVar[type] = FMU2TolerantSlave
+    required: ClassVar[Sequence[str]] = (
+        "fmi2Instantiate",
+        "fmi2FreeInstance",
+        "fmi2SetupExperiment",
+        "fmi2EnterInitializationMode",
+        "fmi2ExitInitializationMode",
+        "fmi2SetReal",
+        "fmi2GetReal",
+        "fmi2DoStep",
+    )
+
     def __init__(self, unpacked: UnpackedFmu) -> None:
         self.name = unpacked.name
         self._log = FmuLog()
         folder = Path.cwd()
         try:
-            self._slave = FMU2TolerantSlave(
+            self._slave: Any = self.slave_class(
                 guid=unpacked.guid,
                 modelIdentifier=unpacked.identifier,
                 unzipDirectory=unpacked.folder,
@@ -106,11 +106,11 @@ class LoadedFmu:
             raise FmuFileError(_load_problem(unpacked, str(error))) from None
         finally:
             os.chdir(folder)  # fmpy leaves it elsewhere when loading fails
-        missing = sorted(set(_REQUIRED) & self._slave.absent)
+        missing = sorted(set(self.required) & self._slave.absent)
         if missing:
             raise FmuFileError(
-                f"'{unpacked.name}': its library lacks {', '.join(missing)}; expected FMI 2.0 "
-                "co-simulation; ask its vendor for a complete export"
+                f"'{unpacked.name}': its library lacks {', '.join(missing)}; expected FMI "
+                f"{self.interface.major}.0 co-simulation; ask its vendor for a complete export"
             )
 
     def instantiate(self) -> Instance:
@@ -130,7 +130,7 @@ class LoadedFmu:
             if self._slave.component is not None:
                 raise
             refused = self.refusal("fmi2Instantiate", None)
-            raise FmuCallError(refused, Stage.INSTANTIATE, _ERROR) from None
+            raise FmuCallError(refused, Stage.INSTANTIATE, ERROR) from None
         return Instance(self, self._slave, ctypes.c_void_p(self._slave.component))
 
     def refusal(self, call: str, status: int | None) -> str:
@@ -151,9 +151,9 @@ class LoadedFmu:
 class Instance:
     """One instance of an FMU, from instantiation until `free`."""
 
-    def __init__(
-        self, fmu: LoadedFmu, slave: FMU2TolerantSlave, component: ctypes.c_void_p
-    ) -> None:
+    interface: ClassVar[Interface] = FMI2
+
+    def __init__(self, fmu: LoadedFmu, slave: Any, component: ctypes.c_void_p) -> None:
         self.fmu = fmu
         self.component = component
         self._slave = slave
@@ -173,22 +173,71 @@ class Instance:
         FmuCallError
             The FMU refused.
         """
-        for value_type, (name, c_type) in _SETTERS.items():
-            chosen = [setting for setting in settings if setting.type == value_type]
+        for kind in self.interface.words:
+            chosen = [setting for setting in settings if setting.type == kind]
             if chosen:
-                numbers = (setting.value for setting in chosen)
-                whole = numbers if value_type == ValueType.REAL else (round(v) for v in numbers)
-                self.call(
-                    name,
-                    Stage.INITIALISE,
-                    _references(setting.reference for setting in chosen),
-                    len(chosen),
-                    (c_type * len(chosen))(*whole),
-                )
-        # Of 78 third-party FMUs, 27 refuse the last step when a stop time was announced.
-        self.call("fmi2SetupExperiment", Stage.INITIALISE, 0, 0.0, start, 0, 0.0)
-        self.call("fmi2EnterInitializationMode", Stage.INITIALISE)
-        self.call("fmi2ExitInitializationMode", Stage.INITIALISE)
+                values = self.interface.room(kind, len(chosen))
+                values[:] = [crossing(setting.value, kind) for setting in chosen]
+                references = _references(setting.reference for setting in chosen)
+                self.set_values(kind, references, values, Stage.INITIALISE)
+        self._enter(start)
+
+    def set_values(
+        self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
+    ) -> int:
+        """Set values of one type; the status, at most a warning.
+
+        Parameters
+        ----------
+        kind : ValueType
+            One that the interface has.
+        references, values : ctypes array
+            Of `c_uint` and of the interface's type.
+        stage : Stage
+            For the error.
+
+        Raises
+        ------
+        FmuCallError
+            The FMU refused.
+        """
+        setter = self.interface.setter(kind)
+        return self.call(setter, stage, references, len(references), values)
+
+    def get_values(self, kind: ValueType, references: Values, values: Values) -> int:
+        """Read values of one type; the status, at most a warning.
+
+        Parameters
+        ----------
+        kind : ValueType
+            One that the interface has.
+        references, values : ctypes array
+            Of `c_uint` and of the interface's type; `values` is filled.
+
+        Raises
+        ------
+        FmuCallError
+            The FMU refused.
+        """
+        getter = self.interface.getter(kind)
+        return self.call(getter, Stage.STEP, references, len(references), values)
+
+    def step(self, time: float, step: float) -> int:
+        """Make one communication step; the status, at most a warning.
+
+        Parameters
+        ----------
+        time : float
+            [s] Communication point that it begins at.
+        step : float
+            [s] Its length.
+
+        Raises
+        ------
+        FmuCallError
+            The FMU refused, or asks for what is not provided.
+        """
+        return self.call(self.interface.do_step, Stage.STEP, time, step, 1)
 
     def call(self, function: str, stage: Stage, *arguments: Any) -> int:
         """Call one FMI function on the component; the status, at most a warning.
@@ -222,6 +271,13 @@ class Instance:
     def free(self) -> None:
         """Free the instance; the library stays loaded."""
         self._slave.fmi2FreeInstance(self.component)
+
+    def _enter(self, start: float) -> None:
+        """Go through initialisation."""
+        # Of 78 third-party FMUs, 27 refuse the last step when a stop time was announced.
+        self.call("fmi2SetupExperiment", Stage.INITIALISE, 0, 0.0, start, 0, 0.0)
+        self.call("fmi2EnterInitializationMode", Stage.INITIALISE)
+        self.call("fmi2ExitInitializationMode", Stage.INITIALISE)
 
 
 def _references(references: Iterable[int]) -> Any:

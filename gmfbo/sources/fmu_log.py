@@ -36,10 +36,12 @@ class FmuLog:
         self.callbacks.componentEnvironment = self._number
         _logs[self._number] = self
 
-    def keep(self, line: str) -> None:
-        """Add a line; only the last few stay."""
-        self.lines.append(line)
-        del self.lines[:-_KEPT]
+    def note(self, status: int, message: bytes | None) -> None:
+        """Keep a warning or error; only the last few stay."""
+        line = " ".join((message or b"").decode("utf-8", "replace").split())
+        if status > _OK and line:
+            self.lines.append(line)
+            del self.lines[:-_KEPT]
 
 
 @lru_cache(maxsize=1)
@@ -61,7 +63,6 @@ def _shared_callbacks() -> Any:
 def _keep(
     environment: int | None, name: bytes, status: int, category: bytes, message: bytes | None
 ) -> None:
-    line = " ".join((message or b"").decode("utf-8", "replace").split())
     log = _logs.get(environment or 0)
-    if log is not None and status > _OK and line:
-        log.keep(line)
+    if log is not None:
+        log.note(status, message)

@@ -1,4 +1,4 @@
-"""One scalar variable of an FMU, as its model description tells it."""
+"""One variable of an FMU, as its model description tells it."""
 
 from __future__ import annotations
 
@@ -15,14 +15,23 @@ if TYPE_CHECKING:
 _VALUE_TYPES = {
     "Real": ValueType.REAL,
     "Integer": ValueType.INTEGER,
-    "Enumeration": ValueType.INTEGER,
     "Boolean": ValueType.BOOLEAN,
+    "Float64": ValueType.REAL,
+    "Float32": ValueType.FLOAT32,
+    "Int8": ValueType.INT8,
+    "UInt8": ValueType.UINT8,
+    "Int16": ValueType.INT16,
+    "UInt16": ValueType.UINT16,
+    "Int32": ValueType.INTEGER,
+    "UInt32": ValueType.UINT32,
+    "Int64": ValueType.INT64,
+    "UInt64": ValueType.UINT64,
 }
 
 
 @dataclass(frozen=True)
 class FmuVariable:
-    """One scalar variable of an FMU.
+    """One variable of an FMU.
 
     Attributes
     ----------
@@ -42,6 +51,11 @@ class FmuVariable:
         [unit] None where the file states none or the variable is a text.
     description : str
         The vendor's words.
+    value_type : ValueType or None
+        How the value crosses the interface; None for what is no single number: texts, clocks,
+        arrays.
+    shape : tuple of int
+        Of an array; empty for a scalar.
     """
 
     name: str
@@ -56,16 +70,13 @@ class FmuVariable:
     minimum: float | None = None
     maximum: float | None = None
     description: str = ""
+    value_type: ValueType | None = None
+    shape: tuple[int, ...] = ()
 
     @property
     def tunable(self) -> bool:
         """A parameter that may change during a run."""
         return self.causality == "parameter" and self.variability == "tunable"
-
-    @property
-    def value_type(self) -> ValueType | None:
-        """How the value crosses the interface; None for texts."""
-        return _VALUE_TYPES.get(self.type)
 
     @property
     def si_unit(self) -> str:
@@ -74,7 +85,7 @@ class FmuVariable:
         return known.si if known and not known.needs_scale else self.unit
 
 
-def variable_from(raw: ModelVariable, units: Mapping[str, Any]) -> FmuVariable:
+def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) -> FmuVariable:
     """Take over a variable from fmpy.
 
     Parameters
@@ -83,13 +94,16 @@ def variable_from(raw: ModelVariable, units: Mapping[str, Any]) -> FmuVariable:
         As it was read.
     units : mapping of str to fmpy.model_description.BaseUnit or None
         Base units by the names of the FMU's unit definitions.
+    fmi : int
+        Major version of FMI.
     """
     declared = raw.declaredType
     unit = raw.unit or getattr(declared, "unit", None) or ""
     to_si, si_zero = _conversion(unit, units.get(unit))
     minimum = raw.min if raw.min is not None else getattr(declared, "min", None)
     maximum = raw.max if raw.max is not None else getattr(declared, "max", None)
-    text = raw.type in ("String", "Binary")
+    shape = tuple(raw.shape)
+    text = raw.type in ("String", "Binary", "Clock") or bool(shape)
     return FmuVariable(
         name=raw.name,
         reference=int(raw.valueReference),
@@ -103,7 +117,15 @@ def variable_from(raw: ModelVariable, units: Mapping[str, Any]) -> FmuVariable:
         minimum=None if text else number_from(minimum),
         maximum=None if text else number_from(maximum),
         description=raw.description or "",
+        value_type=None if shape else _value_type(raw.type, fmi),
+        shape=shape,
     )
+
+
+def _value_type(name: str, fmi: int) -> ValueType | None:
+    if name == "Enumeration":
+        return ValueType.INTEGER if fmi == 2 else ValueType.INT64
+    return _VALUE_TYPES.get(name)
 
 
 def _conversion(unit: str, base: Any) -> tuple[float, float]:

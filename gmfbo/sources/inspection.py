@@ -32,7 +32,7 @@ class FmuReport:
         Folders below `binaries/` that hold a library.
     obstacle : str
         Why gmfbo cannot run it on this machine, and the cure; empty where it can.
-    inputs, outputs, parameters : tuple of FmuVariable
+    inputs, outputs, parameters, local : tuple of FmuVariable
         By causality, in the order of the file.
     capabilities : mapping of str to bool or int
         Flags of co-simulation by their names in the standard.
@@ -53,6 +53,7 @@ class FmuReport:
     inputs: tuple[FmuVariable, ...]
     outputs: tuple[FmuVariable, ...]
     parameters: tuple[FmuVariable, ...]
+    local: tuple[FmuVariable, ...]
     capabilities: Mapping[str, bool | int]
     default_step: float | None
     findings: tuple[str, ...]
@@ -85,6 +86,7 @@ def inspect_fmu(path: str | Path) -> FmuReport:
         inputs=_of(description, "input"),
         outputs=_of(description, "output"),
         parameters=_of(description, "parameter"),
+        local=_of(description, "local"),
         capabilities=description.capabilities,
         default_step=description.default_step,
         findings=_findings(path),

@@ -22,7 +22,9 @@ from gmfbo.sources.worker_process import WorkerDied, WorkerProcess, WorkerTimeou
 START_LIMIT_S = 60.0
 """[s] For a worker to start and load the libraries; a cold disk is slow."""
 
-_GROWTH_BYTES = 256 * 2**20
+_WARM_UP_ANSWERS = 20
+_WARM_UP_BYTES = 256 * 2**20  # an FMU may fill its caches first; what grows later leaks
+_GROWTH_BYTES = 12 * 2**20
 _LEAST_ROOM = 2**15
 _BEFORE_THE_RUN = (Stage.IDLE, Stage.FREE)
 
@@ -99,7 +101,7 @@ class Isolated:
         self._finalizer = weakref.finalize(self, self._belongings.give_back)
         self._arrays: SharedArrays | None = None
         self._arrays_path = ""
-        self._first_memory = 0
+        self._first_memory = self._answers = 0
         try:
             self._fmus = unpack_fmus(self._binding, self._belongings.folder.path)
         except BaseException:
@@ -151,7 +153,7 @@ class Isolated:
             assert self._arrays is not None
             self._arrays.progress[:] = (Stage.LOAD, 0)
             worker = self._belongings.worker = WorkerProcess(self._belongings.folder.path)
-            self._first_memory = 0
+            self._answers = 0
             fmus = [vars(fmu) for fmu in self._fmus]
             answer = worker.ask({"arrays": self._arrays_path, "fmus": fmus}, START_LIMIT_S)
             if "error" in answer:
@@ -164,9 +166,13 @@ class Isolated:
             worker.kill()
 
     def _replace_if_grown(self, memory: int) -> None:
-        # Some vendors' FMUs leak 200 kB an instance.
-        self._first_memory = self._first_memory or memory
-        if memory > self._first_memory + _GROWTH_BYTES:
+        # Exports of OpenModelica leak 3 kB an instance, some vendors' FMUs 200 kB.
+        self._answers += 1
+        warm = self._answers > _WARM_UP_ANSWERS
+        limit = _GROWTH_BYTES if warm else _WARM_UP_BYTES
+        if self._answers in (1, _WARM_UP_ANSWERS):
+            self._first_memory = memory
+        if memory > self._first_memory + limit:
             self._drop_worker()
 
     def _room_for(self, doubles: int) -> SharedArrays:
@@ -177,7 +183,7 @@ class Isolated:
                 # The worker keeps its mapping until the next command.
                 Path(self._arrays_path).unlink()
             self._arrays, self._arrays_path = SharedArrays(path), str(path)
-            self._first_memory = 0
+            self._answers = 0
         return self._arrays
 
     def _lost(

@@ -9,11 +9,28 @@ from typing import Any, Literal, NamedTuple
 
 
 class ValueType(IntEnum):
-    """How a variable crosses the FMI interface; enumerations are integers."""
+    """How a variable crosses the FMI interface; numbers as in `master.h`.
+
+    FMI 2.0 has the first three; in FMI 3.0 `REAL` is Float64 and `INTEGER` Int32. Enumerations are
+    `INTEGER` in FMI 2.0, `INT64` in FMI 3.0.
+    """
 
     REAL = 0
     INTEGER = 1
     BOOLEAN = 2
+    FLOAT32 = 3
+    INT8 = 4
+    UINT8 = 5
+    INT16 = 6
+    UINT16 = 7
+    UINT32 = 8
+    INT64 = 9
+    UINT64 = 10
+
+    @property
+    def is_real(self) -> bool:
+        """Not a whole number or truth value."""
+        return self in (ValueType.REAL, ValueType.FLOAT32)
 
 
 class Port(NamedTuple):

@@ -11,27 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.sources.fmu import Instance
-from gmfbo.sources.job import Job, Port
+from gmfbo.sources.job import Job, Port, ValueType
 from gmfbo.sources.platforms import master_path
 from gmfbo.sources.python_master import step_in_python
 from gmfbo.sources.stop import Stop
 
-_FUNCTIONS = (
-    ("set_real", "fmi2SetReal"),
-    ("get_real", "fmi2GetReal"),
-    ("set_integer", "fmi2SetInteger"),
-    ("get_integer", "fmi2GetInteger"),
-    ("set_boolean", "fmi2SetBoolean"),
-    ("get_boolean", "fmi2GetBoolean"),
-    ("do_step", "fmi2DoStep"),
-)
 _STOPPED = 1
 
 
 class _Fmu(ctypes.Structure):
     _fields_ = [
         ("component", ctypes.c_void_p),
-        *((name, ctypes.c_void_p) for name, _ in _FUNCTIONS),
+        ("do_step", ctypes.c_void_p),
+        ("set", ctypes.c_void_p * len(ValueType)),
+        ("get", ctypes.c_void_p * len(ValueType)),
+        ("fmi", ctypes.c_int32),
     ]
 
 
@@ -163,8 +157,13 @@ def _load(path: Path) -> ctypes.CDLL:
 
 
 def _fmu(instance: Instance) -> _Fmu:
-    addresses = (instance.address(function) for _, function in _FUNCTIONS)
-    return _Fmu(instance.component, *addresses)
+    interface = instance.interface
+    fmu = _Fmu(component=instance.component, fmi=interface.major)
+    fmu.do_step = instance.address(interface.do_step)
+    for kind in interface.words:
+        fmu.set[kind] = instance.address(interface.setter(kind))
+        fmu.get[kind] = instance.address(interface.getter(kind))
+    return fmu
 
 
 def _ports(ports: Sequence[Port]) -> ctypes.Array[_Port]:

@@ -74,6 +74,12 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
     if found is None:
         choices = [known for known, v in binding.variables.items() if fits(v.variable)]
         yield f"{where}: no FMU variable '{name}'" + did_you_mean(name, choices)
+    elif shape := found.variable.shape:
+        size = " x ".join(map(str, shape))
+        yield (
+            f"{where}: expected a single number, '{name}' is an array of {size}; ask its vendor "
+            "for an export with scalar variables"
+        )
     elif found.variable.value_type is None:
         yield f"{where}: expected a number, '{name}' is of type {found.variable.type}"
     elif not fits(found.variable):
@@ -158,9 +164,16 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         *(("gains", name, pair) for name, pair in ranges.items()),
         *(("uncertain", name, pair) for name, pair in file.uncertain.items()),
     )
+    moved = {entry.variable for entry in file.inputs.values()} | {*file.wires, *file.ports.values()}
+    # Exporters offer constants as inputs; one that nothing drives keeps the value it begins with.
+    held = (
+        "a parameter, or an input that nothing drives,",
+        lambda v: is_parameter(v) or _is_input(v),
+    )
     for table, name, numbers in values:
         where = f"[{table}]"
-        misfit = list(_misfit(binding, f"{where} '{name}'", name, _PARAMETER))
+        part = held if table == "parameters" and name not in moved else _PARAMETER
+        misfit = list(_misfit(binding, f"{where} '{name}'", name, part))
         yield from misfit
         for value in () if misfit else numbers:
             yield from _bounds_problem(binding, where, name, value)

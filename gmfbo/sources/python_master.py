@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.sources.fmu import FmuCallError, Instance
-from gmfbo.sources.job import Job, Stage, ValueType
+from gmfbo.sources.interface import Values, crossing
+from gmfbo.sources.job import Job, ValueType
 from gmfbo.sources.stop import LoopStage, Stop
-
-_WORDS = {ValueType.REAL: "Real", ValueType.INTEGER: "Integer", ValueType.BOOLEAN: "Boolean"}
 
 
 @dataclass
@@ -32,10 +31,8 @@ class _Group:
         """Fetch all values; answers the number of warnings."""
         if not self.values:
             return 0
-        references, raw = self._arrays()
-        status = instance.call(
-            f"fmi2Get{_WORDS[self.type]}", Stage.STEP, references, len(self.values), raw
-        )
+        references, raw = self._arrays(instance)
+        status = instance.get_values(self.type, references, raw)
         self.values = dict(zip(self.values, map(float, raw), strict=True))
         return status
 
@@ -43,17 +40,13 @@ class _Group:
         """Set all values; answers the number of warnings."""
         if not self.values:
             return 0
-        references, raw = self._arrays()
-        for place, value in enumerate(self.values.values()):
-            raw[place] = _crossing(value, self.type)
-        return instance.call(
-            f"fmi2Set{_WORDS[self.type]}", Stage.STEP, references, len(self.values), raw
-        )
+        references, raw = self._arrays(instance)
+        raw[:] = [crossing(value, self.type) for value in self.values.values()]
+        return instance.set_values(self.type, references, raw)
 
-    def _arrays(self) -> tuple[ctypes.Array[ctypes.c_uint], ctypes.Array[ctypes.c_double]]:
-        n = len(self.values)
-        c_type = ctypes.c_double if self.type == ValueType.REAL else ctypes.c_int
-        return (ctypes.c_uint * n)(*self.values), (c_type * n)()  # type: ignore[return-value]
+    def _arrays(self, instance: Instance) -> tuple[Values, Values]:
+        references = (ctypes.c_uint * len(self.values))(*self.values)
+        return references, instance.interface.room(self.type, len(self.values))
 
 
 class _Loop:
@@ -90,7 +83,7 @@ class _Loop:
                 self._set_inputs(instance)
                 self.stage = LoopStage.STEP
                 time = self.job.start + self.step * self.job.step
-                self.warnings += instance.call("fmi2DoStep", Stage.STEP, time, self.job.step, 1)
+                self.warnings += instance.step(time, self.job.step)
             self.stage = LoopStage.GET
             self._sum_warnings(group.read(instance) for group in self.get[self.fmu].values())
         for port in self.job.outputs:
@@ -130,9 +123,10 @@ class _Loop:
 
     def _all_finite(self) -> bool:
         for fmu, groups in enumerate(self.get):
-            if not all(map(math.isfinite, groups[ValueType.REAL].values.values())):
-                self.fmu, self.stage = fmu, LoopStage.NOT_FINITE
-                return False
+            for real in (group for kind, group in groups.items() if kind.is_real):
+                if not all(map(math.isfinite, real.values.values())):
+                    self.fmu, self.stage = fmu, LoopStage.NOT_FINITE
+                    return False
         return True
 
 
@@ -151,14 +145,6 @@ def step_in_python(
                 return Stop(warnings=loop.warnings)
             loop.step += 1
     except FmuCallError as error:
+        loop.stage = getattr(error, "loop_stage", loop.stage)
         return loop.stop(error.status)
     return loop.stop()
-
-
-def _crossing(value: float, value_type: ValueType) -> float | int:
-    """A value as the FMI call takes it; halves round away from zero, as in C."""
-    if value_type == ValueType.REAL:
-        return value
-    if value_type == ValueType.BOOLEAN:
-        return int(value != 0.0)
-    return int(math.copysign(math.floor(abs(value) + 0.5), value))

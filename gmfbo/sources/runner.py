@@ -80,6 +80,7 @@ def unpack_fmus(binding: Binding, folder: Path) -> list[UnpackedFmu]:
                 identifier=fmu.identifier,
                 folder=str(place),
                 library=str(place / library),
+                fmi=fmu.major,
             )
         )
     return unpacked

@@ -16,8 +16,14 @@ from gmfbo.sources.unpacked_fmu import UnpackedFmu
 Mark = Callable[[Stage, int], None]
 _CALLS = {
     LoopStage.SET: "setting its inputs",
-    LoopStage.STEP: "fmi2DoStep",
     LoopStage.GET: "reading its outputs",
+}
+_DEMANDS = {
+    LoopStage.EVENT: (
+        "asks for event mode before {}: gmfbo steps at fixed communication points, without event "
+        "mode; ask its vendor for an export that handles its events itself"
+    ),
+    LoopStage.ENDED: "ended the simulation before {}",
 }
 
 
@@ -54,7 +60,7 @@ class Simulator:
         self._fmus: list[LoadedFmu] = []
         for index, fmu in enumerate(fmus):
             mark(Stage.LOAD, index)
-            self._fmus.append(LoadedFmu(fmu))
+            self._fmus.append(_load(fmu))
         mark(Stage.IDLE, 0)
 
     def run(
@@ -106,5 +112,17 @@ class Simulator:
                 "parameters make it unstable, or its own step is too long"
             )
             return Outcome("diverged", rows, message, stop.warnings)
-        message = f"{fmu.refusal(_CALLS[stage], stop.fmi_status)} at t = {time:g} s"
+        if stage in _DEMANDS:
+            message = f"'{fmu.name}' {_DEMANDS[stage].format(f't = {time + job.step:g} s')}"
+        else:
+            call = _CALLS.get(stage, fmu.interface.do_step)
+            message = f"{fmu.refusal(call, stop.fmi_status)} at t = {time:g} s"
         return Outcome("failed", rows, message, stop.warnings)
+
+
+def _load(fmu: UnpackedFmu) -> LoadedFmu:
+    if fmu.fmi == 2:
+        return LoadedFmu(fmu)
+    from gmfbo.sources.fmu3 import LoadedFmu3
+
+    return LoadedFmu3(fmu)

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.sources.fmu_variable import FmuVariable
+from gmfbo.sources.role_guesses import Guess, Guesses, guess_roles
+from gmfbo.sources.twin_text import bare_key, free_key, toml_table, toml_text
 
 if TYPE_CHECKING:
     from gmfbo.sources.inspection import FmuReport
 
-_GAIN = re.compile(r"(^|[._\[])(k[pivda]?|gain)([._\]\d]|$)|gain", re.IGNORECASE)
-_PORTS = {
-    "torque": re.compile(r"force|torque|tau|load", re.IGNORECASE),
-    "command": re.compile(r"command|cmd|voltage|current", re.IGNORECASE),
-    "sensor": re.compile(r"sensor|enc|measure", re.IGNORECASE),
-}
-_REFERENCE = re.compile(r"ref|set_?point|target|desired|command|cmd", re.IGNORECASE)
 _STEP_S = 1e-3
 
 
@@ -36,113 +29,115 @@ def starting_twin_file(report: FmuReport) -> str:
     str
         TOML that loads as it is, if the FMU has an output.
     """
-    references, others, ports = _split_inputs(report.inputs)
+    guesses = guess_roles(report.inputs, report.outputs, report.parameters, report.local)
     taken: set[str] = set()
     step = report.default_step or _STEP_S
+    outputs = [v for v in report.outputs if v.value_type is not None]
     blocks = [
         _head(report, step),
-        _table(
+        toml_table(
             "inputs",
-            "recorded signal = FMU input it drives",
+            "recorded signal = FMU input it drives; the rest keeps its start value, or one that "
+            "[parameters] gives",
             [
-                *_signals(references, taken),
-                *(f"# {line}" for line in _signals(others, taken)),
+                *_signals(guesses.inputs, taken),
+                *(f"# {line}" for line in _signals(guesses.idle, taken)),
             ],
         ),
-        _table(
+        toml_table(
             "outputs",
             "recorded signal = FMU output it is compared with",
-            _signals((v for v in report.outputs if v.value_type is not None), taken),
+            [*_signals(outputs, taken), *_local_signals(guesses.outputs, taken)],
         ),
-        _table(
+        toml_table(
             "parameters",
             "values over the FMU's own; remove the # to change one",
             (
-                _line(v, f"# {_text(v.name)} = {v.start!r}", _bounds(v))
+                _line(v, f"# {toml_text(v.name)} = {v.start!r}", _bounds(v))
                 for v in report.parameters
                 if v.value_type is not None and v.start is not None
             ),
         ),
-        _table(
-            "gains", "guesses from the names: what tuning may move = [low, high]", _gains(report)
-        ),
-        _table(
-            "ports",
-            "guesses from the names: FMU inputs where left-out physics may act",
-            (_line(v, f"# {port} = {_text(v.name)}") for port, v in ports.items()),
-        ),
+        *_guessed(guesses),
+        _controller(report, guesses),
     ]
     return "\n".join(block for block in blocks if block)
+
+
+def _guessed(guesses: Guesses) -> Iterator[str]:
+    """Tables that change what gmfbo does: all of their lines are comments."""
+    story = "guesses, remove the # where one is right"
+    yield toml_table(
+        "gains", f"what tuning may move = [low, high]; {story}", _ranges(guesses.gains)
+    )
+    yield toml_table(
+        "uncertain",
+        f"known only roughly = [low, high], refitted before any physics is claimed; {story}",
+        _ranges(guesses.uncertain),
+    )
+    for name, means, entries in (
+        ("ports", "FMU inputs where left-out physics may act", guesses.ports),
+        ("states", "FMU outputs that physics may depend on", guesses.states),
+        ("roles", "parameters with a meaning to physics", guesses.roles),
+    ):
+        yield toml_table(
+            name,
+            f"{means}; {story}",
+            (f"# {g.key} = {toml_text(g.variable.name)}  # guess: {g.why}" for g in entries),
+        )
+
+
+def _controller(report: FmuReport, guesses: Guesses) -> str:
+    """How to close a loop around a plant that has none, in comments of its own kind."""
+    position = [g.variable.name for g in guesses.states if g.key == "position"]
+    if guesses.drive is None or not position:
+        return ""
+    return "".join(
+        f"## {line}\n"
+        for line in (
+            "It looks like a plant without a controller. One of the project's own closes the loop:",
+            'in place of `fmu`, and with every name below written "plant.NAME",',
+            "[fmus]",
+            'controller = { kind = "pd_filtered", sample_time = 1e-3 }  # or pid, cascade_p_pi',
+            f"plant = {toml_text(Path(report.path).name)}",
+            "[wires]",
+            f'{toml_text("plant." + guesses.drive.name)} = "controller.u"',
+            f'"controller.measured" = {toml_text("plant." + position[0])}',
+            "[inputs]",
+            'reference = "controller.reference"',
+        )
+    )
 
 
 def _head(report: FmuReport, step: float) -> str:
     stated = "" if report.default_step else ", a guess: the FMU states none"
     return (
-        f"name = {_text(report.name)}\n"
-        f"fmu = {_text(Path(report.path).name)}\n"
+        f"name = {toml_text(report.name)}\n"
+        f"fmu = {toml_text(Path(report.path).name)}\n"
         f"step = {step!r}  # [s] communication step{stated}\n"
     )
 
 
-def _table(name: str, story: str, lines: Iterable[str]) -> str:
-    body = list(lines)
-    # A table without entries would be refused, or say nothing; [outputs] has to be there.
-    if not body and name != "outputs":
-        return ""
-    return f"[{name}]  # {story}\n" + "".join(f"{line}\n" for line in body)
-
-
-def _split_inputs(
-    inputs: Iterable[FmuVariable],
-) -> tuple[list[FmuVariable], list[FmuVariable], dict[str, FmuVariable]]:
-    """Inputs that are followed, those that nothing is known of, and those that look like ports."""
-    numbers = [v for v in inputs if v.value_type is not None]
-    references = [v for v in numbers if _REFERENCE.search(v.name) and not _looks_like_port(v.name)]
-    if not references:
-        return numbers, [], {}
-    others = [v for v in numbers if v not in references]
-    ports: dict[str, FmuVariable] = {}
-    for variable in others:
-        for port, pattern in _PORTS.items():
-            if port not in ports and pattern.search(variable.name):
-                ports[port] = variable
-                break
-    return references, [v for v in others if v not in ports.values()], ports
-
-
-def _looks_like_port(name: str) -> bool:
-    return re.match(r"port|dist|noise|fault", name, re.IGNORECASE) is not None
-
-
 def _signals(variables: Iterable[FmuVariable], taken: set[str]) -> Iterator[str]:
     for variable in variables:
-        name = _free(_signal_name(variable.name), taken)
-        taken.add(name)
-        yield _line(variable, f"{name} = {_text(variable.name)}")
+        name = free_key(bare_key(variable.name), taken)
+        yield _line(variable, f"{name} = {toml_text(variable.name)}")
 
 
-def _gains(report: FmuReport) -> Iterator[str]:
-    for variable in report.parameters:
-        if variable.value_type is None or not variable.start or not _GAIN.search(variable.name):
-            continue
+def _local_signals(guesses: Iterable[Guess], taken: set[str]) -> Iterator[str]:
+    for guess in guesses:
+        name = free_key(guess.key, taken)
+        yield f"# {name} = {toml_text(guess.variable.name)}  # guess: {guess.why}"
+
+
+def _ranges(parameters: Iterable[FmuVariable]) -> Iterator[str]:
+    for variable in parameters:
+        assert variable.start is not None
         low, high = sorted((0.5 * variable.start, 2.0 * variable.start))
         low = low if variable.minimum is None else max(low, variable.minimum)
         high = high if variable.maximum is None else min(high, variable.maximum)
         if low < high:
-            yield _line(variable, f"# {_text(variable.name)} = [{low!r}, {high!r}]")
-
-
-def _signal_name(variable: str) -> str:
-    """Bare TOML key of a variable's name."""
-    return re.sub(r"[^A-Za-z0-9_]+", "_", variable).strip("_") or "signal"
-
-
-def _free(name: str, taken: set[str]) -> str:
-    number, free = 1, name
-    while free in taken:
-        number += 1
-        free = f"{name}_{number}"
-    return free
+            yield _line(variable, f"# {toml_text(variable.name)} = [{low!r}, {high!r}]")
 
 
 def _line(variable: FmuVariable, entry: str, more: str = "") -> str:
@@ -157,8 +152,3 @@ def _bounds(variable: FmuVariable) -> str:
     low = "-inf" if variable.minimum is None else f"{variable.minimum:g}"
     high = "inf" if variable.maximum is None else f"{variable.maximum:g}"
     return f"{low} to {high};"
-
-
-def _text(value: str) -> str:
-    """TOML basic string, whose escapes are those of JSON but for the control character DEL."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")

@@ -14,6 +14,8 @@ class LoopStage(IntEnum):
     STEP = 2
     GET = 3
     NOT_FINITE = 4
+    EVENT = 5
+    ENDED = 6
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,8 @@ class UnpackedFmu:
         Where it is unpacked.
     library : str
         Path of the shared library.
+    fmi : int
+        Major version of FMI: 2 or 3.
     """
 
     name: str
@@ -26,7 +28,4 @@ class UnpackedFmu:
     identifier: str
     folder: str
     library: str
-
-    def as_dict(self) -> dict[str, str]:
-        """Plain values, for another process."""
-        return asdict(self)
+    fmi: int = 2

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gmfbo.cli.diagnose import with_notes_of_saving
+from gmfbo.cli.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.augmentation import Augmentation
 from gmfbo.errors import InputError
@@ -107,6 +109,8 @@ def test_a_twin_that_cannot_be_exported_leaves_a_note_in_the_files(tmp_path: Pat
     (note,) = [note for note in Diagnosis.from_json(tmp_path).notes if "no augmented twin" in note]
     assert "coulomb_friction.bogus" in note
     assert "no augmented twin was written" in (tmp_path / "report.html").read_text("utf-8")
+    shown = screenful(with_notes_of_saving(wrong, tmp_path), written)
+    assert any(line.startswith("note         no augmented twin was written: ") for line in shown)
 
 
 def test_a_folder_that_cannot_be_made_is_refused_in_words(tmp_path: Path) -> None:

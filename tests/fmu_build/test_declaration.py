@@ -39,9 +39,10 @@ def test_fmpy_finds_no_fault(path: Path) -> None:
 
 @pytest.mark.parametrize("path", FMUS, ids=lambda path: path.stem)
 def test_the_description_fits_the_schema_of_the_standard(path: Path) -> None:
-    folder = Path(fmpy.__file__).parent / "schema" / "fmi2"
-    schema = etree.XMLSchema(etree.parse(str(folder / "fmi2ModelDescription.xsd")))
     document = etree.fromstring(members(path.read_bytes())["modelDescription.xml"])
+    version = f"fmi{document.get('fmiVersion')[0]}"
+    folder = Path(fmpy.__file__).parent / "schema" / version
+    schema = etree.XMLSchema(etree.parse(str(folder / f"{version}ModelDescription.xsd")))
     assert schema.validate(document), schema.error_log
 
 
@@ -161,3 +162,9 @@ def test_an_unreadable_unit_is_refused(unit: str, message: str) -> None:
 def test_an_archive_depends_on_contents_only() -> None:
     assert pack({"a": b"1", "b/c": b"2"}) == pack({"b/c": b"2", "a": b"1"})
     assert pack({"a": b"1"}) != pack({"a": b"2"})
+
+
+def test_an_unknown_version_of_fmi_is_refused(tmp_path: Path) -> None:
+    expected = r"fmi: expected \[2\], \[3\] or \[2, 3\], got \[2, 4\]"
+    with pytest.raises(BuildError, match=expected):
+        read_declaration(declare(tmp_path, "fmi = [2, 4]\n"))

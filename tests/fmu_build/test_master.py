@@ -20,11 +20,25 @@ if TYPE_CHECKING:
 STEP = 1e-3
 TYPES = {"Real": 0, "Integer": 1, "Boolean": 2}
 SET, DO_STEP, GET, NOT_FINITE = 1, 2, 3, 4
-CALLS = ("SetReal", "GetReal", "SetInteger", "GetInteger", "SetBoolean", "GetBoolean", "DoStep")
+ALL_TYPES = 11  # of FMI 3.0; FMI 2.0 has the first three
 
 
 class Fmu(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_void_p) for name in ("component", *CALLS)]
+    _fields_ = [
+        ("component", ctypes.c_void_p),
+        ("do_step", ctypes.c_void_p),
+        ("set", ctypes.c_void_p * ALL_TYPES),
+        ("get", ctypes.c_void_p * ALL_TYPES),
+        ("fmi", ctypes.c_int32),
+    ]
+
+    @classmethod
+    def of(cls, one: FmuInstance) -> Fmu:
+        fmu = cls(component=one.slave.component, do_step=one.address("fmi2DoStep"), fmi=2)
+        for name, kind in TYPES.items():
+            fmu.set[kind] = one.address(f"fmi2Set{name}")
+            fmu.get[kind] = one.address(f"fmi2Get{name}")
+        return fmu
 
 
 class Port(ctypes.Structure):
@@ -83,10 +97,7 @@ class Run:
         self, u: NDArray[np.float64], s: NDArray[np.float64] | None = None
     ) -> NDArray[np.float64]:
         """Table of outputs, shape (rows of u + 1, outputs), NaN in rows that were not reached."""
-        fmus = [
-            Fmu(one.slave.component, *(one.address(f"fmi2{call}") for call in CALLS))
-            for one in self.instances
-        ]
+        fmus = [Fmu.of(one) for one in self.instances]
         wires = [Wire(*self._variable(to), *self._variable(of), k) for to, of, k in self.wires]
         y = np.full((len(u) + 1, len(self.outputs)), np.nan)
         u = np.ascontiguousarray(u[:, None] if u.ndim == 1 else u)

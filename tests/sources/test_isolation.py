@@ -352,6 +352,7 @@ def test_a_worker_whose_memory_grows_is_replaced(
     axis: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(isolation, "_GROWTH_BYTES", -1)
+    monkeypatch.setattr(isolation, "_WARM_UP_ANSWERS", 0)
     with FmuTwin(axis) as twin:
         twin.run({}, REFERENCE)
         assert children() == []
