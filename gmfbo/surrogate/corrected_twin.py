@@ -32,6 +32,7 @@ from scipy.linalg import cholesky, solve_triangular
 from gmfbo.correction.matern import matern52
 from gmfbo.correction.residual_process import ResidualProcess
 from gmfbo.errors import InputError
+from gmfbo.surrogate.trust import Trust, TrustOf, uniform_trust
 
 CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -112,19 +113,20 @@ class CorrectedTwinModel:
         From trajectories, shape (q, m), to g, shape (q,).
     residual : ResidualProcess
         Of measured minus simulated trajectories; zero while no run has both.
-    scale : float
-        [g] Prior standard deviation of g - m, from predicting each run by the others.
+    trust : callable
+        [g] Prior standard deviation of g - m at points of the unit cube, from predicting each run
+        by the others.
     """
 
     runs: AxisRuns
     cost_of: CostOf
     residual: ResidualProcess
-    scale: float
+    trust: Trust
     _factor: NDArray[np.float64]
     _white: NDArray[np.float64]
 
     @classmethod
-    def fit(cls, runs: AxisRuns, cost_of: CostOf) -> Self:
+    def fit(cls, runs: AxisRuns, cost_of: CostOf, trust_of: TrustOf = uniform_trust) -> Self:
         """Fit the residual, measure its error by leaving runs out, and condition on all runs.
 
         Parameters
@@ -133,6 +135,8 @@ class CorrectedTwinModel:
             At least one.
         cost_of : callable
             From trajectories, shape (q, m), to g, shape (q,).
+        trust_of : callable
+            How the errors of left-out runs become a trust.
         """
         paired = runs.paired
         points, residuals = runs.points[paired], (runs.measured - runs.simulated)[paired]
@@ -141,12 +145,12 @@ class CorrectedTwinModel:
         residual = ResidualProcess.fit(points, residuals, lengthscale=length, extra=extra)
         spread = float(np.ptp(runs.values)) or 1.0
         errors = _left_out_errors(runs, cost_of, length)
-        scale = float(np.median(np.abs(errors))) if len(errors) else spread
+        trust = trust_of(points, errors, spread, LEAST_SCALE * spread)
         everything = np.arange(len(runs.values))
         factor = cholesky(_covariance(runs.points, runs.extra_of(everything)), lower=True)
         departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
-        white = solve_triangular(factor, departures, lower=True)
-        return cls(runs, cost_of, residual, max(scale, LEAST_SCALE * spread), factor, white)
+        white = solve_triangular(factor, departures / trust(runs.points), lower=True)
+        return cls(runs, cost_of, residual, trust, factor, white)
 
     def trajectory(self, points: ArrayLike, simulated: ArrayLike) -> NDArray[np.float64]:
         """Expected trajectory of the axis [signal], shape (q, m); arguments as for `predict`."""
@@ -175,8 +179,10 @@ class CorrectedTwinModel:
         half = solve_triangular(
             self._factor, matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
         )
-        mean = _prior_mean(where, twin, self.residual, self.cost_of) + half.T @ self._white
-        variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
+        scale = self.trust(where)
+        mean = _prior_mean(where, twin, self.residual, self.cost_of)
+        mean = mean + scale * (half.T @ self._white)
+        variance = scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
         return mean, variance
 
 

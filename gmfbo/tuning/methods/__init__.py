@@ -27,10 +27,17 @@ from gmfbo.tuning.methods.registry import added_methods, method_named
 from gmfbo.tuning.methods.rmfbo import RobustMultiFidelity
 from gmfbo.tuning.methods.twin_once import TwinOnce
 
+GMFBO_LOCAL = Gmfbo(
+    name="gmfbo_local",
+    summary="gmfbo that trusts the twin as far as it did well at the gains nearby",
+    trust="local",
+)
+
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
         Gmfbo(),
+        GMFBO_LOCAL,
         GuardedGmfbo(),
         EmulatedGmfbo(),
         KernelGmfbo(),
