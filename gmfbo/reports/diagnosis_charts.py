@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -19,8 +19,8 @@ from gmfbo.reports.svg_chart import (
     Line,
     legend,
     line_chart,
-    thinned_rows,
 )
+from gmfbo.reports.thinning import few_digits, thinned_rows
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
@@ -238,10 +238,6 @@ def _content(curve: Curve, most: int) -> dict[str, object]:
         "errors": errors,
         "styles": {name: STYLES[name] for name in shown},
         "words": {name: WORDS[name] for name in shown},
-        "time": _numbers(curve.time[rows], 8),
-        "values": {name: _numbers(getattr(curve, name)[rows], 5) for name in shown},
+        "time": few_digits(curve.time[rows], 8),
+        "values": {name: few_digits(getattr(curve, name)[rows], 5) for name in shown},
     }
-
-
-def _numbers(values: NDArray[np.float64], digits: int) -> Sequence[float | None]:
-    return [float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in values.tolist()]

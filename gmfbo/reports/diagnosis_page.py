@@ -55,7 +55,12 @@ def diagnosis_page(diagnosis: Diagnosis) -> str:
         embedded_json("diagnosis", diagnosis.to_json()),
         curves_json(diagnosis),
     ]
-    return page(f"Diagnosis: {VERDICTS[diagnosis.verdict]}", "\n".join(filter(None, parts)))
+    return page(
+        f"Diagnosis: {VERDICTS[diagnosis.verdict]}",
+        "\n".join(filter(None, parts)),
+        styles=("style.css",),
+        scripts=("charts.js", "diagnosis.js"),
+    )
 
 
 def _where(diagnosis: Diagnosis) -> list[str]:

@@ -13,7 +13,7 @@ def _resource(name: str) -> str:
     return files("gmfbo.reports").joinpath(name).read_text(encoding="utf-8")
 
 
-def page(title: str, body: str) -> str:
+def page(title: str, body: str, styles: Sequence[str], scripts: Sequence[str]) -> str:
     """Put a body into a page of its own.
 
     Parameters
@@ -22,17 +22,22 @@ def page(title: str, body: str) -> str:
         Text of the title.
     body : str
         HTML.
+    styles, scripts : sequence of str
+        Files of this package, in order; the scripts are one and see each other's names.
 
     Returns
     -------
     str
         The whole page; it loads nothing, and is complete without its script.
     """
+    style = "".join(_resource(name) for name in styles)
+    script = "".join(_resource(name) for name in scripts)
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
-        f"<title>{escape(title)}</title>\n<style>\n{_resource('style.css')}</style></head>\n"
-        f"<body>\n{body}\n<script>\n{_resource('report.js')}</script></body></html>\n"
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style></head>\n"
+        f'<body>\n{body}\n<script>\n"use strict";\n(() => {{\n{script}}})();\n</script>'
+        "</body></html>\n"
     )
 
 

@@ -16,9 +16,10 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.studies.goal import Descent, Goal
 from gmfbo.studies.outcome import Outcome
 from gmfbo.studies.plant_grid import TrueSources
-from gmfbo.tuning.history import IS1_COST, TWIN_COST, History
+from gmfbo.tuning.history import History
 from gmfbo.tuning.method import Method
 from gmfbo.tuning.progress import Progress
+from gmfbo.tuning.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 

@@ -22,17 +22,12 @@ from gmfbo.tuning.gain_choice import GainChoice
 from gmfbo.tuning.incumbent import best_run
 from gmfbo.tuning.joined_runs import ended_by
 from gmfbo.tuning.keep_out import KeepOut
+from gmfbo.tuning.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.state import Observation, TuningState
 from gmfbo.tuning.study_sections import StudyFile
 
 if TYPE_CHECKING:
     from gmfbo.recordings.store import StudyStore
-
-IS1_COST = 1.0
-"""Cost of a real run: the unit."""
-
-TWIN_COST = 0.1
-"""Cost of a run of the twin, corrected or not, as the paper counts it; not the acquisition's H."""
 
 
 class History:

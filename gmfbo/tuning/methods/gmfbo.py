@@ -57,7 +57,7 @@ class Gmfbo:
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the real axis where the corrected twin promises most."""
         from gmfbo.acquisition.improvement import log_improvement
-        from gmfbo.correction.mismatch import scaled_mismatch
+        from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
         points, mean, variance, log_weight = _belief(state, self.trust)

@@ -38,7 +38,7 @@ class EmulatedGmfbo:
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the real axis where the corrected twin promises most."""
         from gmfbo.acquisition.emulated_twin import next_axis_run
-        from gmfbo.correction.mismatch import scaled_mismatch
+        from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
         fitted = _fit(state)

@@ -42,7 +42,7 @@ class KernelGmfbo:
         """Maximise what a query teaches about the real axis over its cost."""
         from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
         from gmfbo.acquisition.maximise import maximise
-        from gmfbo.correction.mismatch import query_cost, scaled_mismatch
+        from gmfbo.objective.mismatch import query_cost, scaled_mismatch
 
         data = observations_of(state, "IS1", "IS2", "IS3")
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))

@@ -41,7 +41,7 @@ class PrintedGmfbo:
         """Maximise EI / H over gains and source, each with the incumbent of its source."""
         from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
         from gmfbo.acquisition.maximise import maximise
-        from gmfbo.correction.mismatch import query_cost
+        from gmfbo.objective.mismatch import query_cost
 
         data, mismatch = _data(state), printed_mismatch(state)
         model = fit_surrogate(data, mismatch)
@@ -68,14 +68,14 @@ def _data(state: TuningState) -> Observations:
 
 def printed_mismatch(state: TuningState) -> float:
     """Mean of |g_c - g_2| / |g_c| over the corrected runs; 1 without any."""
-    from gmfbo.correction.mismatch import relative_mismatch
+    from gmfbo.objective.mismatch import relative_mismatch
 
     return relative_mismatch(*corrected_and_twin(state, scaled=False))
 
 
 def fit_surrogate(data: Observations, mismatch: float) -> SourceModel:
     """Fit the printed surrogate, with l_g0 set by the mismatch."""
-    from gmfbo.correction.mismatch import source_lengthscale
+    from gmfbo.objective.mismatch import source_lengthscale
     from gmfbo.surrogate.model import SourceModel, SurrogateSettings
 
     settings = SurrogateSettings(source_lengthscale=source_lengthscale(mismatch))

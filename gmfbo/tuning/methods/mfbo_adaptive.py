@@ -28,7 +28,7 @@ class AdaptiveMultiFidelity:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise EI / H over gains and source, with l_g0 and H from the mismatch."""
-        from gmfbo.correction.mismatch import query_cost
+        from gmfbo.objective.mismatch import query_cost
 
         data, mismatch = unprompted_observations(state, "IS1", "IS2"), printed_mismatch(state)
         model = fit_surrogate(data, mismatch)

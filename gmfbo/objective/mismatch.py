@@ -81,4 +81,4 @@ def _pairs(corrected: ArrayLike, twin: ArrayLike) -> tuple[np.ndarray, np.ndarra
 def _guarded(g_c: np.ndarray) -> np.ndarray:
     largest = float(np.abs(g_c).max())
     floor = LEAST_SHARE * largest if largest > 0.0 else 1.0
-    return np.maximum(np.abs(g_c), floor)
+    return np.asarray(np.maximum(np.abs(g_c), floor))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.correction.mismatch import (
+from gmfbo.objective.mismatch import (
     query_cost,
     relative_mismatch,
     scaled_mismatch,
