@@ -27,6 +27,7 @@ from gmfbo.cli import (
     import_,
     inspect,
     methods,
+    report,
     simulate,
     tell,
     tune,
@@ -59,6 +60,7 @@ app.command("compensate")(compensate.compensate)
 app.command("compare")(compare.compare)
 app.command("methods")(methods.methods)
 app.command("export")(export.export)
+app.command("report")(report.report)
 app.command("build")(build.build)
 
 

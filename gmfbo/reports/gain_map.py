@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 LEVELS = 10
 """Shades of the map; the page's style has a class for each."""
 
-_SIDE = 72
+_SIDE = 90
 _PROFILE = 200
 _ORDER = ("IS2", "IS3", "IS1")  # real runs on top
 
@@ -151,7 +151,7 @@ def _map_words(found: CostMap | None) -> str:
         return "Too few runs to interpolate the cost between them."
     return (
         f"Shaded: cost of the {SOURCES[found.source]}, interpolated between {found.runs} of its "
-        "runs, from dark (low, good) to light, as much area of each shade. A real run has the "
+        "runs, from strong (low, good) to faint, as much area of each shade. A real run has the "
         "shade of its own cost: where it stands out, the twin is wrong."
     )
 

@@ -91,12 +91,18 @@ def paragraph(text: str, style: str = "") -> str:
     return f'<p class="{style}">{escape(text)}</p>' if style else f"<p>{escape(text)}</p>"
 
 
-def columns(*parts: str) -> str:
-    """Put HTML side by side where the screen is wide enough; nothing for none."""
-    shown = [part for part in parts if part]
-    return (
-        f'<div class="columns">{"".join(f"<div>{p}</div>" for p in shown)}</div>' if shown else ""
-    )
+def columns(*parts: str, style: str = "") -> str:
+    """Put HTML side by side where the screen is wide enough; nothing for none.
+
+    Parameters
+    ----------
+    *parts : str
+        HTML; empty ones are left out.
+    style : str
+        Class in the page's style, which may say how wide a column is at least.
+    """
+    shown = "".join(f"<div>{part}</div>" for part in parts if part)
+    return f'<div class="{f"columns {style}".strip()}">{shown}</div>' if shown else ""
 
 
 def folded(summary: str, content: str) -> str:

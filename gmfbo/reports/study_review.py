@@ -229,6 +229,12 @@ class StudyReview:
         return logged[-1] if logged else None
 
     @property
+    def ended(self) -> bool:
+        """Whether the study came to its end, and was not gone on with since."""
+        last = [e["event"] for e in self.events if e["event"] in ("ask", "tell", "recommendation")]
+        return bool(last) and last[-1] == "recommendation"
+
+    @property
     def metrics(self) -> tuple[str, ...]:
         """Names of all metrics, those of the cost first."""
         known = list(dict.fromkeys([*self.file.objective.weights, *self.runs[0].trial.metrics]))
