@@ -31,6 +31,7 @@ from gmfbo.cli import (
     simulate,
     tell,
     tune,
+    watch,
 )
 from gmfbo.cli.many_values import ManyValuesCommand
 from gmfbo.errors import GmfboError
@@ -50,6 +51,7 @@ app.command("inspect")(inspect.inspect)
 app.command("import")(import_.import_)
 app.command("simulate")(simulate.simulate)
 app.command("tune")(tune.tune)
+app.command("watch")(watch.watch)
 app.command("ask")(ask.ask)
 app.command("tell")(tell.tell)
 app.command("check")(check.check)

@@ -55,12 +55,8 @@ class StudyDisplay:
                 count=count,
                 state=_state(step),
             )
-        if step.source == "IS1" and step.phase in ("initial", "query"):
-            self._bar.console.print(
-                f"real run {step.is1_runs}: {gains_text(step.gains)}, "
-                f"objective {step.objective:.4f}"
-                + ("" if step.status == "ok" else f" ({step.status})")
-            )
+        if told := real_run_text(step):
+            self._bar.console.print(told)
         if step.note:
             self._bar.console.print(f"note: {step.note}")
 
@@ -76,6 +72,22 @@ class StudyDisplay:
 
     def __exit__(self, *exception: object) -> None:
         self._bar.stop()
+
+
+def real_run_text(step: progress.Progress) -> str:
+    """Tell of a real run in a line; nothing for other runs.
+
+    Parameters
+    ----------
+    step : Progress
+        One finished run.
+    """
+    if step.source != "IS1" or step.phase not in ("initial", "query"):
+        return ""
+    ended = "" if step.status == "ok" else f" ({step.status})"
+    return (
+        f"real run {step.is1_runs}: {gains_text(step.gains)}, objective {step.objective:.4f}{ended}"
+    )
 
 
 def _state(step: progress.Progress) -> str:

@@ -10,6 +10,7 @@ import typer
 from gmfbo.cli.console import console, gains_text
 
 if TYPE_CHECKING:
+    from gmfbo.reports.study_review import StudyReview
     from gmfbo.tuning.request import TuningResult
     from gmfbo.tuning.study import Study
 
@@ -51,8 +52,16 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
     return result
 
 
-def print_result(study: Study, result: TuningResult) -> None:
-    """Print the gains that a study came to."""
+def print_result(study: Study | StudyReview, result: TuningResult) -> None:
+    """Print the gains that a study came to.
+
+    Parameters
+    ----------
+    study : Study or StudyReview
+        Of which file and location are told.
+    result : TuningResult
+        What it came to.
+    """
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
         f"{result.queries} queries after the initial data, "

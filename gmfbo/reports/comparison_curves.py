@@ -61,3 +61,120 @@ class Landscape:
     objective: Array
     error: Array
     seed: int
+
+
+@dataclass(frozen=True, eq=False)
+class SeedRun:
+    """What one method came to on one seed; n real runs.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    seed : int
+        Of the study.
+    n_star : int or None
+        Real runs until it arrived, initial ones counted; None where it never did.
+    never : int
+        What stands for n* where it never arrived.
+    best, regret : ndarray, shape (n,)
+        After each real run: least true cost g, and its share of the way from the optimum to the
+        median gains.
+    cost : float
+        [real runs] Of all runs.
+    twin_runs, corrected_runs : int
+        Runs of IS2 and IS3.
+    seconds : float
+        [s] Wall clock of the whole study.
+    """
+
+    method: str
+    seed: int
+    n_star: int | None
+    never: int
+    best: Array
+    regret: Array
+    cost: float
+    twin_runs: int
+    corrected_runs: int
+    seconds: float
+
+    @property
+    def counted(self) -> int:
+        """Real runs until it arrived, those that never did with their price."""
+        return self.never if self.n_star is None else self.n_star
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A statistic over seeds with its 95 % interval.
+
+    Attributes
+    ----------
+    value, low, high : float
+        [unit of the sample]
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class MethodSummary:
+    """What a method came to over all its seeds.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    seeds : int
+        How many.
+    median, mean : Spread
+        Of n*, real runs until it arrived.
+    never : float
+        Share of the seeds on which it did not arrive.
+    regret : float
+        Mean at the end, as a share of the way from the optimum to the median gains.
+    cost : float
+        [real runs] Mean cost of all runs.
+    seconds : float
+        [s] Mean wall clock.
+    """
+
+    method: str
+    seeds: int
+    median: Spread
+    mean: Spread
+    never: float
+    regret: float
+    cost: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonReview:
+    """A comparison of methods as it is told to a person.
+
+    Attributes
+    ----------
+    name : str
+        Of its folder.
+    text : str
+        Its tables.
+    curves : tuple of Curve
+        Of all methods.
+    landscape : Landscape or None
+        None where other than two gains are tuned.
+    runs : tuple of SeedRun
+        Of every seed; empty where only the tables were kept.
+    methods : tuple of MethodSummary
+        In the order in which they are shown; empty without runs.
+    """
+
+    name: str
+    text: str
+    curves: tuple[Curve, ...]
+    landscape: Landscape | None
+    runs: tuple[SeedRun, ...] = ()
+    methods: tuple[MethodSummary, ...] = ()

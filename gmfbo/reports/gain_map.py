@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from gmfbo.reports.html_page import paragraph
 from gmfbo.reports.interpolated_objective import InterpolatedObjective
 from gmfbo.reports.run_marks import SOURCES, best_mark, mark_legend, run_mark
 from gmfbo.reports.run_roles import Run
+from gmfbo.reports.shaded_map import shade_levels, shade_of, shaded_cells
 from gmfbo.reports.study_review import StudyReview
 from gmfbo.reports.svg_axis import Axis, LogAxis
 from gmfbo.reports.svg_chart import Line, line_path
@@ -20,9 +20,6 @@ from gmfbo.reports.svg_frame import HIGH, WIDE, framed
 from gmfbo.space import Gain
 
 Array = NDArray[np.float64]
-
-LEVELS = 10
-"""Shades of the map; the page's style has a class for each."""
 
 _SIDE = 90
 _PROFILE = 200
@@ -39,8 +36,8 @@ class CostMap:
         Middle of each cell [unit of the gain].
     objective : ndarray, shape (n, n)
         Cost g, the first gain along the first axis.
-    levels : ndarray, shape (LEVELS - 1,)
-        Costs between two shades: as many cells of each.
+    levels : ndarray, shape (SHADES - 1,)
+        Costs between two shades.
     source : str
         Whose cost it is.
     runs : int
@@ -75,9 +72,7 @@ def cost_map(review: StudyReview) -> CostMap | None:
     unit = np.stack(np.meshgrid(middle, middle, indexing="ij"), axis=-1).reshape(-1, 2)
     costs = between.at(unit).reshape(_SIDE, _SIDE)
     x, y = review.space.from_unit(np.stack([middle, middle], axis=-1)).T
-    # Costs rise steeply at the box's edge; shades by rank show the valley too.
-    levels = np.quantile(costs, np.linspace(0.0, 1.0, LEVELS + 1)[1:-1])
-    return CostMap(x, y, costs, levels, between.source, between.runs)
+    return CostMap(x, y, costs, shade_levels(costs), between.source, between.runs)
 
 
 def gain_map(review: StudyReview) -> str:
@@ -114,7 +109,7 @@ def _map(review: StudyReview) -> str:
     first, second = review.space.gains
     x_axis, y_axis = _axis(first, 0.0, WIDE), _axis(second, HIGH, 0.0)
     found = cost_map(review)
-    under = [] if found is None else _cells(found)
+    under = [] if found is None else shaded_cells(found.objective, found.levels)
     marks = [
         run_mark(
             run,
@@ -159,27 +154,7 @@ def _map_words(found: CostMap | None) -> str:
 def _shade(run: Run, found: CostMap) -> str:
     if run.trial.source != "IS1" or run.trial.status != "ok":
         return ""
-    return f"s{int(np.searchsorted(found.levels, run.trial.objective))}"
-
-
-def _cells(found: CostMap) -> list[str]:
-    """One path for each shade; cells of a row that have the same are one rectangle."""
-    shade = np.searchsorted(found.levels, found.objective)
-    wide, high = WIDE / _SIDE, HIGH / _SIDE
-    paths: list[list[str]] = [[] for _ in range(LEVELS)]
-    for row in range(_SIDE):
-        column = shade[:, row]
-        edges = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), _SIDE]
-        top = round(HIGH - (row + 1) * high)
-        tall = round(HIGH - row * high) - top
-        for start, end in pairwise(edges):
-            left, right = round(start * wide), round(end * wide)
-            paths[int(column[start])].append(f"M{left} {top}h{right - left}v{tall}h{left - right}Z")
-    return [
-        f'<path class="cell s{level}" d="{"".join(path)}"/>'
-        for level, path in enumerate(paths)
-        if path
-    ]
+    return shade_of(run.trial.objective, found.levels)
 
 
 def _profile(review: StudyReview, column: int) -> str:

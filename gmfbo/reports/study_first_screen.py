@@ -90,7 +90,7 @@ def _head(review: StudyReview, content: Mapping[str, Any]) -> str:
 
 def _lead(review: StudyReview, content: Mapping[str, Any]) -> str:
     counts, parts = content["counts"], []
-    for source, what in (("IS2", "of the twin"), ("IS3", "of the corrected twin")):
+    for source, what in (("IS2", "runs of the twin"), ("IS3", "of the corrected twin")):
         if counts[source]:
             parts.append(f"{marked_count(('counts', source), counts[source])} {what}")
     stood_in = f"{' and '.join(parts)} were made instead of real ones. " if parts else ""

@@ -36,7 +36,9 @@ def study_page(review: StudyReview) -> str:
     content = study_content(review)
     parts = [
         study_first_screen(review, content),
-        section("Any run", columns(gain_map(review), _viewer()), name="runs"),
+        section(
+            "Gains that were run: choose one", columns(gain_map(review), _viewer()), name="runs"
+        ),
         section("On the way to the best", descent_charts(review), objective_words(review)),
         section("Who was asked", source_chart(review)),
         section("How far the twin was trusted", trust_charts(review), name="trust"),
@@ -49,7 +51,7 @@ def study_page(review: StudyReview) -> str:
     return page(
         f"Tuning of {review.file.name}",
         "\n".join(filter(None, parts)),
-        styles=("style.css", "study.css"),
+        styles=("style.css", "map.css", "study.css"),
         scripts=("charts.js", "study.js"),
     )
 

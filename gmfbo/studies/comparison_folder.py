@@ -51,6 +51,11 @@ class ComparisonFolder:
         """The plant over two gains."""
         return self.path / "landscape.txt"
 
+    @property
+    def finished_runs(self) -> list[Path]:
+        """What each finished run came to, a text each."""
+        return sorted((self.path / "runs").glob("*.json"))
+
     @contextlib.contextmanager
     def writing(self) -> Iterator[None]:
         """Hold the folder against other processes; made where it is missing.
@@ -86,7 +91,7 @@ class ComparisonFolder:
         StoreError
             They are of another study.
         """
-        kept = [Outcome.read(path) for path in sorted((self.path / "runs").glob("*.json"))]
+        kept = [Outcome.read(path) for path in self.finished_runs]
         if any(outcome.study != key for outcome in kept):
             raise StoreError(
                 f"{self.path}: holds runs of another study file, twin or grid, which must not be "

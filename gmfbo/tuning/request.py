@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.drift import Drift
 from gmfbo.tuning.method import Recommendation
+
+if TYPE_CHECKING:
+    from gmfbo.tuning.drift import Drift
 
 
 @dataclass(frozen=True)

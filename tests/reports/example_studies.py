@@ -29,7 +29,7 @@ normalise = {twin_runs}
 [budget]
 initial_is1 = 2
 initial_is2 = {twin_runs}
-iterations = 3
+iterations = 4
 """
 
 TIME = np.linspace(0.0, 1.1, 551)

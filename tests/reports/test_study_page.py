@@ -85,9 +85,10 @@ def test_best_and_first_are_those_of_the_real_runs_that_succeeded(
     assert descent["objective"] == [objective for _, objective, _ in real]
     so_far = [good.get(number, np.inf) for number in descent["numbers"]]
     assert descent["best"] == np.minimum.accumulate(so_far).tolist()
+    trials = stored(folder)
     for name, one in content["comparison"].items():
         for which in ("first", "best"):
-            held = stored(folder)[content[which]]["attributes"]
+            held = trials[content[which]]["attributes"]
             assert one[which] == held["objective" if name == "objective" else f"metric.{name}"]
 
 

@@ -1,0 +1,68 @@
+"""`gmfbo watch`: a running study, followed from its folder."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gmfbo.cli.console import console
+
+if TYPE_CHECKING:
+    from gmfbo.reports.study_follower import StudyFollower
+
+
+def watch(
+    study: Annotated[Path, typer.Argument(help="Study folder (NAME.study), written by 'tune'.")],
+    interval: Annotated[
+        float, typer.Option(min=0.1, help="[s] Between two looks at the folder.")
+    ] = 1.0,
+) -> None:
+    """Follow a running study until it ends; Ctrl-C stops watching, not the study.
+
+    It reads the folder alone, so it may run on another machine that sees the folder.
+    """
+    from gmfbo.cli.study_display import StudyDisplay, real_run_text
+    from gmfbo.reports.study_follower import StudyFollower
+
+    follower = StudyFollower(study)
+    with StudyDisplay(console, follower.file.budget.is1_runs) as display:
+        while True:
+            for step in follower.news():
+                display.show(step)
+                if not console.is_terminal and (told := real_run_text(step)):
+                    console.print(told, markup=False)
+            if follower.state != "running":
+                break
+            time.sleep(interval)
+    _print_end(follower)
+
+
+def _print_end(follower: StudyFollower) -> None:
+    from gmfbo.cli.tune import print_result
+    from gmfbo.tuning.method import Recommendation
+    from gmfbo.tuning.request import TuningResult
+
+    review = follower.review
+    if follower.state == "interrupted":
+        console.print(
+            f"interrupted after {len(review.runs)} runs; 'gmfbo tune --resume' goes on",
+            markup=False,
+        )
+    advised, taken = review.recommendation, review.logged("earlier")
+    earlier = len(taken[-1]["trials"]) if taken else 0
+    result = TuningResult(
+        best=review.best,
+        recommendation=Recommendation(advised["gains"], advised["mean"], advised["std"])
+        if advised
+        else None,
+        is1_runs=len(review.real) - earlier,
+        queries=review.runs[-1].query if review.runs else 0,
+        cost=review.runs[-1].cost if review.runs else 0.0,
+        drifts=review.drifts,
+        earlier=earlier,
+        left_out=taken[-1]["left_out"] if taken else 0,
+    )
+    print_result(review, result)
