@@ -31,7 +31,7 @@ def compare(
         int, typer.Option(help="Points along a side of the grid that gives the true optimum.")
     ] = 41,
     figures: Annotated[
-        Path | None, typer.Option(help="Folder to draw the figures into (SVG and PNG).")
+        Path | None, typer.Option(help="Folder to draw the figures into (SVG, PDF, PNG).")
     ] = None,
 ) -> None:
     """Compare tuning methods on the same seeds of a study, against the true optimum.

@@ -20,6 +20,10 @@ def report(
         ),
     ],
     out: Annotated[Path, typer.Option(help="Page to write (.html); an older one is replaced.")],
+    figures: Annotated[
+        Path | None,
+        typer.Option(help="Folder to draw figures for a paper into (PDF and SVG)."),
+    ] = None,
 ) -> None:
     """Write a self-contained page of a study, which may still run, or of a comparison.
 
@@ -31,21 +35,37 @@ def report(
 
     if out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out: expected a file name that ends in .html, got '{out}'")
-    page = _page(study).encode()
+    page, drawn = _page(study, figures)
     try:
-        write_whole(out, page)
+        write_whole(out, page.encode())
     except OSError as error:
         raise InputError(f"--out: cannot write '{out}': {cause(error)}") from None
-    typer.echo(f"{study} -> {out} ({len(page) / 1e6:.1f} MB)")
+    typer.echo(f"{study} -> {out} ({len(page.encode()) / 1e6:.1f} MB)")
+    for path in drawn:
+        typer.echo(f"drawn   {path}")
 
 
-def _page(study: Path) -> str:
-    if (study / TABLE_NAME).is_file():
-        from gmfbo.reports.comparison_page import comparison_page
-        from gmfbo.studies.comparison_review import review_comparison
-
-        return comparison_page(review_comparison(study))
+def _page(path: Path, figures: Path | None) -> tuple[str, list[Path]]:
+    """The page, and the figures that were drawn."""
+    if (path / TABLE_NAME).is_file():
+        return _comparison_page(path, figures)
     from gmfbo.reports.study_page import study_page
     from gmfbo.reports.study_review import StudyReview
 
-    return study_page(StudyReview.read(study))
+    review = StudyReview.read(path)
+    drawn = []
+    if figures is not None:
+        from gmfbo.reports.study_figures import draw_study
+
+        drawn = draw_study(review, figures)
+    return study_page(review), drawn
+
+
+def _comparison_page(path: Path, figures: Path | None) -> tuple[str, list[Path]]:
+    from gmfbo.reports.comparison_figures import draw_comparison
+    from gmfbo.reports.comparison_page import comparison_page
+    from gmfbo.studies.comparison_review import review_comparison
+
+    review = review_comparison(path)
+    drawn = draw_comparison(review.curves, review.landscape, figures) if figures else []
+    return comparison_page(review), drawn

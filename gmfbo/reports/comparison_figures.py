@@ -4,28 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from gmfbo.reports.comparison_charts import ARRIVED, LEAST_REGRET
 from gmfbo.reports.comparison_curves import Curve, Landscape
+from gmfbo.reports.figure_map import draw_map
+from gmfbo.reports.figure_style import (
+    DASHES,
+    METHOD_COLOURS,
+    gain_label,
+    in_style,
+    new_figure,
+    save_figure,
+)
 
-ARRIVED = 0.02
-"""Regret at which a method counts as arrived."""
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#8c6d00", "#7f3fbf", "#555555")
-"""Okabe and Ito 2008, told apart by colour-blind readers, darkened for lines."""
-
-_DASHES = ("-", "--", "-.", ":")
+_REAL_RUNS = "real runs, initial ones counted [1]"
 
 
 def draw_comparison(
     curves: Sequence[Curve], landscape: Landscape | None, folder: Path
 ) -> list[Path]:
-    """Draw all figures of a comparison, each as SVG and PNG.
+    """Draw all figures of a comparison, each as SVG, PDF and PNG.
 
     Parameters
     ----------
@@ -40,38 +45,45 @@ def draw_comparison(
     -------
     list of Path
         Of the SVG files.
+
+    Raises
+    ------
+    InputError
+        matplotlib is missing, or a file cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    # Letters stay letters, and the same tables give the same bytes.
-    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "gmfbo", "font.size": 9.0}):
-        figures = {"sampling_cost": _cost(curves), "best_observed": _best(curves)}
-        if landscape is not None:
-            figures["landscape"] = _landscape(landscape)
-        for name, figure in figures.items():
-            figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
-            figure.savefig(folder / f"{name}.png", dpi=150)
+    figures = {"sampling_cost": sampling_cost(curves), "best_observed": best_observed(curves)}
+    if landscape is not None:
+        figures["landscape"] = landscape_figure(landscape)
+    for name, figure in figures.items():
+        for ending in (".svg", ".pdf", ".png"):
+            save_figure(figure, folder / f"{name}{ending}")
     return [folder / f"{name}.svg" for name in figures]
 
 
-def _landscape(landscape: Landscape) -> Figure:
-    figure = Figure((8.4, 3.4), layout="constrained")
+@in_style
+def landscape_figure(landscape: Landscape) -> Figure:
+    """Draw the true objective over two gains, and the relative error of the twin.
+
+    Parameters
+    ----------
+    landscape : Landscape
+        Of a comparison.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two maps with the best gains of the plant.
+    """
+    figure = new_figure(8.4, 3.4)
     left, right = figure.subplots(1, 2, sharey=True)
-    # Costs rise steeply at the box's edge; levels by rank show the valley too.
-    shown: tuple[tuple[Axes, NDArray[np.float64], str, str], ...] = (
-        (left, landscape.objective, "true objective g of the plant", "viridis"),
-        (right, landscape.error, "relative error of the twin's cost [%]", "magma_r"),
+    shown = (
+        (left, landscape.objective, "true objective g of the plant [1]", "viridis"),
+        (right, landscape.error, "relative error of the twin's cost G [%]", "magma_r"),
     )
     for axes, values, title, colours in shown:
-        levels = np.unique(np.quantile(values, np.linspace(0.0, 1.0, 16)))
-        if levels.size < 3:
-            levels = np.linspace(levels[0] - 0.5, levels[-1] + 0.5, 3)
-        norm = mpl.colors.BoundaryNorm(levels, 256)
-        filled = axes.contourf(
-            landscape.x, landscape.y, values.T, levels=levels, cmap=colours, norm=norm
-        )
-        figure.colorbar(filled, ax=axes, format="%.3g", ticks=levels[::3])
-        axes.set(title=title, xlabel=landscape.names[0])
-    left.set_ylabel(landscape.names[1])
+        draw_map(axes, landscape.x, landscape.y, values, title, colours)
+        axes.set_xlabel(gain_label(landscape.names[0]), parse_math=False)
+    left.set_ylabel(gain_label(landscape.names[1]), parse_math=False)
     row, column = np.unravel_index(np.argmin(landscape.objective), landscape.objective.shape)
     for axes in (left, right):
         axes.plot(landscape.x[row], landscape.y[column], "w*", markeredgecolor="k", markersize=10)
@@ -79,34 +91,56 @@ def _landscape(landscape: Landscape) -> Figure:
     return figure
 
 
-def _cost(curves: Sequence[Curve]) -> Figure:
-    figure = Figure((6.4, 3.6), layout="constrained")
+@in_style
+def sampling_cost(curves: Sequence[Curve]) -> Figure:
+    """Draw the cost of all runs against queries, a mean over seeds with its 95 % interval.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        Of all methods; those named `cost` are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel.
+    """
+    figure = new_figure(6.4, 3.6)
     axes = figure.subplots()
     _lines(axes, curves, "cost")
     axes.set(
-        xlabel="queries after the initial data",
+        xlabel="queries after the initial data [1]",
         ylabel="cost of all runs [real runs]",
-        title="a real run counts 1, a twin run or a corrected one 0.1",
         ylim=(0.0, None),
     )
+    axes.set_title("a real run counts 1, a twin run or a corrected one 0.1", fontsize=9.0)
     figure.legend(loc="outside right upper", frameon=False)
     return figure
 
 
-def _best(curves: Sequence[Curve]) -> Figure:
-    figure = Figure((8.4, 3.8), layout="constrained")
+@in_style
+def best_observed(curves: Sequence[Curve]) -> Figure:
+    """Draw the best real run so far against real runs: its cost, and what is left to go.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        Of all methods; those named `objective` and `regret` are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two panels; means over seeds with their 95 % intervals.
+    """
+    figure = new_figure(8.4, 3.8)
     left, right = figure.subplots(1, 2)
     _lines(left, curves, "objective")
     _lines(right, curves, "regret")
     right.axhline(ARRIVED, color="k", linewidth=0.8, linestyle=":")
     right.set_yscale("log")
-    # Below a thousandth of the way differences mean nothing; zero cannot be drawn.
-    right.set_ylim(1e-3, None)
-    left.set(ylabel="best observed objective g", xlabel="real runs, initial ones counted")
-    right.set(
-        ylabel="of the way from the optimum to the median",
-        xlabel="real runs, initial ones counted",
-    )
+    right.set_ylim(LEAST_REGRET, None)
+    left.set(ylabel="best observed objective g [1]", xlabel=_REAL_RUNS)
+    right.set(ylabel="of the way from the optimum to the median [1]", xlabel=_REAL_RUNS)
     figure.legend(*left.get_legend_handles_labels(), loc="outside right upper", frameon=False)
     return figure
 
@@ -114,8 +148,8 @@ def _best(curves: Sequence[Curve]) -> Figure:
 def _lines(axes: Axes, curves: Sequence[Curve], name: str) -> None:
     """Draw each method's mean, its 95 % interval as a band."""
     for number, curve in enumerate(curve for curve in curves if curve.name == name):
-        colour = _COLOURS[number % len(_COLOURS)]
-        dashes = _DASHES[number // len(_COLOURS) % len(_DASHES)]
+        colour = METHOD_COLOURS[number % len(METHOD_COLOURS)]
+        dashes = DASHES[number // len(METHOD_COLOURS) % len(DASHES)]
         axes.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.15, linewidth=0.0)
         axes.plot(
             curve.x,
@@ -125,4 +159,3 @@ def _lines(axes: Axes, curves: Sequence[Curve], name: str) -> None:
             linewidth=1.4,
             label=f"{curve.method} ({curve.seeds})",
         )
-    axes.grid(visible=True, linewidth=0.4, alpha=0.5)

@@ -6,9 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gmfbo.diagnosis.plain_words import percent, unit_words, words
+from gmfbo.diagnosis.plain_words import percent, words
 from gmfbo.errors import InputError
 from gmfbo.reports.diagnosis_charts import recordings_to_show
+from gmfbo.reports.figure_style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    VERMILION,
+    axis_label,
+    in_style,
+    new_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,10 +26,8 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.curve import Curve
 
-# Okabe and Ito (2008): apart for every kind of colour vision.
-BLUE, VERMILION, ORANGE, GREY = "#0072b2", "#d55e00", "#e69f00", "#8a929c"
 
-
+@in_style
 def before_and_after(diagnosis: Diagnosis, recording: str | None = None) -> Figure:
     """Draw each signal of a recording, and its error, with and without the physics.
 
@@ -53,7 +60,7 @@ def before_and_after(diagnosis: Diagnosis, recording: str | None = None) -> Figu
         raise InputError(
             f"expected a recording that was diagnosed, got '{chosen}'; known are {', '.join(names)}"
         )
-    figure = _new_figure(12.0, 3.0 * len(curves))
+    figure = new_figure(12.0, 3.0 * len(curves))
     axes = figure.subplots(len(curves), 2, sharex=True, squeeze=False)
     for row, curve in zip(axes, curves, strict=True):
         _draw_signal(row[0], curve)
@@ -68,6 +75,7 @@ def before_and_after(diagnosis: Diagnosis, recording: str | None = None) -> Figu
     return figure
 
 
+@in_style
 def latent_shape(diagnosis: Diagnosis) -> Figure:
     """Draw the inferred signal that has no name, with its 95 % band.
 
@@ -92,15 +100,16 @@ def latent_shape(diagnosis: Diagnosis) -> Figure:
             f"expected a diagnosis outside the library, got '{diagnosis.verdict}', which has no "
             "inferred shape; plot before_and_after instead"
         )
-    figure = _new_figure(7.0, 4.0)
+    figure = new_figure(7.0, 4.0)
     axis = figure.subplots()
     axis.fill_between(shape.x, shape.y_low, shape.y_high, color=BLUE, alpha=0.2, linewidth=0)
     axis.plot(shape.x, shape.y, color=BLUE)
-    axis.set_xlabel(_label(words(shape.against), shape.unit_x))
-    axis.set_ylabel(_label(f"missing at the {words(shape.port)} port", shape.unit_y))
+    axis.set_xlabel(axis_label(words(shape.against), shape.unit_x))
+    axis.set_ylabel(axis_label(f"missing at the {words(shape.port)} port", shape.unit_y))
     return figure
 
 
+@in_style
 def error_table(diagnosis: Diagnosis) -> Figure:
     """Draw the errors on held-out recordings as bars, with their values.
 
@@ -128,7 +137,7 @@ def error_table(diagnosis: Diagnosis) -> Figure:
         ("augmented", "augmented", BLUE),
         ("noise floor", "noise_floor", ORANGE),
     )
-    figure = _new_figure(8.0, 0.6 + 1.6 * len(signals))
+    figure = new_figure(8.0, 0.6 + 1.6 * len(signals))
     axes = figure.subplots(len(signals), 1, squeeze=False)[:, 0]
     for axis, (name, fit) in zip(axes, signals.items(), strict=True):
         known = [(*model, float(getattr(fit, model[1]))) for model in models]
@@ -143,22 +152,11 @@ def error_table(diagnosis: Diagnosis) -> Figure:
     return figure
 
 
-def _new_figure(wide: float, high: float) -> Figure:
-    try:
-        from gmfbo.reports.notebook_figure import NotebookFigure
-    except ImportError:
-        raise InputError(
-            "a figure needs matplotlib, which is not installed; run "
-            "'pip install \"gmfbo[notebooks]\"', or open report.html"
-        ) from None
-    return NotebookFigure(figsize=(wide, high), layout="constrained")
-
-
 def _draw_signal(axis: Axes, curve: Curve) -> None:
     axis.plot(curve.time, curve.recorded, color="black", alpha=0.5, linewidth=2, label="recorded")
     axis.plot(curve.time, curve.nominal, color=GREY, linestyle=":", label="nominal")
     axis.plot(curve.time, curve.augmented, color=BLUE, label="augmented")
-    axis.set_ylabel(_label(words(curve.signal), curve.unit), parse_math=False)
+    axis.set_ylabel(axis_label(words(curve.signal), curve.unit), parse_math=False)
     axis.legend(loc="best", fontsize=8)
 
 
@@ -166,9 +164,5 @@ def _draw_error(axis: Axes, curve: Curve) -> None:
     before = curve.recorded - curve.parameters_only
     axis.plot(curve.time, before, color=VERMILION, linestyle="--", label="parameters only")
     axis.plot(curve.time, curve.recorded - curve.augmented, color=BLUE, label="augmented")
-    axis.set_ylabel(_label("error", curve.unit), parse_math=False)
+    axis.set_ylabel(axis_label("error", curve.unit), parse_math=False)
     axis.legend(loc="best", fontsize=8)
-
-
-def _label(what: str, unit: str) -> str:
-    return f"{what} [{unit_words(unit)}]" if unit_words(unit) else what

@@ -162,12 +162,9 @@ def _allowed_chart(review: StudyReview) -> str:
 
 
 def _error_chart(review: StudyReview) -> str:
-    if not review.correction:
+    x, twin, corrected = error_series(review)
+    if not x.size:
         return ""
-    queries = {run.trial.number: run.query for run in review.runs}
-    x = np.array([float(queries[number]) for number, _, _ in review.correction])
-    twin = np.array([before for _, before, _ in review.correction])
-    corrected = np.array([after for _, _, after in review.correction])
     signal = review.file.objective.signal
     unit = unit_text(review.real[0].trial.recording.units.get(signal, "")) or "1"
     lines = [
@@ -201,8 +198,28 @@ def mismatch_series(review: StudyReview) -> tuple[Array, Array]:
     """
     queries = {run.trial.number: run.query for run in review.runs}
     told = [(float(queries[number]), value) for number, value in review.mismatch]
-    table = np.reshape(np.array(told, dtype=float), (-1, 2))
-    return table[:, 0], table[:, 1]
+    query, mismatch = np.reshape(np.array(told, dtype=float), (-1, 2)).T
+    return query, mismatch
+
+
+def error_series(review: StudyReview) -> tuple[Array, Array, Array]:
+    """Queries with a correction, and the RMS error of the twin before and after it.
+
+    Parameters
+    ----------
+    review : StudyReview
+        Of a study.
+
+    Returns
+    -------
+    query, twin, corrected : ndarray, shape (n,)
+        Errors [unit of the scored signal]; the corrected twin predicts each sample from the
+        others.
+    """
+    queries = {run.trial.number: run.query for run in review.runs}
+    told = [(float(queries[number]), *errors) for number, *errors in review.correction]
+    query, twin, corrected = np.reshape(np.array(told, dtype=float), (-1, 3)).T
+    return query, twin, corrected
 
 
 def _over_queries(

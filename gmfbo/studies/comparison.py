@@ -80,7 +80,7 @@ class Comparison:
         Parameters
         ----------
         folder : str or Path
-            Where the SVG and PNG files go.
+            Where the SVG, PDF and PNG files go.
 
         Returns
         -------
@@ -96,13 +96,8 @@ class Comparison:
         """
         kept = ComparisonFolder(self.folder)
         curves, landscape = read_curves(kept.curves), read_landscape(kept.landscape)
-        try:
-            from gmfbo.reports.comparison_figures import draw_comparison
-        except ImportError:
-            raise InputError(
-                "figures need matplotlib, which is not installed; run "
-                "'pip install \"gmfbo[notebooks]\"'; the tables are written all the same"
-            ) from None
+        from gmfbo.reports.comparison_figures import draw_comparison
+
         return draw_comparison(curves, landscape, Path(folder))
 
     def __str__(self) -> str:

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gmfbo.errors import InputError
 from gmfbo.objective.mismatch import (
     query_cost,
     relative_mismatch,
     scaled_mismatch,
     source_lengthscale,
 )
-from gmfbo.errors import InputError
 
 
 def test_printed_mismatch_is_the_mean_of_relative_errors() -> None:

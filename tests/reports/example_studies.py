@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.objective.metrics import step_metrics
 from gmfbo.recordings import Trajectory, Trial
+from gmfbo.recordings.recording import Status
 from gmfbo.recordings.store import StudyStore
 from gmfbo.recordings.trial import SourceName
 
@@ -83,7 +84,7 @@ class ExampleStudy:
         *,
         parent: int | None = None,
         accepted: bool | None = None,
-        status: str = "ok",
+        status: Status = "ok",
     ) -> Trial:
         """Write a run and return it; the twin is softer than the axis, once corrected hardly."""
         self.number += 1
@@ -120,7 +121,9 @@ class ExampleStudy:
         self.store.write_trial(trial)
         return trial
 
-    def real(self, gains: Mapping[str, float], mismatch: float | None, status: str = "ok") -> Trial:
+    def real(
+        self, gains: Mapping[str, float], mismatch: float | None, status: Status = "ok"
+    ) -> Trial:
         """A real run, with the twin's beside it and two corrected ones around it."""
         self.store.log("ask", number=self.number + 1, source="IS1", gains=gains, mismatch=mismatch,
                        note="")  # fmt: skip
@@ -163,7 +166,7 @@ def write_example_study(folder: Path, *, gains: int = 2, name: str = "example") 
         store.log("ask", number=made.number + 1, source="IS2", gains=slow, mismatch=1.25, note="")
         made.trial("IS2", slow)
         store.log("twin_version", version="2", reason="friction of 0.4 N m <found> by diagnosis")
-        made.real({**made.gains(), "ctl.Kp": 840.0}, 0.5, "stopped")
+        made.real({**made.gains(), "ctl.Kp": 840.0}, 0.5, "unsafe")
         best = made.real({**made.gains(), "ctl.Kp": 860.0, "ctl.Kd": 50.0}, 0.125)
         made.end(best.gains)
     return path

@@ -43,7 +43,7 @@ def test_runs_are_told_as_they_come_and_the_end_ends_it(tmp_path: Path) -> None:
         assert told == f"real run 1: ctl.Kp = 150, ctl.Kd = 30, objective {real.objective:.4f}\n"
         assert process.poll() is None
         best = made.real({"ctl.Kp": 800.0, "ctl.Kd": 50.0}, None)
-        made.real({"ctl.Kp": 100.0, "ctl.Kd": 50.0}, 0.5, "stopped")
+        made.real({"ctl.Kp": 100.0, "ctl.Kd": 50.0}, 0.5, "unsafe")
         made.end(best.gains)
         out, err = process.communicate(timeout=60)
     assert process.returncode == 0, err
@@ -51,7 +51,7 @@ def test_runs_are_told_as_they_come_and_the_end_ends_it(tmp_path: Path) -> None:
     lines = out.splitlines()
     assert lines[0].startswith("real run 2: ctl.Kp = 800")
     assert lines[1].startswith("real run 3: ctl.Kp = 100")
-    assert lines[1].endswith("(stopped)")
+    assert lines[1].endswith("(unsafe)")
     # 3 real runs, 8 + 3 of the twin and 6 corrected.
     assert lines[2] == (
         "live: gmfbo_paper, 3 real runs, 1 queries after the initial data, cost 4.7 "
