@@ -14,6 +14,7 @@ from gmfbo.reports.figure_map import draw_map
 from gmfbo.reports.figure_style import (
     DASHES,
     METHOD_COLOURS,
+    count_along,
     gain_label,
     in_style,
     new_figure,
@@ -114,6 +115,7 @@ def sampling_cost(curves: Sequence[Curve]) -> Figure:
         ylim=(0.0, None),
     )
     axes.set_title("a real run counts 1, a twin run or a corrected one 0.1", fontsize=9.0)
+    count_along(axes)
     figure.legend(loc="outside right upper", frameon=False)
     return figure
 
@@ -141,6 +143,7 @@ def best_observed(curves: Sequence[Curve]) -> Figure:
     right.set_ylim(LEAST_REGRET, None)
     left.set(ylabel="best observed objective g [1]", xlabel=_REAL_RUNS)
     right.set(ylabel="of the way from the optimum to the median [1]", xlabel=_REAL_RUNS)
+    count_along(left, right)
     figure.legend(*left.get_legend_handles_labels(), loc="outside right upper", frameon=False)
     return figure
 

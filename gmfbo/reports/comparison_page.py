@@ -87,7 +87,7 @@ def _headline(review: ComparisonReview) -> str:
         second = review.methods[order[1]]
         told += f", {escape(second.method)} {_mean(order[1], second)}"
         if second.mean.value == best.mean.value:
-            return told.replace(" needs the fewest", " is not alone with the fewest", 1)
+            return told.replace(" needs the fewest", " is among those with the fewest", 1)
         if second.mean.low <= best.mean.high:
             told += " (the intervals overlap)"
     return told

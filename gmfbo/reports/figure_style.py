@@ -13,6 +13,7 @@ from gmfbo.errors import InputError
 from gmfbo.recordings.durable import cause
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # Okabe and Ito (2008): apart for every kind of colour vision.
@@ -129,6 +130,20 @@ def axis_label(what: str, unit: str) -> str:
         As an FMU spells it.
     """
     return f"{what} [{unit_words(unit) or '1'}]"
+
+
+def count_along(*panels: Axes) -> None:
+    """Number the x axis of panels by whole numbers alone.
+
+    Parameters
+    ----------
+    *panels : matplotlib.axes.Axes
+        Whose x axis counts something.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    for axes in panels:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 def gain_label(name: str) -> str:

@@ -21,6 +21,7 @@ from gmfbo.reports.figure_style import (
     PURPLE,
     VERMILION,
     axis_label,
+    count_along,
     gain_label,
     in_style,
     new_figure,
@@ -166,6 +167,7 @@ def best_observed(review: StudyReview) -> Figure:
     left.set(xlabel="real runs [1]", ylabel=_OBJECTIVE)
     right.set_xlabel("cost of all runs [real runs]")
     left.legend(frameon=False)
+    count_along(left)
     return figure
 
 
@@ -194,6 +196,7 @@ def sampling_cost(review: StudyReview) -> Figure:
                 _MARKS[source], f"asked: {SOURCES[source]}")  # fmt: skip
     axes.set(xlabel=_QUERIES, ylabel="cost of all runs [real runs]", ylim=(0.0, None))
     axes.legend(frameon=False)
+    count_along(axes)
     return figure
 
 
@@ -240,6 +243,7 @@ def mismatch_and_trust(review: StudyReview) -> Figure:
     right.set_ylabel(axis_label(f"RMS error of {words(signal)}", _unit(review, signal)),
                      parse_math=False)  # fmt: skip
     right.legend(frameon=False, fontsize=7.0)
+    count_along(left, middle, right)
     return figure
 
 

@@ -36,9 +36,7 @@ def study_page(review: StudyReview) -> str:
     content = study_content(review)
     parts = [
         study_first_screen(review, content),
-        section(
-            "Gains that were run: choose one", columns(gain_map(review), _viewer()), name="runs"
-        ),
+        section("Gains that were run", columns(gain_map(review), _viewer()), name="runs"),
         section("On the way to the best", descent_charts(review), objective_words(review)),
         section("Who was asked", source_chart(review)),
         section("How far the twin was trusted", trust_charts(review), name="trust"),
