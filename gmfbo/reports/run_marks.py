@@ -37,7 +37,8 @@ def run_mark(run: Run, x: float, y: float, x_axis: Axis, y_axis: Axis, style: st
     style : str
         Further classes in the page's style.
     """
-    kind = f"mark {run.trial.source} {run.role} {style}".strip()
+    ended = "" if run.trial.status == "ok" else "early"
+    kind = " ".join(filter(None, ["mark", run.trial.source, run.role, ended, style]))
     place = f'x="{_share(x_axis, x, WIDE)}%" y="{_share(y_axis, y, HIGH)}%"'
     return (
         f'<svg class="{kind}" {place} data-run="{run.trial.number}">'

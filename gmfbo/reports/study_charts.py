@@ -46,7 +46,8 @@ def descent_charts(review: StudyReview) -> str:
         ),
     ]
     rule = paragraph(
-        "Circles are the real runs. A real run costs 1, a run of the twin 0.1, corrected or not.",
+        "Circles are the real runs; a dashed one ended early and is no best. A real run costs 1, a "
+        "run of the twin 0.1, corrected or not.",
         "soft small",
     )
     return columns(*(f"<figure>{told}{chart}</figure>" for chart in charts)) + rule
@@ -81,7 +82,7 @@ def source_chart(review: StudyReview) -> str:
         Of a study.
     """
     last = review.runs[-1].query
-    x_axis = CountAxis.over([np.array([0.0, float(last)])], 0.0, WIDE, 0.5)
+    x_axis = _query_axis(review)
     shown = [source for source in SOURCES if review.of(source)]
     y_axis = NamedAxis.of([*shown[::-1]], HIGH, 0.0)
     over = []
@@ -104,7 +105,7 @@ def source_chart(review: StudyReview) -> str:
     chart = framed(
         x_axis,
         y_axis,
-        [],
+        _new_twins(review, x_axis),
         title="source that was asked at each query",
         x_label="query of the method",
         y_label="source",
@@ -137,9 +138,9 @@ def _mismatch_chart(review: StudyReview) -> str:
     if not queries.size:
         return ""
     lines = [Line("mismatch e of the twin", "before dots", queries, values)]
-    return _over_queries(lines, "mismatch e [1]", "mismatch of the twin over the queries") + (
-        paragraph("By what share correcting the twin's runs changes their cost.", "soft small")
-    )
+    return _over_queries(
+        review, lines, "mismatch e [1]", "mismatch of the twin over the queries"
+    ) + (paragraph("By what share correcting the twin's runs changes their cost.", "soft small"))
 
 
 def _allowed_chart(review: StudyReview) -> str:
@@ -152,7 +153,9 @@ def _allowed_chart(review: StudyReview) -> str:
         Line("trust: lengthscale between the sources", "after dots", queries, lengths),
         Line("price of a query of the twin", "spline dots", queries, prices),
     ]
-    return _over_queries(lines, "trust and price [1]", "trust in the twin over the queries") + (
+    return _over_queries(
+        review, lines, "trust and price [1]", "trust in the twin over the queries"
+    ) + (
         paragraph(
             "What this mismatch allows by the rule of Nobar et al. 2025: 1/e and e, each within "
             "0.1 and 1. Methods that adapt act on it, each in its own way.",
@@ -172,6 +175,7 @@ def _error_chart(review: StudyReview) -> str:
         Line("corrected twin, held out", "after dots", x, corrected),
     ]
     return _over_queries(
+        review,
         lines,
         f"RMS error of {words(signal)} [{unit}]",
         "error of the twin before and after correction over the queries",
@@ -223,21 +227,38 @@ def error_series(review: StudyReview) -> tuple[Array, Array, Array]:
 
 
 def _over_queries(
-    lines: Sequence[Line], y_label: str, title: str, y_axis: Axis | None = None
+    review: StudyReview,
+    lines: Sequence[Line],
+    y_label: str,
+    title: str,
+    y_axis: Axis | None = None,
 ) -> str:
-    last = max(float(line.x.max()) for line in lines)
-    x_axis = CountAxis.over([np.array([0.0, last])], 0.0, WIDE, 0.5)
+    x_axis = _query_axis(review)
     y_axis = y_axis or Axis.over([np.zeros(1), *(line.y for line in lines)], HIGH, 0.0, 0.05)
     chart = framed(
         x_axis,
         y_axis,
-        [line_path(line, x_axis, y_axis) for line in lines],
+        [*_new_twins(review, x_axis), *(line_path(line, x_axis, y_axis) for line in lines)],
         title=title,
         x_label="query of the method",
         y_label=y_label,
         style="middle",
     )
     return f"<figure>{legend(lines)}{chart}</figure>"
+
+
+def _query_axis(review: StudyReview) -> CountAxis:
+    return CountAxis.over([np.array([0.0, float(review.runs[-1].query)])], 0.0, WIDE, 0.5)
+
+
+def _new_twins(review: StudyReview, x_axis: Axis) -> list[str]:
+    """A line across the chart where a twin took the place of another: between two queries."""
+    drawn = []
+    for one in review.twin_versions:
+        before = [run.query for run in review.runs if run.trial.number <= one.after]
+        at = float(x_axis.at(max(before, default=0) + 0.5))
+        drawn.append(f'<path class="new-twin" d="M{at:.0f} 0V{HIGH:g}"/>')
+    return drawn
 
 
 def version_list(review: StudyReview) -> str:
@@ -249,7 +270,8 @@ def version_list(review: StudyReview) -> str:
         Of a study.
     """
     entries = [
-        f"<li><b>Twin {escape(one.version)}</b>, after run {one.after}: {escape(one.reason)}</li>"
+        f"<li><b>Twin {escape(one.version)}</b>, after run {one.after} (dotted line in the charts "
+        f"above): {escape(one.reason)}</li>"
         for one in review.twin_versions
     ]
     entries += [f"<li><b>Plant</b>: {escape(one.message)}</li>" for one in review.drifts]

@@ -201,12 +201,18 @@ def test_marks_lie_where_their_gains_are(read: PageText, content: Any, folder: P
         assert float(y) == pytest.approx(100.0 * share, abs=0.01)
 
 
-def test_a_new_twin_is_told_with_its_reason_escaped(read: PageText, content: Any) -> None:
+def test_a_new_twin_is_told_with_its_reason_escaped(
+    read: PageText, content: Any, folder: Path
+) -> None:
     (version,) = content["twin_versions"]
     assert version == {
         "version": "2", "reason": "friction of 0.4 N m <found> by diagnosis", "after": 21
     }  # fmt: skip
     assert any("<found>" in text for text in read.text)
+    # Among the sources, and in the three charts of the trust.
+    page = study_page(StudyReview.read(folder))
+    assert page.count('class="new-twin"') == 4
+    assert page.count("mark IS1 query early") == 4  # the map, twice the descent, the sources
 
 
 def test_a_study_that_has_just_begun_has_a_page(tmp_path: Path) -> None:
