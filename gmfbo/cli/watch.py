@@ -24,19 +24,15 @@ def watch(
 
     It reads the folder alone, so it may run on another machine that sees the folder.
     """
-    from gmfbo.cli.study_display import StudyDisplay, real_run_text
+    from gmfbo.cli.watch_display import WatchDisplay
     from gmfbo.reports.study_follower import StudyFollower
 
     follower = StudyFollower(study)
-    with StudyDisplay(console, follower.file.budget.is1_runs) as display:
-        while True:
-            for step in follower.news():
-                display.show(step)
-                if not console.is_terminal and (told := real_run_text(step)):
-                    console.print(told, markup=False)
-            if follower.state != "running":
-                break
+    with WatchDisplay(console, follower) as display:
+        display.show(follower.news())
+        while follower.state == "running":
             time.sleep(interval)
+            display.show(follower.news())
     _print_end(follower)
 
 

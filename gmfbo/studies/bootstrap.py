@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from gmfbo.reports.comparison_curves import Spread
 
 DRAWS = 4000
 
@@ -15,19 +16,8 @@ Statistic = Callable[..., NDArray[np.float64]]
 """A function like `numpy.mean`, with an axis."""
 
 
-@dataclass(frozen=True)
-class Interval:
-    """A statistic with its 95 % interval.
-
-    Attributes
-    ----------
-    value, low, high : float
-        [unit of the sample]
-    """
-
-    value: float
-    low: float
-    high: float
+class Interval(Spread):
+    """A statistic with its 95 % interval, by bootstrap."""
 
     @classmethod
     def of(cls, sample: ArrayLike, statistic: Statistic) -> Self:

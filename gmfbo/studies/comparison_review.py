@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from gmfbo.reports.comparison_curves import ComparisonReview, MethodSummary, SeedRun, Spread
-from gmfbo.studies.bootstrap import Interval, Statistic
+from gmfbo.reports.comparison_curves import ComparisonReview, MethodSummary, SeedRun
+from gmfbo.studies.bootstrap import Interval
 from gmfbo.studies.comparison import Comparison
 from gmfbo.studies.comparison_folder import ComparisonFolder, by_method
 from gmfbo.studies.curves import read_curves
@@ -64,15 +63,10 @@ def _summary(outcomes: Sequence[Outcome]) -> MethodSummary:
     return MethodSummary(
         method=runs[0].method,
         seeds=len(runs),
-        median=_spread(counted, np.median),
-        mean=_spread(counted, np.mean),
+        median=Interval.of(counted, np.median),
+        mean=Interval.of(counted, np.mean),
         never=float(np.mean([run.n_star is None for run in runs])),
         regret=float(np.mean([run.regret[-1] for run in runs])),
         cost=float(np.mean([run.cost for run in runs])),
         seconds=float(np.mean([run.seconds for run in runs])),
     )
-
-
-def _spread(sample: ArrayLike, statistic: Statistic) -> Spread:
-    interval = Interval.of(sample, statistic)
-    return Spread(interval.value, interval.low, interval.high)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from rich.console import Console
 
 from gmfbo.cli import main, watch
 from gmfbo.recordings.pack import pack_study
+from gmfbo.reports.study_review import StudyReview
 from tests.reports.example_studies import ExampleStudy, write_example_study
 
 
@@ -88,17 +90,22 @@ def test_a_study_that_was_interrupted_is_told_so(
     assert "interrupted after 1 runs" in screen.file.getvalue()  # type: ignore[attr-defined]
 
 
-def test_a_terminal_shows_a_bar_with_the_newest_run(
+def test_a_terminal_of_80_columns_shows_where_the_study_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    screen = Console(file=io.StringIO(), width=200, force_terminal=True, highlight=False)
+    screen = Console(file=io.StringIO(), width=80, force_terminal=True, highlight=False)
     monkeypatch.setattr(watch, "console", screen)
-    assert main(["watch", str(write_example_study(tmp_path))]) == 0
-    shown = screen.file.getvalue()  # type: ignore[attr-defined]
+    review = StudyReview.read(write_example_study(tmp_path))
+    assert main(["watch", str(tmp_path / "example.study")]) == 0
+    shown = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", screen.file.getvalue())  # type: ignore[attr-defined]
     assert shown.count("real run ") == 5
-    assert "queries" in shown
-    assert "4 of 4" in shown
-    assert "mismatch 0.12" in shown
+    assert "4 of 4 queries" in shown
+    last, best = review.runs[-1].trial, review.best
+    assert best is not None
+    assert f"run {last.number}, corrected twin: " in shown
+    assert f"ctl.Kp = 860, ctl.Kd = 50, objective {best.objective:.4f}" in shown
+    assert "5 real, 14 of the twin, 10 corrected; cost 7.4, mismatch 0.12" in shown
+    assert max(map(len, shown.splitlines())) <= 80
 
 
 @pytest.mark.parametrize("kind", ["none", "folder", "packed"])
