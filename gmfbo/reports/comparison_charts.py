@@ -113,6 +113,7 @@ def cost_chart(review: ComparisonReview) -> str:
         title="cost of all runs against queries",
         x_label="queries after the initial data",
         y_label="cost of all runs [real runs]",
+        along="query",
         note="A real run costs 1, a run of the twin 0.1, corrected or not.",
     )
 
@@ -221,6 +222,7 @@ def _curves(
     title: str,
     x_label: str,
     y_label: str,
+    along: str = "real run",
     inside: Sequence[str] = (),
     note: str = "",
 ) -> str:
@@ -233,7 +235,14 @@ def _curves(
         line = Line(curve.method, method_style(review, curve.method), curve.x, curve.mean)
         drawn.append(line_path(line, x_axis, y_axis))
     chart = framed(x_axis, y_axis, drawn, title=title, x_label=x_label, y_label=y_label)
-    return f"<figure>{chart}{paragraph(note, 'soft small')}</figure>"
+    told = paragraph(note, "soft small")
+    return (
+        f'<figure data-curve="{escape(curves[0].name)}" data-along="{escape(along)}" tabindex="0" '
+        f'aria-label="{escape(title)}; left and right arrow keys read the values">{chart}{told}'
+        "</figure>"
+        if curves
+        else ""
+    )
 
 
 def _level(value: float, y_axis: Axis) -> str:

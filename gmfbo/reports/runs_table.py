@@ -51,8 +51,8 @@ def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> 
     ]  # fmt: skip
     rows = [_row(run, ("runs", places[run.trial.number]), gains, metrics) for run in runs]
     best = next((k for k, run in enumerate(runs) if run.trial is review.best), None)
-    last = 5 + len(gains) + len(metrics)
-    numbers = [3, *range(4, last), last]
+    ended = heads.index("ended")
+    numbers = [*range(heads.index("query"), ended), ended + 1]
     return table(heads, rows, numbers=numbers, style="wide runs", best=best)
 
 

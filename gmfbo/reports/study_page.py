@@ -74,7 +74,8 @@ def _viewer() -> str:
 
 def _footer(content: Mapping[str, Any]) -> str:
     first, last = content["runs"][0], content["runs"][-1]
-    when = escape(f"Runs from {first['started']} to {last['started']}. ")
+    begin, end = (run["started"].replace("T", " ")[:19] for run in (first, last))
+    when = escape(f"Runs from {begin} to {end} UTC. ")
     queries = marked_count(("queries",), content["queries"])
     return (
         f"<footer><p>{when}{queries} queries after the initial data.</p>"

@@ -125,6 +125,33 @@ def test_a_method_is_hidden_and_shown_by_its_button(browser: Browser, page: str)
     assert answer["told"] == [[[10, 3], [0, 2], "false", [10, 3]], True]
 
 
+def test_curves_are_read_by_keys_and_pointer(browser: Browser, page: str, content: Any) -> None:
+    question = """const figure = document.querySelector("figure[data-curve=regret]");
+      const read = () => figure.querySelector(".read-out").textContent;
+      const key = (name) => figure.dispatchEvent(
+        new KeyboardEvent("keydown", {key: name, bubbles: true, cancelable: true}));
+      key("ArrowRight"); key("ArrowRight"); const told = [read()];
+      document.querySelector(".methods button[data-method=random]").click();
+      const at = figure.querySelector(".plot").getBoundingClientRect();
+      figure.querySelector(".plot").dispatchEvent(new PointerEvent("pointermove",
+        {clientX: at.right - 2, clientY: at.top + 9, bubbles: true}));
+      told.push(read());
+      return told"""
+    answer = browser.ask(page, question, 1280, 800)
+    assert answer["complaints"] == []
+    curves = {one["method"]: one for one in content["curves"] if one["name"] == "regret"}
+
+    def words(row: int, *methods: str) -> str:
+        told = [
+            f"{name} {curves[name]['mean'][row]:.3g} [{curves[name]['low'][row]:.3g}, "
+            f"{curves[name]['high'][row]:.3g}]"
+            for name in methods
+        ]
+        return f"real run {row + 1}: " + ", ".join(told)
+
+    assert answer["told"] == [words(1, "gmfbo", "bo_ei", "random"), words(4, "gmfbo", "bo_ei")]
+
+
 def test_headline_curves_and_table_are_on_the_first_screen(browser: Browser, page: str) -> None:
     question = """return [box("h1"), box(".first .chart"), box("table.errors")]"""
     for left, top, right, bottom in browser.ask(page, question, 1280, 800)["told"]:
