@@ -11,11 +11,9 @@ import numpy as np
 from gmfbo.diagnosis.plain_words import words
 from gmfbo.errors import InputError
 from gmfbo.objective.mismatch import query_cost, source_lengthscale
-from gmfbo.recordings.trial import Trial
 from gmfbo.reports.figure_map import draw_map
 from gmfbo.reports.figure_style import (
     BLUE,
-    GREEN,
     GREY,
     ORANGE,
     PURPLE,
@@ -31,6 +29,7 @@ from gmfbo.reports.gain_map import cost_map
 from gmfbo.reports.run_marks import SOURCES
 from gmfbo.reports.study_charts import error_series, mismatch_series
 from gmfbo.reports.study_review import StudyReview
+from gmfbo.reports.trajectory_figure import signal_unit, trajectories
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -240,101 +239,11 @@ def mismatch_and_trust(review: StudyReview) -> Figure:
     right.plot(at, corrected, "o-", color=BLUE, markersize=3.0, label="corrected, held out")
     signal = review.file.objective.signal
     right.set(xlabel=_QUERIES, yscale="log")
-    right.set_ylabel(axis_label(f"RMS error of {words(signal)}", _unit(review, signal)),
+    right.set_ylabel(axis_label(f"RMS error of {words(signal)}", signal_unit(review, signal)),
                      parse_math=False)  # fmt: skip
     right.legend(frameon=False, fontsize=7.0)
     count_along(left, middle, right)
     return figure
-
-
-@in_style
-def trajectories(
-    review: StudyReview, number: int | None = None, signal: str | None = None
-) -> Figure:
-    """Draw a real run with the twin at the same gains and the corrected twin around it.
-
-    Parameters
-    ----------
-    review : StudyReview
-        Of a study.
-    number : int, optional
-        Trial number of a run of any source, which leads to its real run; the best unless given.
-    signal : str, optional
-        The scored one unless given.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The signal above, what the twin leaves of it below; of corrected runs their 95 % band.
-
-    Raises
-    ------
-    InputError
-        There is no such run or signal; or matplotlib is missing.
-    """
-    real = _real_run(review, number)
-    name = signal or review.file.objective.signal
-    if name not in real.recording.signals:
-        raise InputError(
-            f"expected a signal of run {real.number}, got '{name}'; known are "
-            f"{', '.join(real.recording.signals)}"
-        )
-    around = [run for run in review.runs if run.trial.parent == real.number]
-    figure = new_figure(5.8, 4.6)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    reference, scored = review.file.reference.signal, review.file.objective.signal
-    time, measured = real.recording.time, real.recording.signal(name)
-    if reference in real.recording.signals and name == scored:
-        above.plot(time, real.recording.signal(reference), color=GREY, linestyle=":",
-                   label="reference")  # fmt: skip
-    above.plot(time, measured, color="black", alpha=0.5, linewidth=2.2,
-               label=f"{SOURCES['IS1']}, run {real.number}")  # fmt: skip
-    for run in around:
-        if name in run.trial.recording.signals and run.role in ("beside", "corrected"):
-            _draw_twin(above, run.trial, name)
-    for run in around:
-        if run.role == "beside" and name in run.trial.recording.signals:
-            twin = run.trial.recording
-            left = measured - np.interp(time, twin.time, twin.signal(name))
-            below.plot(time, left, color=VERMILION, linestyle="--")
-    above.set_ylabel(axis_label(words(name), _unit(review, name)), parse_math=False)
-    below.set_ylabel(axis_label("real less twin", _unit(review, name)), parse_math=False)
-    below.set_xlabel("time [s]")
-    handles, labels = above.get_legend_handles_labels()
-    unique = dict(zip(labels, handles, strict=True))
-    figure.legend(unique.values(), unique.keys(), loc="outside upper center", ncols=2,
-                  frameon=False)  # fmt: skip
-    return figure
-
-
-def _draw_twin(axes: Axes, trial: Trial, name: str) -> None:
-    time, values = trial.recording.time, trial.recording.signal(name)
-    if trial.source == "IS2":
-        label = f"{SOURCES['IS2']}, run {trial.number}"
-        axes.plot(time, values, color=VERMILION, linestyle="--", label=label)
-        return
-    axes.plot(time, values, color=GREEN, linewidth=0.8, label=f"{SOURCES['IS3']}, nearby gains")
-    if name in trial.std:
-        band = 1.96 * trial.std[name]
-        axes.fill_between(time, values - band, values + band, color=GREEN, alpha=0.2, linewidth=0)
-
-
-def _real_run(review: StudyReview, number: int | None) -> Trial:
-    if number is None:
-        if review.best is None:
-            raise InputError("expected a study with a real run that succeeded; name a run")
-        return review.best
-    asked = review.trials.get(number)
-    real = review.trials.get(asked.parent) if asked and asked.parent else asked
-    if real is None or real.source != "IS1":
-        known = ", ".join(str(run.trial.number) for run in review.real)
-        raise InputError(f"expected a real run or one that belongs to it, got {number}; real runs "
-                         f"are {known}")  # fmt: skip
-    return real
-
-
-def _unit(review: StudyReview, signal: str) -> str:
-    return review.real[0].trial.recording.units.get(signal, "") if review.real else ""
 
 
 def _points(

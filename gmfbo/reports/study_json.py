@@ -26,8 +26,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
     dict
         What JSON can hold; null stands for a number that is not finite.
     """
-    file, descent = review.file, review.descent
-    queries = {run.trial.number: run.query for run in review.runs}
+    file = review.file
     content: dict[str, Any] = {
         "schema": 1,
         "name": file.name,
@@ -49,6 +48,17 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         "best_real_run": _place(review),
         "comparison": _comparison(review),
         "recommendation": _recommendation(review),
+        **_on_the_way(review),
+        "runs": [_run(run) for run in review.runs],
+    }
+    return content
+
+
+def _on_the_way(review: StudyReview) -> dict[str, Any]:
+    """What came about while the study ran."""
+    descent = review.descent
+    queries = {run.trial.number: run.query for run in review.runs}
+    return {
         "descent": {
             "numbers": list(descent.numbers),
             "cost": _finite(descent.cost),
@@ -77,9 +87,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
             {"version": one.version, "reason": one.reason, "after": one.after}
             for one in review.twin_versions
         ],
-        "runs": [_run(run) for run in review.runs],
     }
-    return content
 
 
 def study_json(content: dict[str, Any]) -> str:

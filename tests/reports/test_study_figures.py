@@ -22,8 +22,8 @@ from gmfbo.reports.study_figures import (
     gains,
     mismatch_and_trust,
     sampling_cost,
-    trajectories,
 )
+from gmfbo.reports.trajectory_figure import trajectories
 
 
 @pytest.fixture(scope="module")
