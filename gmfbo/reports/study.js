@@ -59,7 +59,7 @@ const panelOf = (id) => {
 const spanOf = (lines) => [
   Math.min(...lines.map((one) => one.time[0])), Math.max(...lines.map((one) => one.time[one.time.length - 1]))];
 const unitOf = (signal) => (trajectories.signals.find((one) => one.name === signal) || { unit: "" }).unit;
-const readable = (unit) => unit.replace(/\./g, "\u00a0").replace(/(?<=[A-Za-z])2/g, "²");
+const readable = (unit) => unit.replace(/\./g, "\u00a0").replace(/([A-Za-z])2/g, "$1²");
 
 const responses = panelOf("responses");
 if (responses) {

@@ -155,6 +155,9 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
             f"<b>The model recommends</b> {gains}<br><span class=small>not run; expected "
             f"objective {mean} ± {std}</span>"
         )
+    if content["earlier"]:
+        taken = marked_count(("earlier",), content["earlier"])
+        facts.append(f"<b>{taken} real runs</b> are of an earlier study, and cost nothing here")
     if content["mismatch"]:
         last = content["mismatch"][-1]
         path = ("mismatch", len(content["mismatch"]) - 1, "mismatch")

@@ -41,6 +41,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         },
         "metrics": {name: metric_unit(name) for name in review.metrics},
         "counts": {source: len(review.of(source)) for source in ("IS1", "IS2", "IS3")},
+        "earlier": sum(run.role == "earlier" for run in review.runs),
         "queries": review.runs[-1].query,
         "cost": review.runs[-1].cost,
         "best": review.best.number if review.best else None,

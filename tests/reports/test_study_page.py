@@ -228,6 +228,21 @@ def test_a_study_that_has_just_begun_has_a_page(tmp_path: Path) -> None:
         assert json.loads(read.embedded["study"])["descent"]["best"] == [None]
 
 
+def test_runs_of_an_earlier_study_are_told_and_cost_nothing(tmp_path: Path) -> None:
+    made = ExampleStudy(tmp_path / "later.study")
+    with made.store as store:
+        store.log("earlier", study="former.study", trials=[3, 7], left_out=0)
+        for _ in range(8):
+            made.trial("IS2", made.gains())
+        for _ in range(3):
+            made.trial("IS1", made.gains())
+    page = study_page(StudyReview.read(tmp_path / "later.study"))
+    content = json.loads(PageText(page).embedded["study"])
+    assert [run["role"] for run in content["runs"][8:]] == ["earlier", "earlier", "query"]
+    assert content["cost"] == pytest.approx(0.8 + 1.0)
+    assert '<data data-path="earlier">2</data> real runs</b> are of an earlier study' in page
+
+
 def test_the_page_loads_nothing_and_its_links_lead_somewhere(read: PageText) -> None:
     assert not {"link", "img", "iframe", "object", "base"} & set(read.tags)
     links = [value for name, value in read.attributes if name in ("src", "href", "style")]
