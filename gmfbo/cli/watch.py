@@ -58,6 +58,7 @@ def _print_end(follower: StudyFollower) -> None:
         queries=review.runs[-1].query if review.runs else 0,
         cost=review.runs[-1].cost if review.runs else 0.0,
         drifts=review.drifts,
+        twin_versions=tuple(one.reason for one in review.twin_versions),
         earlier=earlier,
         left_out=taken[-1]["left_out"] if taken else 0,
     )

@@ -53,7 +53,8 @@ class InterpolatedObjective:
         InterpolatedObjective or None
             None where there are too few runs for it.
         """
-        known = {source: _values(review, review.of(source)) for source in ("IS2", "IS1")}
+        runs = {"IS2": review.twin_runs, "IS1": review.real}
+        known = {source: _values(review, own) for source, own in runs.items()}
         source = max(known, key=lambda name: len(known[name][0]))
         points, costs = known[source]
         gains = len(review.space)

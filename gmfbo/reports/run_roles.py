@@ -10,13 +10,16 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.tuning.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.study_sections import BudgetSection
 
-Role = Literal["initial", "survey", "earlier", "query", "beside", "corrected", "rejected"]
+Role = Literal[
+    "initial", "survey", "earlier", "query", "renewed", "beside", "corrected", "rejected"
+]
 
 ROLES: Mapping[Role, str] = {
     "initial": "initial data",
     "survey": "survey of the box",
     "earlier": "of an earlier study",
     "query": "asked for by the method",
+    "renewed": "made again by a corrected twin",
     "beside": "beside a real run",
     "corrected": "corrected, around a real run",
     "rejected": "corrected, but too uncertain",
@@ -63,6 +66,7 @@ def placed_runs(
     asked = {event["number"] for event in events if event["event"] == "ask"}
     begun = [event for event in events if event["event"] == "earlier"]
     earlier_runs = len(begun[-1]["trials"]) if begun else 0
+    first_twin = next((t.twin for t in trials if t.source == "IS2" and t.parent is None), "")
     real, twin, query, cost = 0, 0, 0, 0.0
     placed = []
     for trial in trials:
@@ -75,18 +79,20 @@ def placed_runs(
             cost += 0.0 if earlier else IS1_COST
         else:
             cost += TWIN_COST
-            role = _twin_role(trial, asked, twin < budget.initial_is2)
+            role = _twin_role(trial, asked, twin < budget.initial_is2, trial.twin != first_twin)
             twin += trial.source == "IS2"
         query += role == "query"
         placed.append(Run(trial, role, query, cost))
     return tuple(placed)
 
 
-def _twin_role(trial: Trial, asked: set[int], initial: bool) -> Role:
+def _twin_role(trial: Trial, asked: set[int], initial: bool, other_twin: bool) -> Role:
     if trial.source == "IS3":
         return "rejected" if trial.accepted is False else "corrected"
     if trial.parent is not None:
         return "beside"
     if trial.number in asked:
         return "query"
+    if other_twin:
+        return "renewed"
     return "initial" if initial else "survey"

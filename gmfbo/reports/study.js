@@ -20,7 +20,7 @@ const family = (run) => {
   const around = study.runs.filter((one) => real && one.parent === real.number);
   return {
     real,
-    twin: run.source === "IS2" ? run : around.find((one) => one.source === "IS2"),
+    twin: run.source === "IS2" ? run : around.filter((one) => one.source === "IS2").pop(),
     corrected: run.source === "IS3" ? [run]
       : around.filter((one) => one.source === "IS3" && one.role === "corrected"),
   };

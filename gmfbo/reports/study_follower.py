@@ -23,6 +23,7 @@ _PHASES: Mapping[Role, Phase] = {
     "survey": "initial",
     "earlier": "initial",
     "query": "query",
+    "renewed": "correction",
     "beside": "correction",
     "corrected": "correction",
     "rejected": "correction",

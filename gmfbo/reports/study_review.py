@@ -60,7 +60,7 @@ class TwinVersion:
     reason : str
         Why it was changed.
     after : int
-        Number of the last trial that the log speaks of before; 0 without any.
+        Trial number of the real run that led to it.
     """
 
     version: str
@@ -214,13 +214,28 @@ class StudyReview:
     @cached_property
     def twin_versions(self) -> tuple[TwinVersion, ...]:
         """Twins that took the place of another while the study ran, in order."""
-        found, last = [], 0
-        for event in self.events:
-            last = max(last, event.get("number") or event.get("parent") or 0)
-            if event["event"] == "twin_version":
-                version, reason = event.get("version", ""), event.get("reason", "")
-                found.append(TwinVersion(str(version), str(reason), last))
-        return tuple(found)
+        return tuple(
+            TwinVersion(str(event["version"]), str(event["reason"]), event["after"])
+            for event in self.logged("twin_version")
+        )
+
+    @cached_property
+    def twin_runs(self) -> tuple[Run, ...]:
+        """Runs of the twin as it is now; those of twins before it tell of other costs."""
+        versions = self.logged("twin_version")
+        now = versions[-1]["twin"] if versions else None
+        return tuple(run for run in self.of("IS2") if now is None or run.trial.twin == now)
+
+    def twin_beside(self, real: Trial) -> Trial | None:
+        """The newest run of the twin beside a real one; None without any.
+
+        Parameters
+        ----------
+        real : Trial
+            A real run.
+        """
+        beside = [run.trial for run in self.of("IS2") if run.trial.parent == real.number]
+        return beside[-1] if beside else None
 
     @property
     def recommendation(self) -> Mapping[str, Any] | None:

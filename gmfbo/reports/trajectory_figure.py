@@ -18,7 +18,6 @@ from gmfbo.reports.figure_style import (
     new_figure,
 )
 from gmfbo.reports.run_marks import SOURCES
-from gmfbo.reports.run_roles import Run
 from gmfbo.reports.study_review import StudyReview
 
 if TYPE_CHECKING:
@@ -80,22 +79,23 @@ def _draw_above(axes: Axes, review: StudyReview, real: Trial, name: str) -> None
     label = f"{SOURCES['IS1']}, run {real.number}"
     measured = real.recording.signal(name)
     axes.plot(time, measured, color="black", alpha=0.5, linewidth=2.2, label=label)
-    for run in review.runs:
-        if _belongs(run, real, name) and run.role in ("beside", "corrected"):
-            _draw_twin(axes, run.trial, name)
+    around = [
+        run.trial
+        for run in review.runs
+        if run.trial.parent == real.number and run.role == "corrected"
+    ]
+    for trial in filter(None, [review.twin_beside(real), *around]):
+        if name in trial.recording.signals:
+            _draw_twin(axes, trial, name)
 
 
 def _draw_below(axes: Axes, review: StudyReview, real: Trial, name: str) -> None:
     time, measured = real.recording.time, real.recording.signal(name)
-    for run in review.runs:
-        if _belongs(run, real, name) and run.role == "beside":
-            twin = run.trial.recording
-            left = measured - np.interp(time, twin.time, twin.signal(name))
-            axes.plot(time, left, color=VERMILION, linestyle="--")
-
-
-def _belongs(run: Run, real: Trial, name: str) -> bool:
-    return run.trial.parent == real.number and name in run.trial.recording.signals
+    beside = review.twin_beside(real)
+    if beside is not None and name in beside.recording.signals:
+        twin = beside.recording
+        left = measured - np.interp(time, twin.time, twin.signal(name))
+        axes.plot(time, left, color=VERMILION, linestyle="--")
 
 
 def _draw_twin(axes: Axes, trial: Trial, name: str) -> None:

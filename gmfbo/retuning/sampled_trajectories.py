@@ -45,7 +45,7 @@ class SampledTrajectories:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the real axis where the draws improve most on the best real run."""
-        from gmfbo.correction.mismatch import scaled_mismatch
+        from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
         times = sample_times(state)

@@ -71,7 +71,7 @@ class ExampleStudy:
         ranges = "\n".join(f'"{name}" = [{a}, {b}]' for name, (a, b) in self.box.items())
         text = STUDY.format(name=name, gains=ranges, twin_runs=twin_runs)
         self.store, self._rng = StudyStore.create(folder, text), np.random.default_rng(1)
-        self.number = 0
+        self.number, self.twin = 0, "twin 0"
 
     def gains(self) -> dict[str, float]:
         """Gains somewhere in the box."""
@@ -112,6 +112,7 @@ class ExampleStudy:
             status=status,
             started=f"2026-01-02T03:04:{self.number:02d}.000+00:00",
             seconds=0.25,
+            twin="plant" if source == "IS1" else self.twin,
             parent=parent,
             sigma_c=0.01 if corrected else None,
             accepted=accepted,
@@ -143,7 +144,9 @@ class ExampleStudy:
 
 
 def write_example_study(folder: Path, *, gains: int = 2, name: str = "example") -> Path:
-    """A study that came to its end: 3 of its 5 real runs were asked for, one twin run, too.
+    """A study that came to its end, and whose twin was corrected on the way.
+
+    Asked for by the method were 3 of its 5 real runs, and one run of the twin.
 
     Parameters
     ----------
@@ -165,7 +168,11 @@ def write_example_study(folder: Path, *, gains: int = 2, name: str = "example") 
         made.real({**made.gains(), "ctl.Kp": 880.0}, 1.5)
         store.log("ask", number=made.number + 1, source="IS2", gains=slow, mismatch=1.25, note="")
         made.trial("IS2", slow)
-        store.log("twin_version", version="2", reason="friction of 0.4 N m <found> by diagnosis")
+        made.twin = "twin 1"
+        store.log("twin_version", version=1, after=made.number - 4, twin=made.twin,
+                  reason="friction of 0.4 N m <found> by diagnosis")  # fmt: skip
+        for _ in range(5):
+            made.trial("IS2", made.gains())
         made.real({**made.gains(), "ctl.Kp": 840.0}, 0.5, "unsafe")
         best = made.real({**made.gains(), "ctl.Kp": 860.0, "ctl.Kd": 50.0}, 0.125)
         made.end(best.gains)

@@ -115,6 +115,7 @@ def test_roles_tell_what_each_run_was_for(content: Any) -> None:
     assert told[8:16] == [("IS1", "initial"), *around] * 2
     assert told[16:20] == [("IS1", "query"), *around]
     assert told[20] == ("IS2", "query")
+    assert told[21:26] == [("IS2", "renewed")] * 5
     assert content["queries"] == 4
 
 
@@ -206,7 +207,7 @@ def test_a_new_twin_is_told_with_its_reason_escaped(
 ) -> None:
     (version,) = content["twin_versions"]
     assert version == {
-        "version": "2", "reason": "friction of 0.4 N m <found> by diagnosis", "after": 21
+        "version": "1", "reason": "friction of 0.4 N m <found> by diagnosis", "after": 17
     }  # fmt: skip
     assert any("<found>" in text for text in read.text)
     # Among the sources, and in the three charts of the trust.

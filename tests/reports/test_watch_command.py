@@ -104,7 +104,7 @@ def test_a_terminal_of_80_columns_shows_where_the_study_is(
     assert best is not None
     assert f"run {last.number}, corrected twin: " in shown
     assert f"ctl.Kp = 860, ctl.Kd = 50, objective {best.objective:.4f}" in shown
-    assert "5 real, 14 of the twin, 10 corrected; cost 7.4, mismatch 0.12" in shown
+    assert "5 real, 19 of the twin, 10 corrected; cost 7.9, mismatch 0.12" in shown
     assert max(map(len, shown.splitlines())) <= 80
 
 
