@@ -149,10 +149,12 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
     advised = content["recommendation"]
     if advised is not None:
         gains = gains_html(("recommendation", "gains"), advised["gains"])
+        known = [run.trial for run in review.real if run.trial.gains == advised["gains"]]
+        made = f"real run {known[-1].number}" if known else "not run on the axis"
         mean = marked_number(("recommendation", "mean"), advised["mean"], digits=4)
         std = marked_number(("recommendation", "std"), advised["std"], digits=2)
         facts.append(
-            f"<b>The model recommends</b> {gains}<br><span class=small>not run; expected "
+            f"<b>The model recommends</b> {gains}<br><span class=small>{made}; expected "
             f"objective {mean} ± {std}</span>"
         )
     if content["earlier"]:

@@ -55,7 +55,11 @@ def trajectories_json(review: StudyReview) -> str:
     """
     signals = shown_signals(review)
     scored = [name for name in signals if name == review.file.objective.signal]
-    often = [run.trial for run in review.runs if run.trial.source == "IS1" or run.role == "beside"]
+    often = [
+        run.trial
+        for run in review.runs
+        if run.trial.source == "IS1" or run.trial.parent is not None
+    ]
     known = {trial.number for trial in often}
     seldom = [run.trial for run in review.runs if run.trial.number not in known]
     groups = ((often, list(signals)), (seldom, scored))

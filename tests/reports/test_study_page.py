@@ -244,6 +244,16 @@ def test_runs_of_an_earlier_study_are_told_and_cost_nothing(tmp_path: Path) -> N
     assert '<data data-path="earlier">2</data> real runs</b> are of an earlier study' in page
 
 
+def test_a_recommendation_says_whether_it_was_run(folder: Path) -> None:
+    review = StudyReview.read(folder)
+    assert review.best is not None
+    assert f"<span class=small>real run {review.best.number}; expected" in study_page(review)
+    advice = {**(review.recommendation or {}), "gains": {"ctl.Kp": 500.0, "ctl.Kd": 20.0}}
+    events = (*review.events, advice)
+    other = StudyReview(review.file, review.location, review.runs, events)
+    assert "<span class=small>not run on the axis; expected" in study_page(other)
+
+
 def test_the_page_loads_nothing_and_its_links_lead_somewhere(read: PageText) -> None:
     assert not {"link", "img", "iframe", "object", "base"} & set(read.tags)
     links = [value for name, value in read.attributes if name in ("src", "href", "style")]
