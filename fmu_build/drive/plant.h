@@ -14,6 +14,9 @@
 enum { FLUX_D, FLUX_Q, MOTOR_ANGLE, MOTOR_SPEED, LOAD_ANGLE, LOAD_SPEED, FLEXIBLE_STATES };
 enum { LOCKED_STATES = MOTOR_ANGLE, RIGID_STATES = LOAD_ANGLE };
 
+/* Longest delay of the drive over its shortest period; model.toml holds both. */
+enum { LATE_COMMANDS = 2048 };
+
 typedef struct {
     FluxMap map;
     Motor motor;
@@ -25,6 +28,8 @@ typedef struct {
     double state[FLEXIBLE_STATES];
     double motor_friction, load_friction; /* [N.m] of the bristles, before scaling */
     double load_torque;                   /* [N.m] external, held over a step */
+    double commands[LATE_COMMANDS];       /* [N.m] the newest ones, one a period */
+    unsigned sampled;                     /* commands so far */
 } Plant;
 
 /* ---- parameters ------------------------------------------------------------------------ */
@@ -166,6 +171,13 @@ static inline void plant_control_current(Plant *plant, double torque, double cur
                         current[1], electrical_speed);
 }
 
+/* Command that acts now: the one of `delay` [s] ago, whole periods; zero torque before the first. */
+static inline double plant_late_command(Plant *plant, double torque, double delay) {
+    unsigned ago = (unsigned)floor(delay / plant->loop.period + 0.5), now = plant->sampled++;
+    plant->commands[now % LATE_COMMANDS] = torque;
+    return ago > now ? 0.0 : plant->commands[(now - ago) % LATE_COMMANDS];
+}
+
 /* The drive is switched on before the start: 20 ms of the current loop at zero torque, rotor held,
  * so that an altered map does not begin with a kick. */
 static inline void plant_energise(Plant *plant, const double *v) {
@@ -226,11 +238,15 @@ static inline const char *plant_initialise(Plant *plant, double *v, const char *
 /* Advance from t to `end` [s] under the torque command and load torque in v[]. */
 static inline const char *plant_advance(Plant *plant, const double *v, double t, double end) {
     double period = plant->loop.period;
+    if (v[V_drive_delay] > (LATE_COMMANDS - 1) * period)
+        return "drive.delay is longer than 2047 periods of the current loop: shorten it";
     plant->load_torque = v[V_tau_load];
     for (double now = t; now < end;) {
-        if (sampler_due(&plant->sampler, now))
-            plant_control_current(plant, v[V_torque_command] + v[V_tau_command_offset],
+        if (sampler_due(&plant->sampler, now)) {
+            double command = v[V_torque_command] + v[V_tau_command_offset];
+            plant_control_current(plant, plant_late_command(plant, command, v[V_drive_delay]),
                                   v[V_drive_current_limit], plant->state[MOTOR_SPEED]);
+        }
         double until = sampler_until(&plant->sampler, end);
         double duration = until - now;
         /* A whole period has always the same length, however t was rounded. */

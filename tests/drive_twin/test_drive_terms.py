@@ -46,6 +46,23 @@ def test_a_term_that_is_off_leaves_no_trace(
     assert_same(drive.run(off), drive.run({**off, **irrelevant}))
 
 
+def test_a_delay_of_the_drive_is_one_of_the_controller_that_the_log_does_not_show(
+    drive: Drive,
+) -> None:
+    sampled = {**IDEAL_ENCODERS, "drive.sample_time": 1e-4}
+    at_controller = drive.run({**sampled, "ctl.delay": 3.0})
+    in_drive = drive.run({**sampled, "ctl.delay": 0.0, "drive.delay": 3e-3})
+    np.testing.assert_allclose(
+        in_drive.signal("true_position"), at_controller.signal("true_position"), atol=1e-12
+    )
+    # The log is above the drive: the same command, three samples earlier.
+    np.testing.assert_allclose(
+        in_drive.signal("torque_command")[:-3],
+        at_controller.signal("torque_command")[3:],
+        atol=1e-9,
+    )
+
+
 def test_friction_scaled_to_zero_is_no_friction(drive: Drive) -> None:
     none = {**DRY, "friction.viscous": 0.0}
     assert_same(drive.run({"friction.scale": 0.0}), drive.run(none))
