@@ -275,6 +275,9 @@ class Isolated:
     ) -> list[Outcome]:
         """What became of each order when the worker died, or without exit code, hung."""
         stage, fmu = self._stage(), self._fmu()
+        filled = [filled_rows(y) for y in outputs]
+        if stage == Stage.ANSWER and not any(filled):
+            stage = Stage.IDLE  # it stood at the answer before, and has begun nothing since
         if stage == Stage.FREE and not self._once_only:
             self._once_only = True
             self._warn("falls when it is freed: each run gets a process of its own from now on")
@@ -283,8 +286,7 @@ class Isolated:
         self._drop_worker()
         held = worker.peak_memory() if worker else 0
         outcomes = []
-        for order, y in zip(orders, outputs, strict=True):
-            rows = filled_rows(y)
+        for order, y, rows in zip(orders, outputs, filled, strict=True):
             complete = stage in (Stage.ANSWER, *_BETWEEN_RUNS)
             if rows == len(y) and (order is not orders[-1] or complete):
                 outcomes.append(Outcome("ok", rows))

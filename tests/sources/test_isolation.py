@@ -11,7 +11,7 @@ import threading
 import time
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ import pytest
 from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.errors import FmuFileError
 from gmfbo.sources import isolation
+from gmfbo.sources.job import Stage
 from tests.sources.conftest import AXIS, FAULTY, LOOP, TEST_FMUS
 from tests.sources.processes import (
     children,
@@ -139,6 +140,16 @@ def test_a_worker_killed_between_runs_is_replaced_without_a_word(axis: Path) -> 
         assert after.signal("position").tobytes() == before.signal("position").tobytes()
         assert children() != [worker]
     assert children() == []
+
+
+def test_a_worker_killed_just_after_its_answer_is_replaced_without_a_word(axis: Path) -> None:
+    """It had not yet said that it frees instances; that is no sign of closed files."""
+    with FmuTwin(axis) as twin:
+        twin.run({}, REFERENCE)
+        runner: Any = twin._runner
+        os.killpg(children()[0], signal.SIGKILL)
+        runner._arrays.progress[:] = (Stage.ANSWER, 0)
+        assert twin.run({}, REFERENCE).status == "ok"
 
 
 def test_a_worker_whose_keeper_is_killed_ends_with_it(faulty: Path) -> None:
