@@ -70,7 +70,7 @@ class WorkerProcess:
                 stdout=subprocess.PIPE,
                 stderr=log,
                 bufsize=0,
-                start_new_session=True,  # a group of its own, to be ended as one
+                process_group=0,  # one of its own, to be ended as one
             )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
