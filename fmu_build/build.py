@@ -17,6 +17,7 @@ from fmu_build.archive import members  # noqa: E402
 from fmu_build.compile import Compiler, CompilerName, find_compiler  # noqa: E402
 from fmu_build.declaration import Declaration, read_declaration  # noqa: E402
 from fmu_build.failure import BuildError  # noqa: E402
+from fmu_build.fault_fmus import build_faults  # noqa: E402
 from fmu_build.fmu import WRAPPER, build_fmu, build_plain_fmu  # noqa: E402
 from fmu_build.platforms import FOREIGN, PLATFORMS, Platform, this_platform  # noqa: E402
 from fmu_build.translate import check_translation, translate_model  # noqa: E402
@@ -47,7 +48,7 @@ def build_all(
     output : Path
         Folder of the FMUs, normally models/; those that only tests need then go to tests/fmus/.
     only : sequence of str
-        Names of models, `master` or `front`; all if empty.
+        Names of models, `master`, `front` or `faults`; all if empty.
     compiler : {"zig", "system"}
         The system's compiler builds for this machine only.
     translate : bool
@@ -110,7 +111,8 @@ def plain_folders() -> list[Path]:
 
 
 def _choose(only: Sequence[str]) -> list[str]:
-    known = [folder.name for folder in (*model_folders(), *plain_folders())] + ["master", "front"]
+    models = [folder.name for folder in (*model_folders(), *plain_folders())]
+    known = [*models, "master", "front", "faults"]
     for name in only:
         if name not in known:
             raise BuildError(f"no model '{name}' in {SOURCES.name}/; known are {', '.join(known)}")
@@ -144,12 +146,17 @@ def _products(
             if target.name in FRONT_PLATFORMS:
                 library = compiler.shared_library(work, _FRONT_SOURCES, FRONT, target)
                 yield output / "front" / target.name / (FRONT + target.suffix), library
+    elif name == "faults":
+        for file, data in build_faults(compiler, targets, work):
+            yield _test_folder(output) / "faults" / file, data
     elif SOURCES / name in plain_folders():
-        folder = TEST_FMUS if output.resolve() == MODELS else output
-        yield folder / f"{name}.fmu", build_plain_fmu(SOURCES / name, compiler, targets, work)
+        yield (
+            _test_folder(output) / f"{name}.fmu",
+            build_plain_fmu(SOURCES / name, compiler, targets, work),
+        )
     else:
         declaration = read_declaration(SOURCES / name / "model.toml")
-        folder = TEST_FMUS if declaration.test_only and output.resolve() == MODELS else output
+        folder = _test_folder(output) if declaration.test_only else output
         chosen = _platforms_of(declaration, targets)
         if compiler.cache is None and chosen != targets and chosen:
             return  # only zig can build it
@@ -159,6 +166,10 @@ def _products(
             suffix = "" if fmi == 2 else f"_fmi{fmi}"
             data = build_fmu(declaration, compiler, chosen, place, fmi)
             yield folder / f"{declaration.name}{suffix}.fmu", data
+
+
+def _test_folder(output: Path) -> Path:
+    return TEST_FMUS if output.resolve() == MODELS else output
 
 
 def _platforms_of(declaration: Declaration, targets: Sequence[Platform]) -> Sequence[Platform]:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import FmuTwin, Recording, Study, Tuner
+from tests.sources.processes import descendants
 
 STUDY = """
 method = "random"
@@ -44,11 +45,11 @@ class Usage:
     runs : int
         Simulations so far.
     tuner, workers : int
-        [byte] Resident memory of the process, and of its children together.
+        [byte] Resident memory of the process, and of its workers and keepers together.
     open_files : int
         File descriptors of all of them.
     processes : int
-        Children.
+        Workers and their keepers.
     """
 
     runs: int
@@ -64,16 +65,11 @@ class Usage:
 
 
 def usage(runs: int) -> Usage:
-    """Look at this process and its children."""
+    """Look at this process, its workers and their keepers."""
     own = os.getpid()
-    children = _children(own)
+    children = descendants(own)
     files = sum(len(list(Path(f"/proc/{pid}/fd").iterdir())) for pid in (own, *children))
     return Usage(runs, _resident(own), sum(map(_resident, children)), files, len(children))
-
-
-def _children(pid: int) -> list[int]:
-    tasks = Path(f"/proc/{pid}/task").iterdir()
-    return [int(child) for task in tasks for child in (task / "children").read_text().split()]
 
 
 def _resident(pid: int) -> int:

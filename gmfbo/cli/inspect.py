@@ -24,11 +24,17 @@ def inspect(
     everything: Annotated[
         bool, typer.Option("--all", help=f"List more than {MOST_ROWS} variables of a kind.")
     ] = False,
+    run: Annotated[
+        bool, typer.Option("--run", help="Run its code for a few steps; else none of it runs.")
+    ] = False,
 ) -> None:
     """Print what an FMU is: signals, parameters, capabilities, platforms, findings."""
-    from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
+    from gmfbo.sources.inspection import inspect_fmu, starting_twin_file, try_fmu
+    from gmfbo.sources.sandbox.enclosure import protection
+    from gmfbo.sources.sandbox.policy import Policy
 
     report = inspect_fmu(fmu)
+    protected = protection(Policy.from_environment())
     if twin_file:
         typer.echo(starting_twin_file(report))
         return
@@ -45,6 +51,11 @@ def inspect(
     typer.echo(f"findings: {len(report.findings) or 'none'}")
     for finding in report.findings:
         typer.echo(f"  {finding}")
+    typer.echo("protection when it runs" + ("" if run else "; now none of it did, --run tries it"))
+    for line in protected:
+        typer.echo(f"  {line}")
+    if run:
+        typer.echo(f"tried: {try_fmu(report)}")
 
 
 def _print_head(report: FmuReport) -> None:

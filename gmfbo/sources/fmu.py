@@ -20,6 +20,7 @@ from gmfbo.sources.unpacked_fmu import UnpackedFmu
 
 STATUS_WORDS = ("ok", "warning", "discard", "error", "fatal", "pending")
 ERROR = 3
+_TERMINATED = 3  # of fmi2StatusKind
 _FOREIGN = r"invalid ELF header|wrong ELF class|not a valid Win32|incompatible arch"
 
 
@@ -261,6 +262,15 @@ class Instance:
         except FMICallException as error:
             refused = self.fmu.refusal(function, error.status)
             raise FmuCallError(refused, stage, error.status) from None
+
+    def has_ended(self) -> bool:
+        """Whether the FMU, having discarded a step, says that it ended the simulation."""
+        told = ctypes.c_int(0)
+        try:
+            self.call("fmi2GetBooleanStatus", Stage.STEP, _TERMINATED, ctypes.byref(told))
+        except FmuCallError:
+            return False
+        return bool(told.value)
 
     def address(self, function: str) -> int | None:
         """Address of an FMI function of the library; None where the library lacks it."""

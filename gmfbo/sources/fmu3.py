@@ -107,6 +107,10 @@ class Instance3(Instance):
 
     interface = FMI3
 
+    def has_ended(self) -> bool:
+        """False: in FMI 3.0 the answer to a step itself says so."""
+        return False
+
     def set_values(
         self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
     ) -> int:

@@ -93,6 +93,31 @@ def inspect_fmu(path: str | Path) -> FmuReport:
     )
 
 
+def try_fmu(report: FmuReport) -> str:
+    """Run the FMU's code for a few steps, shut in as any run is; what came of it, in a line.
+
+    Parameters
+    ----------
+    report : FmuReport
+        Of the FMU.
+
+    Raises
+    ------
+    FmuFileError
+        It cannot run here, or its library cannot be loaded.
+    SimulationError
+        It does not run.
+    """
+    from gmfbo.sources.binding import bind
+    from gmfbo.sources.trial_run import take_first_steps
+    from gmfbo.sources.twin_file import TwinFile
+
+    file = TwinFile.parse(starting_twin_file(report), report.path.name)
+    binding = bind(file, report.path.resolve().parent, report.path.name)
+    steps = take_first_steps(binding, file.step)
+    return f"{steps} steps of {file.step:g} s went well"
+
+
 def _of(description: FmuDescription, causality: str) -> tuple[FmuVariable, ...]:
     return tuple(v for v in description.variables.values() if v.causality == causality)
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Literal, NamedTuple
 
+Status = Literal["ok", "diverged", "failed", "crashed", "timeout"]
+
 
 class ValueType(IntEnum):
     """How a variable crosses the FMI interface; numbers as in `master.h`.
@@ -125,6 +127,7 @@ class Stage(IntEnum):
     INITIALISE = 3
     STEP = 4
     FREE = 5
+    ANSWER = 6
 
     @property
     def words(self) -> str:
@@ -136,6 +139,7 @@ class Stage(IntEnum):
             Stage.INITIALISE: "initialising",
             Stage.STEP: "stepping",
             Stage.FREE: "being freed",
+            Stage.ANSWER: "having run",
         }[self]
 
 
@@ -153,9 +157,12 @@ class Outcome:
         What happened, in one line; empty when `status` is `ok`.
     warnings : int
         FMI calls that answered with a warning.
+    stage : Stage
+        What was asked of the FMU when it failed.
     """
 
-    status: Literal["ok", "diverged", "failed", "crashed", "timeout"]
+    status: Status
     rows: int
     message: str = ""
     warnings: int = 0
+    stage: Stage = Stage.IDLE

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -47,7 +48,21 @@ class PrivateFolder:
 def _remove(path: Path, lock: IO[bytes], owner: int) -> None:
     if os.getpid() == owner:
         lock.close()
+        remove_tree(path)
+
+
+def remove_tree(path: Path) -> None:
+    """Remove a folder and all in it, as far as this process may.
+
+    Parameters
+    ----------
+    path : Path
+        May hold more levels of folders than Python can recurse through: foreign code made them.
+    """
+    try:
         shutil.rmtree(path, ignore_errors=True)
+    except RecursionError:
+        subprocess.run(["rm", "-rf", "--", str(path)], check=False, capture_output=True)
 
 
 def _remove_abandoned() -> None:
@@ -60,7 +75,7 @@ def _remove_abandoned() -> None:
             with (folder / _LOCK).open("r+b") as lock:
                 abandoned = _try_lock(lock)
             if abandoned:
-                shutil.rmtree(folder, ignore_errors=True)
+                remove_tree(folder)
 
 
 def _try_lock(lock: IO[bytes]) -> bool:

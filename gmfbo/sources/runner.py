@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -116,6 +117,7 @@ class InProcess:
     def run(self, *orders: Order) -> list[Result]:
         """Simulate each order on new instances, up to the first that does not end well."""
         results = []
+        folder = Path.cwd()
         try:
             for order in orders:
                 y = np.full(order.job.shapes[2], np.nan)
@@ -124,6 +126,7 @@ class InProcess:
                     break
         finally:
             self._simulator.free()
+            os.chdir(folder)  # some FMUs change it
         return results
 
     def close(self) -> None:

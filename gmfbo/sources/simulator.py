@@ -14,6 +14,7 @@ from gmfbo.sources.stop import LoopStage, Stop
 from gmfbo.sources.unpacked_fmu import UnpackedFmu
 
 Mark = Callable[[Stage, int], None]
+_DISCARD = 2
 _CALLS = {
     LoopStage.SET: "setting its inputs",
     LoopStage.GET: "reading its outputs",
@@ -87,7 +88,8 @@ class Simulator:
                 own = [setting for setting in job.settings if setting.fmu == index]
                 instance.initialise(job.start, own)
         except FmuCallError as error:
-            return Outcome("failed", 0, f"{error} while it was {error.stage.words}")
+            message = f"{error} while it was {error.stage.words}"
+            return Outcome("failed", 0, message, stage=error.stage)
         self._mark(Stage.STEP, 0)
         stop = step_all(self._instances, job, u, s, y, native=self._native)
         return self._outcome(job, stop)
@@ -117,6 +119,8 @@ class Simulator:
         else:
             call = _CALLS.get(stage, fmu.interface.do_step)
             message = f"{fmu.refusal(call, stop.fmi_status)} at t = {time:g} s"
+        if stop.fmi_status == _DISCARD and self._instances[stop.fmu].has_ended():
+            message += ": it ended the simulation itself; check its limits and end conditions"
         return Outcome("failed", rows, message, stop.warnings)
 
 

@@ -1,4 +1,4 @@
-"""A first step of an exported FMU, before anybody relies on it."""
+"""First steps of an FMU, before anybody relies on it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo.errors import ExportError, FmuFileError, SimulationError
-from gmfbo.sources.binding import bind
+from gmfbo.sources.binding import Binding, bind
 from gmfbo.sources.isolation import Isolated
 from gmfbo.sources.job import Job
 from gmfbo.sources.runner import Order
@@ -31,19 +31,38 @@ def try_out(twin_file: Path) -> None:
         It does not run, though its parts do.
     """
     file = TwinFile.read(twin_file)
-    runner: Isolated | None = None
     try:
-        binding = bind(file, twin_file.parent, twin_file.name)
-        runner = Isolated(binding, time_limit_s=_TIME_LIMIT_S)
-        order = Order(Job(_STEPS, 0.0, file.step), np.empty((_STEPS, 0)), np.empty((_STEPS, 0)))
-        outcome = runner.run(order)[0].outcome
+        take_first_steps(bind(file, twin_file.parent, twin_file.name), file.step)
     except (FmuFileError, SimulationError) as error:
         raise _refusal(str(error)) from None
+
+
+def take_first_steps(binding: Binding, step: float) -> int:
+    """Instantiate FMUs in a process of their own and step them; the number of steps.
+
+    Parameters
+    ----------
+    binding : Binding
+        The twin.
+    step : float
+        [s] Communication step.
+
+    Raises
+    ------
+    FmuFileError
+        A library cannot be loaded.
+    SimulationError
+        They do not run.
+    """
+    runner = Isolated(binding, time_limit_s=_TIME_LIMIT_S)
+    try:
+        order = Order(Job(_STEPS, 0.0, step), np.empty((_STEPS, 0)), np.empty((_STEPS, 0)))
+        outcome = runner.run(order)[0].outcome
     finally:
-        if runner is not None:
-            runner.close()
+        runner.close()
     if outcome.status != "ok":
-        raise _refusal(outcome.message)
+        raise SimulationError(outcome.message)
+    return _STEPS
 
 
 def _refusal(reason: str) -> ExportError:

@@ -22,6 +22,7 @@ from gmfbo.sources.binding import Binding, bind
 from gmfbo.sources.column_file import column_mapping
 from gmfbo.sources.content import content_hash
 from gmfbo.sources.experiment import Experiment
+from gmfbo.sources.fixed_step import fixed_step_advice
 from gmfbo.sources.job import Outcome
 from gmfbo.sources.parameters import check_parameters, run_parameters, starts_as_recorded
 from gmfbo.sources.runner import InProcess, Result, Runner, once_only
@@ -193,6 +194,10 @@ class FmuTwin:
             else:
                 lead, result = _run_from_rest(runner, experiment)
         self._warn(result.outcome)
+        if result.outcome.status == "failed":
+            advice = fixed_step_advice(self._binding, self.step)
+            told = replace(result.outcome, message=result.outcome.message + advice)
+            result = result._replace(outcome=told)
         seconds = time.perf_counter() - started
         return experiment.trajectory(result, lead, seconds)
 

@@ -7,13 +7,11 @@ import pickle
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -21,55 +19,27 @@ import pytest
 from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.errors import FmuFileError
 from gmfbo.sources import isolation
-from tests.sources.conftest import AXIS, LOOP, TEST_FMUS
+from gmfbo.sources.job import Stage
+from tests.sources.conftest import AXIS, FAULTY, LOOP, TEST_FMUS
+from tests.sources.processes import (
+    children,
+    descendants,
+    gone_within,
+    is_stopped,
+    open_files,
+)
 
 if TYPE_CHECKING:
     from tests.sources.conftest import Repack, WriteTwin
 
-pytestmark = pytest.mark.skipif(not Path("/proc/self").exists(), reason="looks at processes")
+pytestmark = [
+    pytest.mark.skipif(not Path("/proc/self").exists(), reason="looks at processes"),
+    pytest.mark.usefixtures("own_temporary_folder"),
+]
 
 REFERENCE = step_reference(0.01, at=0.05, horizon=0.2, unit="m")
 ROWS = np.arange(101, dtype=np.float64)
 RAMP = Recording(time=1e-3 * ROWS, signals={"reference": 0.01 * ROWS})
-
-
-@pytest.fixture(autouse=True)
-def own_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A temporary folder of the test's own, which has to be empty in the end."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    monkeypatch.setenv("TMPDIR", str(folder))
-    yield folder
-    assert list(folder.iterdir()) == []
-
-
-def children(of: int | None = None) -> list[int]:
-    """Processes, zombies too, whose parent is this or that process."""
-    parent = of or os.getpid()
-    found = []
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                status = (entry / "stat").read_text()
-            except OSError:
-                continue
-            if int(status.rpartition(")")[2].split()[1]) == parent:
-                found.append(int(entry.name))
-    return found
-
-
-def open_files(pid: int) -> int:
-    return len(list(Path(f"/proc/{pid}/fd").iterdir()))
-
-
-def gone_within(pids: list[int], seconds: float) -> bool:
-    end = time.monotonic() + seconds
-    while any(Path(f"/proc/{pid}").exists() for pid in pids):
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.02)
-    return True
 
 
 def test_a_worker_gives_the_bits_of_a_run_in_this_process(axis: Path) -> None:
@@ -164,12 +134,54 @@ def test_a_worker_killed_between_runs_is_replaced_without_a_word(axis: Path) -> 
     with FmuTwin(axis) as twin:
         before = twin.run({}, REFERENCE)
         (worker,) = children()
-        os.kill(worker, signal.SIGKILL)
+        os.killpg(worker, signal.SIGKILL)
         after = twin.run({}, REFERENCE)
         assert after.status == "ok"
         assert after.signal("position").tobytes() == before.signal("position").tobytes()
         assert children() != [worker]
     assert children() == []
+
+
+def test_a_worker_killed_just_after_its_answer_is_replaced_without_a_word(axis: Path) -> None:
+    """It had not yet said that it frees instances; that is no sign of closed files."""
+    with FmuTwin(axis) as twin:
+        twin.run({}, REFERENCE)
+        runner: Any = twin._runner
+        os.killpg(children()[0], signal.SIGKILL)
+        runner._arrays.progress[:] = (Stage.ANSWER, 0)
+        assert twin.run({}, REFERENCE).status == "ok"
+
+
+def test_a_worker_whose_keeper_is_killed_ends_with_it(faulty: Path) -> None:
+    with FmuTwin(faulty) as twin:
+        twin.run({}, RAMP)
+        keeper, worker = descendants(os.getpid())
+        threading.Timer(0.3, os.kill, (keeper, signal.SIGKILL)).start()
+        killed = twin.run({}, RAMP, parameters={"fault": 3, "at": 0.05})
+        assert killed.status == "crashed"
+        assert gone_within([worker], 5.0)
+        assert twin.run({}, RAMP).status == "ok"
+    assert children() == []
+
+
+def test_a_run_shares_memory_in_its_own_folder_only(axis: Path, own_temporary_folder: Path) -> None:
+    """So nothing can be left in /dev/shm, nor a segment that only a restart removes."""
+    with FmuTwin(axis) as twin:
+        twin.run({}, REFERENCE)
+        for process in descendants(os.getpid()):
+            maps = Path(f"/proc/{process}/maps").read_text().splitlines()
+            shared = {line.split()[-1] for line in maps if line.split()[1] == "rw-s"}
+            assert all(path.startswith(str(own_temporary_folder)) for path in shared), shared
+
+
+def test_an_fmu_in_this_process_leaves_the_working_folder_as_it_was(
+    write_twin: WriteTwin,
+) -> None:
+    before = Path.cwd()
+    text = FAULTY.replace("faulty", "changes_folder")
+    with FmuTwin(write_twin(text, TEST_FMUS / "faults/changes_folder.fmu"), isolated=False) as twin:
+        assert twin.run({}, RAMP).status == "ok"
+        assert Path.cwd() == before
 
 
 def test_a_worker_killed_in_a_run_is_a_crashed_run(faulty: Path) -> None:
@@ -195,11 +207,6 @@ ENDING
 """
 
 
-def is_stopped(process: int) -> bool:
-    """Whether a signal holds it."""
-    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "T"
-
-
 def child(ending: str, twin: Path) -> subprocess.Popen[str]:
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD.replace("ENDING", ending), str(twin)],
@@ -221,17 +228,19 @@ def child(ending: str, twin: Path) -> subprocess.Popen[str]:
         pytest.param("twin.run({}, ramp, parameters={'fault': 3})", id="in a hanging run"),
     ],
 )
+@pytest.mark.parametrize("way", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
 def test_nothing_is_left_when_the_parent_is_killed(
-    ending: str, faulty: Path, own_temporary_folder: Path
+    ending: str, way: signal.Signals, faulty: Path, own_temporary_folder: Path
 ) -> None:
     with child(ending, faulty) as parent:
         time.sleep(0.2)
-        workers = children(parent.pid)
-        assert len(workers) == 1
+        keeper_and_worker = descendants(parent.pid)
+        assert len(keeper_and_worker) == 2
         assert len(list(own_temporary_folder.iterdir())) == 1
-        parent.kill()
+        parent.send_signal(way)
         parent.communicate()
-    assert gone_within(workers, 5.0)
+        assert parent.returncode == -way
+    assert gone_within(keeper_and_worker, 5.0)
 
 
 @pytest.mark.parametrize(
@@ -248,7 +257,7 @@ def test_nothing_is_left_when_a_script_forgets_to_close(
     ending: str, code: int, faulty: Path
 ) -> None:
     with child(ending, faulty) as parent:
-        workers = children(parent.pid)
+        workers = descendants(parent.pid)
         _, complaints = parent.communicate(timeout=20)
         assert parent.returncode == code
     assert gone_within(workers, 5.0)
@@ -258,7 +267,7 @@ def test_nothing_is_left_when_a_script_forgets_to_close(
 def test_nothing_is_left_when_the_user_interrupts(faulty: Path) -> None:
     with child("twin.run({}, ramp, parameters={'fault': 3})", faulty) as parent:
         time.sleep(0.2)
-        workers = children(parent.pid)
+        workers = descendants(parent.pid)
         os.killpg(parent.pid, signal.SIGINT)  # as a terminal does: the worker gets it too
         _, complaints = parent.communicate(timeout=20)
         assert parent.returncode != 0
@@ -270,13 +279,14 @@ def test_a_folder_of_a_parent_and_worker_killed_together_is_removed_later(
     axis: Path, own_temporary_folder: Path
 ) -> None:
     with child("sys.stdin.read()", axis) as parent:
-        (worker,) = children(parent.pid)
-        os.kill(worker, signal.SIGSTOP)
-        while not is_stopped(worker):  # a stop takes its time on a busy machine
+        keeper, worker = descendants(parent.pid)
+        os.kill(keeper, signal.SIGSTOP)
+        while not is_stopped(keeper):  # a stop takes its time on a busy machine
             time.sleep(0.001)
         parent.kill()
-        os.kill(worker, signal.SIGKILL)
+        os.kill(keeper, signal.SIGKILL)
         parent.communicate()
+    assert gone_within([keeper, worker], 5.0)
     (left,) = own_temporary_folder.iterdir()
     with FmuTwin(axis) as twin:
         twin.run({}, REFERENCE)
@@ -319,14 +329,14 @@ def test_many_runs_open_no_more_files_and_no_more_threads(axis: Path) -> None:
     with FmuTwin(axis) as twin:
         twin.run({}, REFERENCE)
         files, threads = open_files(os.getpid()), threading.active_count()
-        (worker,) = children()
+        keeper, worker = descendants(os.getpid())
         worker_files = open_files(worker)
         for _ in range(200):
             twin.run({}, REFERENCE)
         assert open_files(os.getpid()) == files
         assert open_files(worker) == worker_files
         assert threading.active_count() == threads
-        assert children() == [worker]
+        assert descendants(os.getpid()) == [keeper, worker]
 
 
 def test_crashes_leave_no_open_files_and_no_zombies(faulty: Path) -> None:

@@ -1,0 +1,108 @@
+"""What the user lets FMUs have: the environment variable GMFBO_SANDBOX."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from gmfbo.errors import InputError
+
+VARIABLE = "GMFBO_SANDBOX"
+_EXPECTED = (
+    f"{VARIABLE}: expected 'off', or any of 'network', 'read=FOLDER' and 'memory=GB', with commas "
+    "between"
+)
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What is shut off.
+
+    It is no entry of a twin file: a file that comes with a foreign FMU must not open the door.
+
+    Attributes
+    ----------
+    enclosed : bool
+        False: an FMU may do what the user may do.
+    network : bool
+        It may open connections, to a licence server for example.
+    read : tuple of str
+        Files or folders that it may read besides its own and the system's.
+    memory : int
+        [bytes] It may hold; 0 for half of the machine's.
+    """
+
+    enclosed: bool = True
+    network: bool = False
+    read: tuple[str, ...] = ()
+    memory: int = 0
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Policy:
+        """Read GMFBO_SANDBOX; without it everything is shut off.
+
+        Parameters
+        ----------
+        environment : mapping of str to str
+            Environment variables.
+
+        Raises
+        ------
+        InputError
+            A word is unknown, a folder does not exist, or a number is none.
+        """
+        policy = cls()
+        for word in environment.get(VARIABLE, "").split(","):
+            policy = _with(policy, word.strip())
+        return policy
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for another process."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, raw: Mapping[str, Any]) -> Policy:
+        """Read back what `json.dumps(policy.as_dict())` wrote."""
+        return cls(raw["enclosed"], raw["network"], tuple(raw["read"]), raw["memory"])
+
+    @property
+    def memory_limit(self) -> int:
+        """[bytes] Memory that it may hold; 0 where nothing is known of the machine's."""
+        if self.memory:
+            return self.memory
+        try:
+            return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+        except (AttributeError, ValueError, OSError):
+            return 0
+
+
+def _with(policy: Policy, word: str) -> Policy:
+    name, _, value = word.partition("=")
+    if word in ("", "on"):
+        return policy
+    if word == "off":
+        return replace(policy, enclosed=False)
+    if word == "network":
+        return replace(policy, network=True)
+    if name == "read" and value:
+        place = Path(value).expanduser()
+        if not place.exists():
+            raise InputError(f"{VARIABLE}: no file or folder '{value}'; check read=")
+        return replace(policy, read=(*policy.read, str(place.resolve())))
+    if name == "memory":
+        return replace(policy, memory=_bytes(value))
+    raise InputError(f"{_EXPECTED}; got '{word}'")
+
+
+def _bytes(gigabytes: str) -> int:
+    try:
+        size = float(gigabytes) * 1e9
+    except ValueError:
+        size = math.nan
+    if not 1e8 <= size < 1e18:
+        raise InputError(f"{VARIABLE}: expected memory = at least 0.1 GB, got '{gigabytes}'")
+    return int(size)

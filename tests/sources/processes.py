@@ -1,0 +1,48 @@
+"""Processes as /proc shows them."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+
+def children(of: int | None = None) -> list[int]:
+    """Processes, zombies too, whose parent is this or that process."""
+    parent = of or os.getpid()
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                status = (entry / "stat").read_text()
+            except OSError:
+                continue
+            if int(status.rpartition(")")[2].split()[1]) == parent:
+                found.append(int(entry.name))
+    return found
+
+
+def open_files(pid: int) -> int:
+    return len(list(Path(f"/proc/{pid}/fd").iterdir()))
+
+
+def gone_within(pids: list[int], seconds: float) -> bool:
+    end = time.monotonic() + seconds
+    while any(Path(f"/proc/{pid}").exists() for pid in pids):
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def is_stopped(process: int) -> bool:
+    """Whether a signal holds it."""
+    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "T"
+
+
+def descendants(of: int) -> list[int]:
+    """Processes that this one started, and those that they started."""
+    found = []
+    for child in children(of):
+        found += [child, *descendants(child)]
+    return found
