@@ -15,8 +15,8 @@
 # # From diagnosis to tuned axis
 #
 # A drive is to be tuned, and its twin is almost right: the real drive acts 9 ms later than the twin
-# says. Tuned on the twin alone, the axis rings. Here the same two real runs are used three times: to
-# tune without the twin, to find out what the twin lacks, and to tune with the twin that has it.
+# says. Tuned on the twin alone, the axis rings. Here the same two real runs are used three times:
+# to tune without the twin, to find out what the twin lacks, and to tune with the twin that has it.
 
 # %%
 from __future__ import annotations

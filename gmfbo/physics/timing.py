@@ -49,13 +49,13 @@ def time_parameter(name: str, words: str, longest: Range = longest_lag) -> Effec
 
 
 def starts(name: str, excitation: Excitation, longest: Range = longest_lag) -> list[Values]:
-    """Two to five times to start from, about a factor of two apart: just visible to very long.
+    """Times to start from, about a factor of two apart: just visible to a good share of the longest.
 
     A loop that rings with the phase of a late command is no smooth function of the delay: a fit
     from half of it or twice as much stays there.
     """
     first, last = min(2.0 * floor(excitation), 0.5 * longest(excitation)), 0.6 * longest(excitation)
-    count = min(1 + max(round(math.log2(last / first)), 1), 5)
+    count = 1 + max(round(math.log2(last / first)), 1)
     return [{name: float(time)} for time in np.geomspace(first, last, count)]
 
 
