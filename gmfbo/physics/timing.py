@@ -49,7 +49,7 @@ def time_parameter(name: str, words: str, longest: Range = longest_lag) -> Effec
 
 
 def starts(name: str, excitation: Excitation, longest: Range = longest_lag) -> list[Values]:
-    """Times to start from, about a factor of two apart: just visible to a good share of the longest.
+    """Times to start from, about a factor of two apart, up to a good share of the longest.
 
     A loop that rings with the phase of a late command is no smooth function of the delay: a fit
     from half of it or twice as much stays there.
