@@ -18,7 +18,7 @@ from gmfbo.recordings.column_stream import read_columns_from
 from gmfbo.recordings.columns import RecordedColumns
 from gmfbo.recordings.durable import cause
 
-TIME_LIMIT_S = 30.0
+TIME_LIMIT_S = 20.0
 TIME_LIMIT_S_PER_MB = 1.0
 MEMORY_LIMIT_BYTES = 2 * 2**30
 MEMORY_LIMIT_PER_BYTE = 20  # of the file; text and compressed files grow by less

@@ -6,11 +6,10 @@ it. Each step is a file written whole or moved, so a repair that is killed can b
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gmfbo.errors import RecordingError, StoreError
+from gmfbo.errors import RecordingError, StoreError, in_short
 from gmfbo.recordings.durable import cause, sync_folder, write_whole
 from gmfbo.recordings.events import EventLines, mend_events, read_events
 from gmfbo.recordings.index import study_text_in_index
@@ -20,6 +19,7 @@ from gmfbo.recordings.store import LOCK_NAME, StudyStore
 from gmfbo.recordings.study_reading import EVENTS_NAME, STUDY_NAME, FolderReading
 from gmfbo.recordings.trial_file import read_trial_file
 from gmfbo.recordings.writer_lock import WriterLock
+from gmfbo.toml_text import parse_toml, read_toml_text
 
 DAMAGED = "damaged"
 
@@ -130,38 +130,41 @@ def _repair_study_file(folder: Path, report: RepairReport) -> None:
 
 def _study_problem(path: Path) -> str:
     try:
-        tomllib.loads(path.read_bytes().decode("utf-8"))
+        parse_toml(read_toml_text(path))
     except FileNotFoundError:
         return "missing"
-    except (ValueError, RecursionError) as error:
-        return f"damaged ({' '.join(str(error).split())})"
+    except ValueError as error:
+        return f"damaged ({in_short(error)})"
     return ""
 
 
 def _repair_trial(path: Path, number: int, report: RepairReport) -> None:
-    try:
-        trial = read_trial_file(path)
-        if trial.number == number:
-            report.whole.append(number)
-            return
-        why = f"holds trial {trial.number}"
-    except StoreError as error:
-        why = str(error).partition("but it is ")[2].rpartition("; run")[0] or str(error)
-    corrected = mended(path.read_bytes())
+    why = _trial_problem(path, number)
+    corrected = mended(path.read_bytes()) if why else None
     if corrected is not None:
         content, byte = corrected
         aside = _copy_aside(path)
         write_whole(path, content)
-        report.mended.append(number)
+        why = _trial_problem(path, number)
         report.lines.append(
             f"trial {number}: one bit of byte {byte} had turned; mended to the byte, the damaged "
             f"file is {aside}"
         )
-        return
-    saved = _save_signals(path)
-    aside = _set_aside(path)
-    report.lost.append(number)
-    report.lines.append(f"trial {number}: {why}; moved to {aside}; {saved}")
+    if why:
+        saved = _save_signals(path)
+        aside = _set_aside(path)
+        report.lines.append(f"trial {number}: {why}; moved to {aside}; {saved}")
+    found = report.lost if why else report.whole if corrected is None else report.mended
+    found.append(number)
+
+
+def _trial_problem(path: Path, number: int) -> str:
+    """What is wrong with a trial file; empty where nothing is."""
+    try:
+        held = read_trial_file(path).number
+    except StoreError as error:
+        return str(error).partition("but it is ")[2].rpartition("; run")[0] or str(error)
+    return "" if held == number else f"holds trial {held}"
 
 
 def _save_signals(path: Path) -> str:
