@@ -120,7 +120,8 @@ def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, i
         "",
         "refused: by an error of gmfbo's own, one line. reader ended: of these, the reading",
         "process crashed, hung to its limit of time or met its limit of memory; the next file was",
-        "read by a new one. worst: of one file, in the process that read it.",
+        "read by a new one. worst: of one file, in the process that read it; processor time, or",
+        "for the formats that the reading process reads what passed until it answered.",
         f"limits: {_limits()}",
     ]
     lines += [f"FAULT ({count}): {fault}" for fault, count in faults.most_common(40)]

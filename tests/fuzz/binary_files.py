@@ -69,33 +69,37 @@ def hdf5() -> st.SearchStrategy[bytes]:
 
 def mat_v5() -> st.SearchStrategy[bytes]:
     """MATLAB files of version 5 and 4."""
-    corpus = [make_mat({"time": TIME, "a": TIME, "s": {"x": TIME, "y": 1.0}}, random.Random(k))
-              for k in range(4)]  # fmt: skip
+    columns = {"time": TIME, "reference": TIME, "s": {"x": TIME, "y": 1.0}}
+    corpus = [make_mat(columns, random.Random(k)) for k in range(4)]
     return st.one_of(byte_changes(corpus), odd(make_mat))
 
 
 def mat_v73() -> st.SearchStrategy[bytes]:
     """MATLAB files of version 7.3: HDF5 behind a block of text."""
-    corpus = [make_mat_v73({"time": TIME, "a": TIME[None]}, random.Random(k)) for k in range(3)]
+    corpus = [
+        make_mat_v73({"time": TIME, "reference": TIME[None]}, random.Random(k)) for k in range(3)
+    ]
     return st.one_of(byte_changes(corpus), odd(make_mat_v73))
 
 
 def parquet() -> st.SearchStrategy[bytes]:
     """Parquet files."""
-    corpus = [make_parquet({"time": TIME, "a": TIME, "n": np.arange(_ROWS)}, random.Random(k))
-              for k in range(6)]  # fmt: skip
+    columns = {"time": TIME, "reference": TIME, "n": np.arange(_ROWS)}
+    corpus = [make_parquet(columns, random.Random(k)) for k in range(6)]
     return st.one_of(byte_changes(corpus), odd(make_parquet))
 
 
 def mdf() -> st.SearchStrategy[bytes]:
     """MDF files of version 4 and 3."""
-    corpus = [make_mdf({"a": TIME, "b": np.arange(_ROWS)}, random.Random(k)) for k in range(5)]
+    corpus = [
+        make_mdf({"reference": TIME, "b": np.arange(_ROWS)}, random.Random(k)) for k in range(5)
+    ]
     return st.one_of(byte_changes(corpus), odd(make_mdf))
 
 
 def tdms() -> st.SearchStrategy[bytes]:
     """TDMS files."""
-    corpus = [make_tdms({"time": TIME, "a": TIME}, random.Random(k)) for k in range(4)]
+    corpus = [make_tdms({"time": TIME, "reference": TIME}, random.Random(k)) for k in range(4)]
     return st.one_of(byte_changes(corpus), odd(make_tdms))
 
 
@@ -133,7 +137,8 @@ def _packed() -> bytes:
 
 @cache
 def _hdf5_corpus() -> list[bytes]:
-    plain = make_hdf5({"time": TIME, "drive/iq": TIME, "n": np.arange(_ROWS)}, random.Random(0))
+    columns = {"time": TIME, "reference": TIME, "drive/iq": TIME, "n": np.arange(_ROWS)}
+    plain = make_hdf5(columns, random.Random(0))
     packed = make_hdf5({"time": TIME, "a": TIME}, random.Random(3))
     trial = trial_image(example_trial(1, rows=_ROWS))
     run = file_image(lambda root: write_recording_group(root, example_trial(3, rows=9).recording))
@@ -217,7 +222,9 @@ def make_mat(columns: dict[str, Any], rng: random.Random) -> bytes:
     written = io.BytesIO()
     chosen = {name.replace("/", "_"): values for name, values in columns.items()}
     version: Literal["4", "5"] = rng.choice(["5", "5", "5", "4"])
-    if version == "5" and rng.random() < 0.5:
+    if version == "4":
+        chosen = {name: values for name, values in chosen.items() if not isinstance(values, dict)}
+    elif rng.random() < 0.5:
         chosen["cells"] = np.array([1.0, "a"], dtype=object)
         chosen["log"] = {"time": TIME, "deeper": {"x": TIME}}
     with warnings.catch_warnings():

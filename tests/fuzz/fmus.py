@@ -239,6 +239,7 @@ def _file_and_folder(file: zipfile.ZipFile, rng: random.Random) -> None:
 
 def _odd_name(file: zipfile.ZipFile, rng: random.Random) -> None:
     word = rng.choice(ODD_WORDS).encode("utf-8", "replace").decode()
+    word = word.strip("\0") or "?"  # zipfile writes no empty name
     file.writestr(rng.choice(["{}", "resources/{}", "binaries/{}/rich.so"]).format(word), b"x")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,7 @@ def test_only_our_own_errors_come_out_of_a_hostile_file(
     if name in _PACKAGES:
         pytest.importorskip(_PACKAGES[name])
     target, tally = TARGETS[name], Tally()
-    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 5.0)
+    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 2.0)
 
     @settings(
         max_examples=_EXAMPLES,
@@ -39,13 +40,13 @@ def test_only_our_own_errors_come_out_of_a_hostile_file(
 
     tried()
     assert tally.tried >= _EXAMPLES
-    assert tally.refused, "nothing was refused: the files are not hostile"
+    # A damaged event line is passed over and told, never refused.
+    assert tally.refused or name == "events", "nothing was refused: the files are not hostile"
     assert tally.read, "nothing was read: the files do not reach what lies deep"
 
 
 def test_the_campaign_sees_a_foreign_error(tmp_path: Path) -> None:
     """Negative control: a reader that lets a foreign error out is a fault."""
-    from dataclasses import replace
 
     def careless(path: Path) -> None:
         raise KeyError(path.name)
