@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording, Trajectory
 
+DIGEST = "digest"
+"""Attribute of a trial: digest of all else, which holds wherever HDF5 puts it."""
+
 LAYOUT = 1  # version of the layout below, attribute `layout`
 
 _names_in_memory = itertools.count()
@@ -173,12 +176,12 @@ def _texts(texts: Mapping[str, Any] | list[str]) -> NDArray[Any]:
 
 
 def group_digest(group: Any) -> str:
-    """BLAKE2b of all names and values below a group, however HDF5 lays them out."""
+    """BLAKE2b of all names and values of a group but its digest, however HDF5 lays them out."""
     digest = hashlib.blake2b(digest_size=16)
 
     def add(name: str, item: Any) -> None:
         digest.update(f"{name}\n".encode("utf-8", "surrogatepass"))
-        for key in sorted(item.attrs):
+        for key in sorted(set(item.attrs) - {DIGEST} if item == group else item.attrs):
             value = np.asarray(item.attrs[key]).tolist()
             digest.update(f"{key} = {value!r}\n".encode("utf-8", "surrogatepass"))
         if isinstance(item, h5py.Dataset):

@@ -8,22 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 
 from gmfbo.errors import RecordingError, StoreError
 from gmfbo.recordings.durable import cause, write_whole
 from gmfbo.recordings.events import EventLines, read_events
-from gmfbo.recordings.hdf5_group import file_image, group_digest
+from gmfbo.recordings.hdf5_group import DIGEST, file_image, group_digest
 from gmfbo.recordings.index import trial_name
 from gmfbo.recordings.reading_process import try_apart
 from gmfbo.recordings.seal import read_seal, sealed
 from gmfbo.recordings.study_reading import FolderReading
 from gmfbo.recordings.trial import Trial
-from gmfbo.recordings.trial_file import read_trial_group
-
-DIGESTS = "digests"
-"""Dataset of a packed study: number and digest of each trial, to know which are whole."""
-_DIGEST_LENGTH = 48
+from gmfbo.recordings.trial_file import check_digest, read_trial_group
 
 
 def pack_study(folder: str | Path, path: str | Path) -> Path:
@@ -60,15 +55,9 @@ def pack_study(folder: str | Path, path: str | Path) -> Path:
         root.create_dataset("study", data=study.study_text(), dtype=h5py.string_dtype())
         lines = study.intact_event_lines()
         root.create_dataset("events", data=lines, shape=(len(lines),), dtype=h5py.string_dtype())
-        # Given its place first, so that a file that is cut off has kept it.
-        digests = np.full(len(study.numbers()), b"-" * _DIGEST_LENGTH)
-        stored = root.create_dataset(DIGESTS, data=digests)
         trials = root.create_group("trials")
-        for place, number in enumerate(study.numbers()):
-            name = trial_name(number)
+        for number in study.numbers():
             _copy_trial(study, number, trials)
-            digests[place] = f"{name} {group_digest(trials[name])}".encode()
-        stored[...] = digests
 
     image = sealed(file_image(fill))
     try:
@@ -82,6 +71,8 @@ def _copy_trial(study: FolderReading, number: int, trials: Any) -> None:
     study.read_trial(number)  # refuses a damaged file
     with h5py.File(study.trial_path(number), "r", locking=False) as file:
         trials.copy(file["/"], trial_name(number))
+    packed = trials[trial_name(number)]
+    packed.attrs[DIGEST] = group_digest(packed)  # a file of an early version has none
 
 
 class PackedReading:
@@ -159,6 +150,8 @@ def try_packed(path: Path) -> None:
         if "packed_study" in file.attrs:
             for group in file["trials"].values():
                 read_trial_group(group)
+                if DIGEST in group.attrs:  # an early version wrote none
+                    check_digest(group)
 
 
 def _damaged_pack(path: Path, why: str) -> StoreError:

@@ -140,7 +140,7 @@ def _study_problem(path: Path) -> str:
 
 def _repair_trial(path: Path, number: int, report: RepairReport) -> None:
     why = _trial_problem(path, number)
-    corrected = mended(path.read_bytes()) if why else None
+    corrected = mended(path.read_bytes())
     if corrected is not None:
         content, byte = corrected
         aside = _copy_aside(path)

@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.durable import write_whole
-from gmfbo.recordings.hdf5_group import group_digest
 from gmfbo.recordings.index import trial_name
-from gmfbo.recordings.pack import DIGESTS
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.seal import without_seal
-from gmfbo.recordings.trial_file import read_trial_group, trial_image
+from gmfbo.recordings.trial_file import check_digest, read_trial_group, trial_image
 from gmfbo.recordings.writer import write_recording
 
 _END_AT = 40  # [B] where a superblock of version 0 states the end of the file
@@ -88,9 +86,7 @@ def save_packed_trial(path: Path, number: str, folder: str) -> None:
     name = trial_name(int(number))
     with _opened(path) as (file, _):
         group = file["trials"][name]
-        stated = dict(line.decode().split(" ", 1) for line in file[DIGESTS][()])
-        if stated.get(name) != group_digest(group):
-            raise RecordingError("its content is not what was packed")
+        check_digest(group)
         image = trial_image(read_trial_group(group))
     write_whole(Path(folder) / f"{name}.h5", image)
 

@@ -52,12 +52,12 @@ def disk_lines(report: FullDiskReport) -> list[str]:
 def damage_lines(report: DamageReport) -> list[str]:
     """What damaged files gave."""
     rows = [
-        f"  {kind:<20} {report.damaged[kind]:8d} {report.mended[kind]:10d} {report.lost[kind]:12d}"
+        f"  {kind:<20} {report.damaged[kind]:8d} {report.mended[kind]:12d} {report.lost[kind]:12d}"
         for kind in KINDS
     ]
     return [
         f"damaged files, {report.rounds} studies of six trials, one to three files damaged in each",
-        f"  {'trial files':<20} {'damaged':>8} {'mended':>10} {'set aside':>12}",
+        f"  {'trial files':<20} {'damaged':>8} {'whole again':>12} {'set aside':>12}",
         *rows,
         f"  set aside, with signals saved as a recording         {report.saved:6d}",
         f"  event lines with one wrong bit, mended               {report.lines:6d} "

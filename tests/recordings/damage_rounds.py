@@ -14,7 +14,15 @@ from gmfbo.recordings.store import StudyStore
 from gmfbo.recordings.trial import Trial
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
-KINDS = ("one bit", "bits", "block of zeros", "block of noise", "cut off", "emptied")
+KINDS = (
+    "one bit",
+    "bits",
+    "block of zeros",
+    "block of noise",
+    "end of zeros",
+    "cut off",
+    "emptied",
+)
 STUDY = 'name = "damaged"\n[is1]\ntwin = "axis.toml"\n'
 
 
@@ -27,7 +35,8 @@ class DamageReport:
     rounds : int
         Studies damaged and repaired.
     damaged, mended, lost : dict of str to int
-        Files of trials by kind of damage: all, brought back to the byte, set aside.
+        Files of trials by kind of damage: all, read as they were written after the repair (mended
+        to the byte, or damaged where nothing is held), set aside.
     saved : int
         Of those set aside, how many gave at least one signal.
     lines, lines_mended : int
@@ -59,6 +68,9 @@ def damage(content: bytes, kind: str, rng: random.Random) -> bytes:
         begin = rng.randrange(len(changed) - size + 1)
         block = bytes(size) if kind.endswith("zeros") else rng.randbytes(size)
         changed[begin : begin + size] = block
+    elif kind == "end of zeros":  # as a file system leaves a file after a power cut
+        size = rng.randint(1, 5000)
+        changed[-size:] = bytes(min(size, len(changed)))
     elif kind == "cut off":
         del changed[rng.randrange(1, len(changed)) :]
     else:
