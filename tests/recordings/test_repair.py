@@ -70,7 +70,7 @@ def test_a_turned_bit_is_refused_by_readers_and_mended(folder: Path) -> None:
     before = path.read_bytes()
     turn_bit(path, 9000)  # a sample: plain HDF5 would read another number
     with pytest.raises(
-        StoreError, match=r"damaged .its content is not what was.*run `gmfbo repair"
+        StoreError, match=r"damaged .its content is not what.*run `gmfbo rep"
     ):
         StudyStore.open(folder).read_trial(2)
     report = repair_folder(folder)
