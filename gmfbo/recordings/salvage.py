@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
+from gmfbo.recordings.clock import JITTER
 from gmfbo.recordings.durable import write_whole
 from gmfbo.recordings.index import trial_name
 from gmfbo.recordings.recording import Recording
@@ -41,13 +42,14 @@ def save_signals(path: Path, out: str) -> None:
     """
     with _opened(path) as (file, held):
         time = _values(file, "time", held)
-        if time is None:
+        rows = 0 if time is None else _steady_rows(time)
+        if time is None or rows < 2:
             raise RecordingError("the times cannot be read")
         signals, units = {}, {}
         for name in file:
             values = _values(file, name, held)
             if name != "time" and values is not None and values.shape == time.shape:
-                signals[name] = values
+                signals[name] = values[:rows]
                 with contextlib.suppress(Exception):
                     units[name] = str(file[name].attrs["unit"])
         gains = {}
@@ -56,7 +58,7 @@ def save_signals(path: Path, out: str) -> None:
             gains = dict(zip(names, map(float, file.attrs["gains"]), strict=True))
     if not signals:
         raise RecordingError("no signal can be read")
-    write_recording(Recording(time, signals, units, path.name, gains), out)
+    write_recording(Recording(time[:rows], signals, units, path.name, gains), out)
 
 
 def save_packed_study(path: Path, folder: str) -> None:
@@ -102,6 +104,17 @@ def _opened(path: Path) -> Iterator[tuple[Any, int]]:
             content = content.ljust(end, b"\0")
     with h5py.File(h5py.h5f.open_file_image(content)) as file:
         yield file, held
+
+
+def _steady_rows(time: NDArray[np.float64]) -> int:
+    """Rows before the clock breaks off, as it does where one of its values was damaged."""
+    if time.size < 2 or not np.isfinite(time[0]):
+        return 0
+    with np.errstate(all="ignore"):
+        steps = np.diff(time)
+        step = float(np.median(steps[np.isfinite(steps)])) if np.isfinite(steps).any() else 0.0
+        broken = ~(np.abs(steps - step) <= JITTER / 2.0 * step)
+    return int(np.argmax(broken)) + 1 if broken.any() else time.size
 
 
 def _values(file: Any, name: str, held: int) -> NDArray[np.float64] | None:

@@ -7,7 +7,7 @@ import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gmfbo.errors import StoreError
+from gmfbo.errors import GmfboError, StoreError
 from gmfbo.recordings.reader import read_recording
 from gmfbo.recordings.repair import repair_folder
 from gmfbo.recordings.store import StudyStore
@@ -120,8 +120,11 @@ def _round(
         if number not in kinds:
             report.wrong.append(f"trial {number} was whole and is lost")
         if list((copy / "damaged").glob(f"{number:06d}.saved.h5")):
-            read_recording(copy / "damaged" / f"{number:06d}.saved.h5")
-            report.saved += 1
+            try:
+                read_recording(copy / "damaged" / f"{number:06d}.saved.h5")
+                report.saved += 1
+            except GmfboError as refused:
+                report.wrong.append(f"what was saved is no recording: {refused}")
     if (copy / "study.toml").read_bytes() != (whole / "study.toml").read_bytes():
         report.wrong.append("study.toml")
     if repair_folder(copy).lost:

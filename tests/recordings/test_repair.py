@@ -7,6 +7,7 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -69,9 +70,7 @@ def test_a_turned_bit_is_refused_by_readers_and_mended(folder: Path) -> None:
     path = trial_file(folder, 2)
     before = path.read_bytes()
     turn_bit(path, 9000)  # a sample: plain HDF5 would read another number
-    with pytest.raises(
-        StoreError, match=r"damaged .its content is not what.*run `gmfbo rep"
-    ):
+    with pytest.raises(StoreError, match=r"damaged .its content is not what.*run `gmfbo rep"):
         StudyStore.open(folder).read_trial(2)
     report = repair_folder(folder)
     assert (report.mended, report.lost) == ([2], [])
@@ -100,6 +99,17 @@ def test_what_is_left_of_a_cut_off_trial_is_saved_as_a_recording(folder: Path) -
         np.testing.assert_array_equal(values, expected)
     assert saved.parameters["ctl.Kp"] == 33.0
     assert StudyStore.open(folder).numbers() == [1, 2, 4]
+
+
+def test_signals_are_saved_up_to_a_damaged_time(folder: Path) -> None:
+    path = trial_file(folder, 1)
+    with h5py.File(path, "r+") as file:
+        file["time"][200] = 17.0
+        file["position"][3] = 1e9  # what else is wrong nobody can know
+    assert repair_folder(folder).lost == [1]
+    saved = Recording.read(folder / "damaged" / "000001.saved.h5")
+    np.testing.assert_array_equal(saved.time, example_trial(1, rows=300).recording.time[:200])
+    assert saved.signal("position")[3] == 1e9
 
 
 def test_a_study_without_seals_is_read_and_a_damaged_one_of_them_is_set_aside(
