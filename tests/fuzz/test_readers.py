@@ -14,7 +14,7 @@ from tests.fuzz.targets import TARGETS
 from tests.fuzz.trying import Tally, try_file
 
 _PACKAGES = {"Parquet": "pyarrow", "MDF": "asammdf", "TDMS": "nptdms"}
-_EXAMPLES = 40
+_EXAMPLES = 30
 
 
 @pytest.mark.parametrize("name", TARGETS)
