@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -13,7 +12,7 @@ from gmfbo.errors import FmuFileError, in_short
 from gmfbo.sources.fmu_variable import FmuVariable, number_from, variable_from
 from gmfbo.sources.platforms import Platform, this_platform
 from gmfbo.sources.prolog import check_prolog
-from gmfbo.sources.unpacking import member_path, open_archive
+from gmfbo.sources.unpacking import member_path, open_archive, read_member
 
 if TYPE_CHECKING:
     from fmpy.model_description import ModelDescription
@@ -169,7 +168,8 @@ def read_description(path: Path) -> FmuDescription:
     """
     with open_archive(path) as archive:
         names = archive.namelist()
-        content = _content(path, archive) if "modelDescription.xml" in names else b""
+        described = "modelDescription.xml" in names
+        content = read_member(path, archive, "modelDescription.xml") if described else b""
     if "modelDescription.xml" not in names and "SystemStructure.ssd" in names:
         raise FmuFileError(
             f"'{path}' is an SSP package of several FMUs: gmfbo import '{path.name}' --out FOLDER "
@@ -207,15 +207,6 @@ def read_description(path: Path) -> FmuDescription:
         variables=MappingProxyType({variable.name: variable for variable in variables}),
         default_step=number_from(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
     )
-
-
-def _content(path: Path, archive: zipfile.ZipFile) -> bytes:
-    try:
-        return archive.read("modelDescription.xml")
-    except Exception as error:  # zipfile raises what its parsing trips over
-        raise FmuFileError(
-            f"'{path}' is damaged or encrypted ({in_short(error)}); export or copy it again"
-        ) from None
 
 
 def _parse(path: Path) -> ModelDescription:

@@ -51,6 +51,29 @@ def open_archive(path: Path) -> zipfile.ZipFile:
     return archive
 
 
+def read_member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
+    """Content of one member of an archive.
+
+    Parameters
+    ----------
+    path : Path
+        The archive, for the message.
+    archive : ZipFile
+        Open.
+    name : str
+        Of a member that is there.
+
+    Raises
+    ------
+    FmuFileError
+        It is damaged or encrypted.
+    """
+    try:
+        return archive.read(name)
+    except Exception as error:  # zipfile, zlib and lzma raise what their parsing trips over
+        raise _damaged(path, error) from None
+
+
 def member_path(path: Path, name: str) -> PurePosixPath:
     """Place of an archive member below the folder that it is unpacked to.
 

@@ -7,7 +7,7 @@ import random
 import re
 import warnings
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -162,15 +162,21 @@ def hostile_archives() -> st.SearchStrategy[bytes]:
 
 def hostile_descriptions() -> st.SearchStrategy[bytes]:
     """Whole archives whose model description is hostile."""
-    made = st.builds(
+    xml = st.one_of(
+        hostile_xml(descriptions()), text_changes(descriptions()), byte_changes(descriptions())
+    )
+    library = {"binaries/linux64/rich.so": b"\x7fELF"}
+    return xml.map(lambda content: archive({_DESCRIPTION: content, **library}))
+
+
+def hostile_xml(corpus: Sequence[bytes]) -> st.SearchStrategy[bytes]:
+    """XML of a corpus with hostile tags, attributes, entities and encodings."""
+    return st.builds(
         _hostile_description,
-        st.sampled_from(descriptions()),
+        st.sampled_from(corpus),
         st.lists(st.sampled_from(sorted(_XML)), min_size=1, max_size=4),
         st.integers(0, 2**63),
     )
-    xml = st.one_of(made, text_changes(descriptions()), byte_changes(descriptions()))
-    library = {"binaries/linux64/rich.so": b"\x7fELF"}
-    return xml.map(lambda content: archive({_DESCRIPTION: content, **library}))
 
 
 def _hostile_archive(kinds: list[str], seed: int) -> bytes:

@@ -18,10 +18,11 @@ from gmfbo.recordings.store import StudyStore
 from gmfbo.sources.binding import bind
 from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
 from gmfbo.sources.models import models_folder
+from gmfbo.sources.ssp_import import import_ssp
 from gmfbo.sources.twin_file import TwinFile
 from gmfbo.sources.unpacking import unpack
 from gmfbo.tuning.study_file import read_study_file
-from tests.fuzz import binary_files, fmus, texts
+from tests.fuzz import binary_files, fmus, packages, texts
 from tests.fuzz.mutation import text_changes
 from tests.recordings.twin_words import AXIS
 
@@ -88,6 +89,17 @@ def _read_twin(path: Path) -> None:
         if not link.exists():
             link.symlink_to(fmu)
     bind(file, path.parent, path.name)
+
+
+def _read_package(path: Path) -> None:
+    before, folder = _tree(path.parent), path.parent / "deep" / "inside"
+    folder.mkdir(parents=True)
+    try:
+        import_ssp(path, folder)
+    finally:
+        _refuse_escape(folder)
+        shutil.rmtree(path.parent / "deep")
+        assert _tree(path.parent) == before, "written outside the folder"
 
 
 def _read_study(path: Path) -> None:
@@ -163,6 +175,7 @@ def _apart(
 TARGETS: Mapping[str, Target] = {
     "FMU archive": Target(fmus.hostile_archives, _read_fmu, "a.fmu", 10_000),
     "FMU description": Target(fmus.hostile_descriptions, _read_fmu, "a.fmu", 10_000),
+    "SSP package": Target(packages.hostile_packages, _read_package, "a.ssp", 1000),
     "twin file": Target(lambda: text_changes(texts.twin_files()), _read_twin, "a.toml", 10_000),
     "study file": Target(lambda: text_changes(texts.study_files()), _read_study, "a.toml", 10_000),
     "CSV": Target(lambda: text_changes(texts.csv_files()), _read_text_recording, "a.csv", 10_000),
