@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -205,6 +207,38 @@ def test_a_full_disk_stops_a_repair_that_can_be_repeated(small_disk: Path, folde
     assert repair_folder(copy).mended == [4]
     for trial in StudyStore.open(copy).trials():
         assert_same_trial(trial, example_trial(trial.number, rows=300))
+
+
+_REPAIRING = """
+import sys
+from gmfbo.recordings.repair import repair_folder
+print("begins", flush=True)
+print(repair_folder(sys.argv[1]), flush=True)
+"""
+
+
+def test_a_killed_repair_is_repeated(folder: Path, tmp_path: Path) -> None:
+    turn_bit(trial_file(folder, 1), 9000)
+    trial_file(folder, 3).write_bytes(trial_file(folder, 3).read_bytes()[:-6000])
+    turn_bit(folder / "events.jsonl", 30)
+    for turn, delay in enumerate([0.0, 0.005, 0.01, 0.02, 0.05]):
+        copy = tmp_path / f"{turn}.study"
+        shutil.copytree(folder, copy)
+        with subprocess.Popen(
+            [sys.executable, "-c", _REPAIRING, str(copy)], stdout=subprocess.PIPE, text=True
+        ) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            time.sleep(delay)
+            process.kill()
+        repair_folder(copy)
+        assert repair_folder(copy).lines == []
+        with StudyStore.open(copy) as store:
+            assert store.numbers() == [1, 2, 4]
+            assert store.damaged_event_lines() == []
+            for trial in store.trials():
+                assert_same_trial(trial, example_trial(trial.number, rows=300))
+        assert list((copy / "damaged").glob("000003*.h5"))
 
 
 @pytest.mark.parametrize("name", ["none.study", "empty", "file.txt"])
