@@ -6,12 +6,22 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 _LONGEST_NAME = 300
+_LONGEST_MESSAGE = 2500
 
 
 class GmfboError(Exception):
     """Root of all errors of gmfbo; `exit_status` is what the command line returns."""
 
     exit_status = 1
+
+    def __str__(self) -> str:
+        """The message; what a hostile file put into it is cut, and steers no terminal."""
+        text = super().__str__()
+        if len(text) > _LONGEST_MESSAGE:  # the cure stands at its end
+            text = f"{text[: _LONGEST_MESSAGE - 400]} ... {text[-400:]}"
+        if text.isprintable():
+            return text
+        return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
 
 
 class InputError(GmfboError):

@@ -144,6 +144,7 @@ def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
     places = places[1:]
     below = read_units_row(rows[0]) if rows else None
     if below is not None:
+        below += [""] * (len(units) - len(below))
         units = [unit or other for unit, other in zip(units, below, strict=False)]
         rows, places = rows[1:], places[1:]
     table_rows = _Rows(label, rows, places, delimiter, dialect)

@@ -160,6 +160,9 @@ def _is_number(text: str) -> bool:
 def _start_time(head: list[list[str]]) -> str:
     for cells in head:
         if cells[0] in _START and len(cells) > 1 and cells[1].isdecimal():
-            since = timedelta(microseconds=int(cells[1]) // 10)
-            return (datetime(1601, 1, 1, tzinfo=UTC) + since).isoformat()
+            try:
+                since = timedelta(microseconds=int(cells[1]) // 10)
+                return (datetime(1601, 1, 1, tzinfo=UTC) + since).isoformat()
+            except (OverflowError, ValueError):
+                return ""  # beyond the year 9999
     return ""

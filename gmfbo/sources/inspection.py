@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -90,7 +90,7 @@ def inspect_fmu(path: str | Path) -> FmuReport:
         local=_of(description, "local"),
         capabilities=description.capabilities,
         default_step=description.default_step,
-        findings=_findings(path, len(description.variables)),
+        findings=_findings(path, list(description.variables)),
     )
 
 
@@ -131,14 +131,15 @@ def _obstacle(description: FmuDescription) -> str:
     return ""
 
 
-# Each name takes the grammar's parser some 5 ms.
-_MOST_NAMES = 300
+# Each name takes the grammar's parser some 5 ms, a long one the square of its length in time and
+# memory: one of a million letters fills any machine.
+_MOST_NAMES, _LONGEST_NAME = 300, 300
 
 
-def _findings(path: Path, variables: int) -> tuple[str, ...]:
+def _findings(path: Path, variables: Sequence[str]) -> tuple[str, ...]:
     from fmpy.model_description import ValidationError, read_model_description
 
-    names = variables <= _MOST_NAMES
+    names = len(variables) <= _MOST_NAMES and max(map(len, variables), default=0) <= _LONGEST_NAME
     found: list[object] = []
     try:
         read_model_description(
@@ -155,5 +156,8 @@ def _findings(path: Path, variables: int) -> tuple[str, ...]:
         slips = [i.orig_filename for i in archive.infolist() if "\\" in i.orig_filename]
     found += [f"the member '{name}' is written with a backslash" for name in slips]
     if not names:
-        found.append(f"the {variables} names of variables were not held against the grammar")
+        found.append(
+            f"the {len(variables)} names of variables were not held against the grammar, which "
+            f"takes at most {_MOST_NAMES} of at most {_LONGEST_NAME} letters"
+        )
     return tuple(in_short(finding) for finding in found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 from xml.parsers import expat
 
@@ -38,19 +39,46 @@ def check_prolog(name: str, content: bytes) -> None:
             f"'{name}' is refused: its modelDescription.xml has {len(content) / 1e6:.0f} MB, "
             f"expected at most {LARGEST_BYTES / 1e6:.0f} MB; ask its vendor for a smaller export"
         )
+    if has_document_type(content):
+        raise FmuFileError(
+            f"'{name}' is refused: its modelDescription.xml has a document type (<!DOCTYPE>), "
+            "which FMI does not know and which can read files or fill the memory; get the FMU "
+            "from a source you trust"
+        )
+
+
+def has_document_type(content: bytes) -> bool:
+    """Whether XML declares a document type; no entity of it is expanded.
+
+    Parameters
+    ----------
+    content : bytes
+        XML, perhaps damaged.
+    """
     parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = _document_type
     parser.StartElementHandler = _first_element
     try:
         parser.Parse(content, True)
     except _DocumentType:
-        raise FmuFileError(
-            f"'{name}' is refused: its modelDescription.xml has a document type (<!DOCTYPE>), "
-            "which FMI does not know and which can read files or fill the memory; get the FMU "
-            "from a source you trust"
-        ) from None
-    except (_FirstElement, expat.ExpatError, ValueError, LookupError):
-        return  # what is wrong with the rest is told by the reader of the description
+        return True
+    except _FirstElement:
+        return False
+    except (expat.ExpatError, ValueError, LookupError):
+        # The reader of the description forgives what this parser does not, a wrong encoding say.
+        return _has_document_type_to_libxml2(content)
+    return False
+
+
+def _has_document_type_to_libxml2(content: bytes) -> bool:
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    try:
+        tree = etree.parse(io.BytesIO(content), parser)
+    except etree.XMLSyntaxError:
+        return False  # told by the reader of the description
+    return tree.docinfo.internalDTD is not None or bool(tree.docinfo.doctype)
 
 
 def _document_type(*_: Any) -> None:

@@ -31,6 +31,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     target, tally = TARGETS[name], Tally()
     random.seed(0)
+    Path(keep).mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
 
         @seed(f"{campaign} {name} {batch}")
@@ -45,7 +46,10 @@ def main() -> None:
         def tried(data: st.DataObject) -> None:
             content = data.draw(target.files())
             if tally.tried < int(count):
+                tried_last = Path(keep) / f"last.{batch}.{target.name}"
+                tried_last.write_bytes(content)  # what is left of it if this process crashes
                 faults = try_file(target, content, Path(folder), tally)
+                tried_last.unlink()
                 if faults:
                     _keep(content, faults, Path(keep), target.name)
 
@@ -56,7 +60,6 @@ def main() -> None:
 
 def _keep(content: bytes, faults: list[str], folder: Path, name: str) -> None:
     """Keep a file that is a fault, with what was wrong."""
-    folder.mkdir(exist_ok=True)
     stem = hashlib.sha256(content).hexdigest()[:12]
     (folder / f"{stem}.{name}").write_bytes(content)
     (folder / f"{stem}.txt").write_text("\n".join([*faults, ""]), encoding="utf-8")
