@@ -27,6 +27,7 @@ from gmfbo.recordings.large_csv import (
     HEAD_BYTES,
     LARGE_BYTES,
     LARGEST_LENIENT_BYTES,
+    LARGEST_LENIENT_LINES,
     read_numbers,
     refuse_lenient,
 )
@@ -89,7 +90,7 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
         try:
             return _read_large(path, label, dialect)
         except ValueError as error:  # not plain numbers: cell by cell, if that can be afforded
-            if size > LARGEST_LENIENT_BYTES:
+            if size > LARGEST_LENIENT_BYTES or _line_count(path) > LARGEST_LENIENT_LINES:
                 raise refuse_lenient(label, size, error) from None
     lines = re.split(r"\r\n|\n|\r", _text(path.read_bytes(), label))
     top = next((line for line in lines if line.strip()), "")
@@ -98,6 +99,11 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
     ):
         return read_scope(lines, _delimiter(top), label)
     return _read_table(lines, label, dialect)
+
+
+def _line_count(path: Path) -> int:
+    content = path.read_bytes()
+    return content.count(b"\n") + content.count(b"\r")
 
 
 def _read_large(path: Path, label: str, dialect: str) -> RecordedColumns:

@@ -13,7 +13,8 @@ from gmfbo.recordings.columns import Column, RecordedColumns
 
 LARGE_BYTES = 16 * 2**20
 LARGEST_LENIENT_BYTES = 256 * 2**20
-"""Above it a file that is not plain is refused: reading it cell by cell takes 20 times its size."""
+LARGEST_LENIENT_LINES = 4_000_000
+"""Above either a file that is not plain is refused: cell by cell it takes half a kB a line."""
 
 HEAD_BYTES = 2**18
 

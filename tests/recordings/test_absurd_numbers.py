@@ -91,6 +91,13 @@ def test_a_million_rows_are_read_in_bounded_memory(tmp_path: Path) -> None:
     assert ran.stdout.split() == ["1000000", "['position',", "'speed']", "999.25"], ran.stderr
 
 
+def test_a_large_file_of_empty_lines_fills_no_memory(tmp_path: Path) -> None:
+    path = tmp_path / "lines.csv"
+    path.write_bytes(b"\n" * (LARGE_BYTES + 1))
+    with pytest.raises(RecordingError, match="must be a plain table of numbers"):
+        Recording.read(path)
+
+
 def test_a_large_file_with_text_among_its_numbers_names_the_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
