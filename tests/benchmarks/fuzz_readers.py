@@ -79,7 +79,7 @@ def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
         why = " ".join(ran.stderr.split())[-300:]
     except subprocess.TimeoutExpired:
         lines, status, why = [], f"no end within {LONGEST_S:.0f} s", ""
-    entry: dict[str, Any] = {"target": name, "batch": batch, "seed": seed, "commit": _commit()}
+    entry: dict[str, Any] = {"target": name, "batch": batch, "seed": seed}
     if lines and lines[-1].startswith("{"):
         entry |= json.loads(lines[-1])
     else:
@@ -93,24 +93,12 @@ def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
     return entry
 
 
-def _commit() -> str:
-    asked = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return asked.stdout.strip() or "unknown"
-
-
 def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, int]:
     """Result as text, and the number of faults."""
     share = f" --share {given.share:g}" if given.share != 1.0 else ""
     lines = [
         f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{share}",
-        f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, "
-        f"commits {', '.join(dict.fromkeys(entry['commit'] for entry in done))}",
+        f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
         "",
         f"{'reader':<16} {'files':>6} {'read':>6} {'refused':>8} {'reader ended':>13} "
         f"{'worst [s]':>10} {'worst [MB]':>11} {'faults':>7}",

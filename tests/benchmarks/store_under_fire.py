@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import platform
-import subprocess
 import sys
 import tempfile
 import time
@@ -92,8 +91,7 @@ def main() -> None:
         "command: python tests/benchmarks/store_under_fire.py "
         f"--kills {given.kills} --disks {given.disks} --damaged {given.damaged} "
         f"--seed {given.seed}",
-        f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, "
-        f"commit {_commit()}",
+        f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
         "",
     ]
     with tempfile.TemporaryDirectory() as name:
@@ -113,17 +111,6 @@ def main() -> None:
         given.out.write_text("\n".join([*text, ""]), encoding="utf-8")
     print(text[-1])
     sys.exit(1 if faults else 0)
-
-
-def _commit() -> str:
-    asked = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return asked.stdout.strip() or "unknown"
 
 
 if __name__ == "__main__":
