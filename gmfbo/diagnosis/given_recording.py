@@ -1,4 +1,4 @@
-"""A recording as the user gives it: read, and long enough to tell anything."""
+"""A recording as the user gives it: read, and neither too short nor too long to work with."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from gmfbo.diagnosis.records import LEAST_ROWS
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
+
+MOST_ROWS = 1_000_000
+"""Rows of one recording; each takes about 1.2 kB while its runs are compared."""
 
 
 def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
@@ -23,12 +26,17 @@ def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
     Raises
     ------
     RecordingError
-        It cannot be read, or has fewer rows than say anything.
+        It cannot be read, has fewer rows than say anything, or more than memory holds.
     """
     read = recording if isinstance(recording, Recording) else Recording.read(recording, twin)
     if len(read) < LEAST_ROWS:
         raise RecordingError(
             f"{read.name or 'recording'}: expected at least {LEAST_ROWS} rows to compare with the "
             f"twin, got {len(read)}; record longer"
+        )
+    if len(read) > MOST_ROWS:
+        raise RecordingError(
+            f"{read.name or 'recording'}: expected at most {MOST_ROWS} rows, got {len(read)}, which "
+            "would take gigabytes of memory; cut out the stretches that move the axis, a minute each"
         )
     return read
