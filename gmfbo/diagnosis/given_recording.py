@@ -10,7 +10,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
 
 MOST_ROWS = 1_000_000
-"""Rows of one recording; each takes about 1.2 kB while its runs are compared."""
+"""Rows of one recording; each takes about 1.5 kB while its runs are compared."""
 
 
 def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
@@ -36,7 +36,7 @@ def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
         )
     if len(read) > MOST_ROWS:
         raise RecordingError(
-            f"{read.name or 'recording'}: expected at most {MOST_ROWS} rows, got {len(read)}, which "
-            "would take gigabytes of memory; cut out the stretches that move the axis, a minute each"
+            f"{read.name or 'recording'}: expected at most {MOST_ROWS} rows, got {len(read)}, "
+            "which would take gigabytes of memory; cut out minutes in which the axis moves"
         )
     return read
