@@ -5,11 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+_LONGEST_NAME = 300
+_LONGEST_MESSAGE = 2500
+
 
 class GmfboError(Exception):
     """Root of all errors of gmfbo; `exit_status` is what the command line returns."""
 
     exit_status = 1
+
+    def __str__(self) -> str:
+        """The message; what a hostile file put into it is cut, and steers no terminal."""
+        text = super().__str__()
+        if len(text) > _LONGEST_MESSAGE:  # the cure stands at its end
+            text = f"{text[: _LONGEST_MESSAGE - 400]} ... {text[-400:]}"
+        if text.isprintable():
+            return text
+        return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
 
 
 class InputError(GmfboError):
@@ -52,6 +64,21 @@ class SimulationError(GmfboError):
     exit_status = 3
 
 
+def in_short(reason: object, most: int = 300) -> str:
+    """One line of what a library or a file says, without control characters, cut at a length.
+
+    Parameters
+    ----------
+    reason : object
+        An exception or a text.
+    most : int
+        Characters.
+    """
+    text = " ".join(str(reason).split()) or type(reason).__name__
+    text = "".join(letter if letter.isprintable() else "?" for letter in text[: most + 1])
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
 def did_you_mean(name: str, choices: Iterable[str]) -> str:
     """Tail of a message that names the nearest valid choice, or lists a few.
 
@@ -68,13 +95,14 @@ def did_you_mean(name: str, choices: Iterable[str]) -> str:
         Begins with a blank or a semicolon, so that it can be appended; empty without choices.
     """
     known = sorted(set(choices))
+    name = name[:_LONGEST_NAME]  # comparing costs the square of it
     # Case is the commonest slip in FMU variable names, so it must not cost similarity.
-    folded = {choice.lower(): choice for choice in reversed(known)}
+    folded = {choice.lower(): choice for choice in reversed(known) if len(choice) < _LONGEST_NAME}
     nearest = get_close_matches(name.lower(), folded, n=1, cutoff=0.5)
     if nearest:
         return f"; did you mean '{folded[nearest[0]]}'?"
     if not known:
         return ""
-    shown = ", ".join(known[:8])
+    shown = ", ".join(in_short(choice, 60) for choice in known[:8])
     more = f" and {len(known) - 8} more" if len(known) > 8 else ""
     return f"; known are {shown}{more}"

@@ -27,6 +27,7 @@ from gmfbo.cli import (
     import_,
     inspect,
     methods,
+    repair,
     report,
     simulate,
     tell,
@@ -63,6 +64,7 @@ app.command("compare")(compare.compare)
 app.command("methods")(methods.methods)
 app.command("export")(export.export)
 app.command("report")(report.report)
+app.command("repair")(repair.repair)
 app.command("build")(build.build)
 
 

@@ -15,6 +15,7 @@ from gmfbo.diagnosis.check_result import Check, ResponseSeen
 from gmfbo.diagnosis.command_signal import command_of
 from gmfbo.diagnosis.diagnosis import Cost
 from gmfbo.diagnosis.empirical_response import Response, empirical_response
+from gmfbo.diagnosis.given_recording import as_recording
 from gmfbo.diagnosis.nominal_case import NominalCase, open_nominal
 from gmfbo.diagnosis.recording_facts import recording_facts
 from gmfbo.diagnosis.reporting import units_of
@@ -71,7 +72,7 @@ def check(
     told("reading", 0.0)
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     try:
-        read = [r if isinstance(r, Recording) else Recording.read(r, opened) for r in recordings]
+        read = [as_recording(recording, opened) for recording in recordings]
         counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
         nominal = open_nominal(opened, read, seed=seed, jobs=jobs, on_run=counted.one)
         try:

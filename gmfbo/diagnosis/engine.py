@@ -10,6 +10,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.diagnosis import Diagnosis
+from gmfbo.diagnosis.given_recording import as_recording
 from gmfbo.diagnosis.opening import open_case, open_unseen
 from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.search import Progress, Search
@@ -69,8 +70,8 @@ def diagnose(
     started = time.perf_counter()
     _check_names((*assume, *exclude))
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
-    read = [_read(recording, opened) for recording in recordings]
-    unseen = [_read(recording, opened) for recording in validate or ()]
+    read = [as_recording(recording, opened) for recording in recordings]
+    unseen = [as_recording(recording, opened) for recording in validate or ()]
     told = progress or _silent
     told("running the twin", 0.0)
     gain = find_shown_gain(opened, read, seed=seed, jobs=jobs)
@@ -128,9 +129,3 @@ def _check_names(names: Sequence[str]) -> None:
     for name in names:
         if name not in CATALOGUE:
             raise InputError(f"no effect '{name}'" + did_you_mean(name, CATALOGUE))
-
-
-def _read(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
-    if isinstance(recording, Recording):
-        return recording
-    return Recording.read(recording, twin)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import InputError, did_you_mean
+from gmfbo.toml_text import parse_toml, read_toml_text
 
 Column = NDArray[np.float64]
 
@@ -78,13 +78,13 @@ class PlayLimits:
             It cannot be read, lacks a limit, or holds one that is none.
         """
         try:
-            content = tomllib.loads(path.read_text(encoding="utf-8"))
+            content = parse_toml(read_toml_text(path))
         except OSError as error:
             raise InputError(
                 f"no limits file at '{path}' ({error.strerror or error}); expected TOML such as "
                 f"{_EXAMPLE}"
             ) from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        except ValueError as error:
             raise InputError(f"{path.name}: not valid TOML: {error}") from None
         return cls.from_mapping(content, path.name)
 

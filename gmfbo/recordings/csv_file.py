@@ -23,6 +23,14 @@ from gmfbo.recordings.csv_header import header_cell, read_header, read_units_row
 from gmfbo.recordings.csv_numbers import with_point
 from gmfbo.recordings.csv_preamble import header_row, stated_delimiter
 from gmfbo.recordings.csv_times import read_times
+from gmfbo.recordings.large_csv import (
+    HEAD_BYTES,
+    LARGE_BYTES,
+    LARGEST_LENIENT_BYTES,
+    LARGEST_LENIENT_LINES,
+    read_numbers,
+    refuse_lenient,
+)
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.scope_csv import is_scope_export, read_scope
 
@@ -77,6 +85,13 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
         The file cannot be read.
     """
     label = path.name
+    size = path.stat().st_size
+    if size > LARGE_BYTES:
+        try:
+            return _read_large(path, label, dialect)
+        except ValueError as error:  # not plain numbers: cell by cell, if that can be afforded
+            if size > LARGEST_LENIENT_BYTES or _line_count(path) > LARGEST_LENIENT_LINES:
+                raise refuse_lenient(label, size, error) from None
     lines = re.split(r"\r\n|\n|\r", _text(path.read_bytes(), label))
     top = next((line for line in lines if line.strip()), "")
     if dialect == "twincat_scope" or (
@@ -84,6 +99,27 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
     ):
         return read_scope(lines, _delimiter(top), label)
     return _read_table(lines, label, dialect)
+
+
+def _line_count(path: Path) -> int:
+    content = path.read_bytes()
+    return content.count(b"\n") + content.count(b"\r")
+
+
+def _read_large(path: Path, label: str, dialect: str) -> RecordedColumns:
+    """Read a large plain table; its beginning is read as any other file."""
+    with path.open("rb") as file:
+        content = file.read(HEAD_BYTES)
+    lines = content[: content.rfind(b"\n") + 1].decode("utf-8-sig").splitlines()
+    if not lines or dialect == "twincat_scope" or is_scope_export(lines, _delimiter(lines[0])):
+        raise ValueError("expected one header and rows")
+    try:
+        head = _read_table(lines, label, dialect)
+        first = int(head.row_name(0).removeprefix("line "))
+    except (RecordingError, IndexError) as error:
+        raise ValueError(str(error)) from None
+    rows = [line for line in lines[first - 1 :] if line.strip() and not line.startswith("#")]
+    return read_numbers(path, head, _table_delimiter(rows), first)
 
 
 def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
@@ -114,6 +150,7 @@ def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
     places = places[1:]
     below = read_units_row(rows[0]) if rows else None
     if below is not None:
+        below += [""] * (len(units) - len(below))
         units = [unit or other for unit, other in zip(units, below, strict=False)]
         rows, places = rows[1:], places[1:]
     table_rows = _Rows(label, rows, places, delimiter, dialect)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.units import parse_unit
@@ -61,11 +62,10 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
             f"{label}: expected a header such as 'time [s],position [rad]', got numbers; add a "
             "line with the names of the columns"
         )
-    for name in names:
-        if names.count(name) > 1:
+    for name, count in Counter(names).items():
+        if count > 1:
             raise RecordingError(
-                f"{label}: expected each column name once, got '{name}' {names.count(name)} "
-                "times; rename one"
+                f"{label}: expected each column name once, got '{name}' {count} times; rename one"
             )
     return names, units
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,8 +21,10 @@ from typing import Any
 import numpy as np
 
 from gmfbo.recordings.durable import BINARY, write_fully
+from gmfbo.recordings.seal import wrong_bit
 
 _SEPARATOR = ', "crc32": "'
+_TAIL = len(_SEPARATOR) + 8 + 2
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,11 @@ def parse_event_line(line: str) -> dict[str, Any] | None:
     body = head + "}"
     if not separator or tail != f'{zlib.crc32(body.encode()):08x}"}}':
         return None
-    parsed: dict[str, Any] = json.loads(body)
-    return parsed
+    try:
+        parsed = json.loads(body)
+    except (ValueError, RecursionError):
+        return None
+    return parsed if isinstance(parsed, dict) and "event" in parsed else None
 
 
 def read_events(content: bytes) -> EventLines:
@@ -63,6 +69,46 @@ def read_events(content: bytes) -> EventLines:
         else:
             events.append(event)
     return EventLines(events, damaged)
+
+
+def mend_events(content: bytes) -> tuple[bytes, list[int]]:
+    """Turn back single wrong bits of damaged lines, found by their checksums.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+
+    Returns
+    -------
+    tuple
+        The content, and the numbers (from 1) of the lines that were mended.
+    """
+    lines = content.split(b"\n")
+    mended = []
+    for place, line in enumerate(lines):
+        if line and parse_event_line(line.decode(errors="replace")) is None:
+            corrected = _mended_line(line)
+            if corrected is not None:
+                lines[place] = corrected
+                mended.append(place + 1)
+    return b"\n".join(lines), mended
+
+
+def _mended_line(line: bytes) -> bytes | None:
+    separator = _SEPARATOR.encode()
+    head, found, tail = line.rpartition(separator)
+    places = range(8 * max(len(line) - _TAIL, 0), 8 * len(line))
+    if found and re.fullmatch(rb"[0-9a-f]{8}", tail[:8]):
+        body = wrong_bit(head + b"}", int(tail[:8], 16))
+        # The checksum's own bits are tried one by one.
+        places = places if body is None else range(k := 8 * body[0] + body[1], k + 1)
+    for place in places:
+        corrected = bytearray(line)
+        corrected[place // 8] ^= 1 << place % 8
+        if parse_event_line(corrected.decode(errors="replace")) is not None:
+            return bytes(corrected)
+    return None
 
 
 def append_event(path: Path, line: str) -> None:

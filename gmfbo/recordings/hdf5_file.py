@@ -120,6 +120,10 @@ def _plain(label: str, file: Any) -> RecordedColumns:
     def visit(name: str, item: Any) -> None:
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             return
+        if item.external or item.is_virtual:
+            raise RecordingError(
+                f"{label}: '{name}' keeps its numbers in another file; write them into this one"
+            )
         arrays[name] = item[()]
         unit = item.attrs.get("unit", item.attrs.get("units", ""))
         units[name] = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)

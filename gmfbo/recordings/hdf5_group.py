@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording, Trajectory
+
+DIGEST = "digest"
+"""Attribute of a trial: digest of all else, which holds wherever HDF5 puts it."""
 
 LAYOUT = 1  # version of the layout below, attribute `layout`
 
@@ -169,3 +173,20 @@ def write_texts(group: Any, name: str, texts: Mapping[str, Any] | list[str]) -> 
 def _texts(texts: Mapping[str, Any] | list[str]) -> NDArray[Any]:
     array: NDArray[Any] = np.array(list(texts), dtype=h5py.string_dtype())
     return array
+
+
+def group_digest(group: Any) -> str:
+    """BLAKE2b of all names and values of a group but its digest, however HDF5 lays them out."""
+    digest = hashlib.blake2b(digest_size=16)
+
+    def add(name: str, item: Any) -> None:
+        digest.update(f"{name}\n".encode("utf-8", "surrogatepass"))
+        for key in sorted(set(item.attrs) - {DIGEST} if item == group else item.attrs):
+            value = np.asarray(item.attrs[key]).tolist()
+            digest.update(f"{key} = {value!r}\n".encode("utf-8", "surrogatepass"))
+        if isinstance(item, h5py.Dataset):
+            digest.update(np.ascontiguousarray(item[()]).tobytes())
+
+    add("", group)
+    group.visititems(add)  # in the order of the names
+    return digest.hexdigest()

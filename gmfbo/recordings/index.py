@@ -10,6 +10,7 @@ import h5py
 
 from gmfbo.recordings.durable import write_whole
 from gmfbo.recordings.hdf5_group import file_image
+from gmfbo.recordings.seal import read_seal, sealed
 
 INDEX_NAME = "index.h5"
 
@@ -48,5 +49,17 @@ def write_index(folder: Path, numbers: Iterable[int], study_text: str) -> Path:
             trials[name] = h5py.ExternalLink(f"trials/{name}.h5", "/")
 
     path = folder / INDEX_NAME
-    write_whole(path, file_image(fill), durable=False)
+    write_whole(path, sealed(file_image(fill)), durable=False)
     return path
+
+
+def study_text_in_index(folder: Path) -> str | None:
+    """Copy of the study file that the index keeps; None where the index is missing or damaged."""
+    path = folder / INDEX_NAME
+    try:
+        if read_seal(path.read_bytes()).state != "intact":
+            return None
+        with h5py.File(path, "r", locking=False) as file:
+            return str(file.attrs["study"])
+    except (OSError, KeyError):
+        return None

@@ -147,7 +147,7 @@ def _read_signals(
         except RecordingError as error:
             raise file.refuse(f"column '{column.name}': {error}") from error
         taken.add(column.name)
-        reading.signals[name] = values
+        reading.signals[name] = _within_reach(file, column, values)
         if unit:
             reading.units[name] = unit
     if specs and not taken:
@@ -158,6 +158,24 @@ def _read_signals(
         )
     for name in taken:
         del columns[name]
+
+
+# Squares of larger ones overflow, of smaller ones vanish; no sensor measures either.
+_LARGEST, _SMALLEST = 1e100, 1e-100
+
+
+def _within_reach(
+    file: RecordedColumns, column: Column, values: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Refuse absurd numbers; those next to zero are zero."""
+    size = np.abs(values)
+    for row in np.flatnonzero(np.isfinite(values) & (size > _LARGEST))[:1]:
+        raise file.refuse(
+            f"column '{column.name}', {file.row_name(row)}: expected values below {_LARGEST:g}, "
+            f"got {values[row]:g}; correct it, or leave it blank if not sampled"
+        )
+    tiny = (size < _SMALLEST) & (values != 0.0)
+    return np.where(tiny, 0.0, values) if tiny.any() else values
 
 
 def _read_parameter(

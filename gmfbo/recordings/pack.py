@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import h5py
 
-from gmfbo.errors import StoreError
+from gmfbo.errors import RecordingError, StoreError
 from gmfbo.recordings.durable import cause, write_whole
 from gmfbo.recordings.events import EventLines, read_events
-from gmfbo.recordings.hdf5_group import file_image
+from gmfbo.recordings.hdf5_group import DIGEST, file_image, group_digest
 from gmfbo.recordings.index import trial_name
+from gmfbo.recordings.reading_process import try_apart
+from gmfbo.recordings.seal import read_seal, sealed
 from gmfbo.recordings.study_reading import FolderReading
 from gmfbo.recordings.trial import Trial
-from gmfbo.recordings.trial_file import read_trial_group
+from gmfbo.recordings.trial_file import check_digest, read_trial_group
 
 
 def pack_study(folder: str | Path, path: str | Path) -> Path:
@@ -53,9 +57,9 @@ def pack_study(folder: str | Path, path: str | Path) -> Path:
         root.create_dataset("events", data=lines, shape=(len(lines),), dtype=h5py.string_dtype())
         trials = root.create_group("trials")
         for number in study.numbers():
-            _copy_trial(study.trial_path(number), trials, trial_name(number))
+            _copy_trial(study, number, trials)
 
-    image = file_image(fill)
+    image = sealed(file_image(fill))
     try:
         write_whole(target, image)
     except OSError as error:
@@ -63,15 +67,12 @@ def pack_study(folder: str | Path, path: str | Path) -> Path:
     return target
 
 
-def _copy_trial(source: Path, trials: Any, name: str) -> None:
-    try:
-        with h5py.File(source, "r", locking=False) as file:
-            trials.copy(file["/"], name)
-    except (OSError, KeyError, RuntimeError) as error:
-        raise StoreError(
-            f"{source}: expected a whole trial file, but it is damaged ({error}); move it out of "
-            "the folder to pack the others"
-        ) from error
+def _copy_trial(study: FolderReading, number: int, trials: Any) -> None:
+    study.read_trial(number)  # refuses a damaged file
+    with h5py.File(study.trial_path(number), "r", locking=False) as file:
+        trials.copy(file["/"], trial_name(number))
+    packed = trials[trial_name(number)]
+    packed.attrs[DIGEST] = group_digest(packed)  # a file of an early version has none
 
 
 class PackedReading:
@@ -85,11 +86,26 @@ class PackedReading:
     Raises
     ------
     StoreError
-        The file is no packed study.
+        The file is no packed study, or is damaged.
     """
 
     def __init__(self, path: Path) -> None:
         self.location = path
+        try:
+            seal = read_seal(path.read_bytes()).state
+        except OSError as error:
+            raise StoreError(f"{path}: cannot be read: {cause(error)}") from error
+        if seal == "damaged":
+            raise _damaged_pack(path, "its checksum does not fit its content")
+        if seal == "absent":
+            try:
+                # Damage in HDF5 may crash its reader, so another process goes first.
+                try_apart(path, __name__, "try_packed")
+            except RecordingError as error:
+                raise StoreError(
+                    f"{path}: expected a study folder or a packed study, but it is no "
+                    f"readable HDF5 file ({error})"
+                ) from error
         with self._open() as file:
             if "packed_study" not in file.attrs:
                 raise StoreError(
@@ -117,11 +133,29 @@ class PackedReading:
         with self._open() as file:
             return read_events("\n".join(file["events"].asstr()[()]).encode())
 
-    def _open(self) -> Any:
+    @contextmanager
+    def _open(self) -> Iterator[Any]:
         try:
-            return h5py.File(self.location, "r", locking=False)
-        except OSError as error:
-            raise StoreError(
-                f"{self.location}: expected a study folder or a packed study, but it is no "
-                f"readable HDF5 file ({error})"
-            ) from error
+            with h5py.File(self.location, "r", locking=False) as file:
+                yield file
+        except StoreError:
+            raise
+        except Exception as error:  # h5py raises what its parsing trips over
+            raise _damaged_pack(self.location, f"{type(error).__name__}: {error}") from error
+
+
+def try_packed(path: Path) -> None:
+    """Read a packed study where a crash does no harm; an HDF5 file of another kind is let pass."""
+    with h5py.File(path, "r", locking=False) as file:
+        if "packed_study" in file.attrs:
+            for group in file["trials"].values():
+                read_trial_group(group)
+                if DIGEST in group.attrs:  # an early version wrote none
+                    check_digest(group)
+
+
+def _damaged_pack(path: Path, why: str) -> StoreError:
+    return StoreError(
+        f"{path}: expected a packed study, but it is damaged ({' '.join(why.split())}); run "
+        f"`gmfbo repair {path}`, which saves what can be saved into a folder"
+    )

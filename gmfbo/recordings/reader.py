@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from gmfbo.errors import RecordingError, did_you_mean
 from gmfbo.recordings.column_mapping import ColumnMapping, MappedReading, rename_columns
@@ -20,10 +19,8 @@ if TYPE_CHECKING:
     from gmfbo.recordings.recording import Recording
     from gmfbo.recordings.signal import SignalReading
 
-# Module and function; loaded when used, as h5py and SciPy take their time.
-_READERS = {
-    ".csv": ("csv_file", "read_csv"),
-    ".txt": ("csv_file", "read_csv"),
+# Module and function of what is read through a foreign library.
+_FOREIGN = {
     ".h5": ("hdf5_file", "read_hdf5"),
     ".hdf5": ("hdf5_file", "read_hdf5"),
     ".mat": ("mat_file", "read_mat"),
@@ -33,8 +30,8 @@ _READERS = {
     ".tdms": ("tdms_file", "read_tdms"),
 }
 
-
 _TEXT = (".csv", ".txt")
+_ENDINGS = {*_TEXT, *_FOREIGN}
 
 
 def read_recording(
@@ -101,27 +98,37 @@ def read_columns(
     """
     path = Path(path)
     ending = path.suffix.lower()
-    if ending not in _READERS:
-        endings = ", ".join(sorted(_READERS))
+    if ending not in _ENDINGS:
+        endings = ", ".join(sorted(_ENDINGS))
         raise RecordingError(
             f"{path}: expected a recording that ends in {endings}, got '{path.suffix}'; export it "
             "as one of these"
         )
     if not path.exists():
-        siblings = [p.name for p in path.parent.glob("*") if p.suffix.lower() in _READERS]
+        siblings = [p.name for p in path.parent.glob("*") if p.suffix.lower() in _ENDINGS]
         raise RecordingError(f"{path}: no such file" + did_you_mean(path.name, siblings))
     if path.is_dir():
         raise RecordingError(f"{path}: expected a recording, got a folder; name a file in it")
-    module, function = _READERS[ending]
-    reader = cast(
-        "Callable[..., RecordedColumns | RecordedChannels]",
-        getattr(import_module(f"gmfbo.recordings.{module}"), function),
-    )
     try:
-        read = reader(path, dialect) if ending in _TEXT else reader(path)
+        read = _read_text(path, dialect) if ending in _TEXT else _read_foreign(path, ending)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {cause(error)}") from error
     return read if isinstance(read, RecordedColumns) else read.columns(wanted, every=every)
+
+
+def _read_text(path: Path, dialect: str) -> RecordedColumns | RecordedChannels:
+    from gmfbo.recordings.csv_file import read_csv
+
+    return read_csv(path, dialect)
+
+
+def _read_foreign(path: Path, ending: str) -> RecordedColumns | RecordedChannels:
+    from gmfbo.recordings.reading_process import read_apart
+
+    with path.open("rb"):  # a missing right to read is an error of its own
+        pass
+    module, function = _FOREIGN[ending]
+    return read_apart(path, f"gmfbo.recordings.{module}", function)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,8 @@ _HEAD = (*_START, "File", "Endtime of export", "EndRecord", "EndTime")
 _FILETIME_PER_S = 10**7
 _FILETIME_FROM = 10**15  # ticks of 100 ns since 1601; milliseconds of an export are never so many
 
+_FILETIME_DIGITS = 18  # to the year 4770; more would not fit into 64 bits
+
 
 def is_scope_export(lines: list[str], delimiter: str) -> bool:
     """Whether text was exported by TwinCAT Scope.
@@ -124,6 +126,12 @@ def _group_clock(
                 "export without markers and trigger events, with one time column a group"
             )
     if texts and float(_point(texts[0])) >= _FILETIME_FROM:
+        for (number, _), text in zip(rows, texts, strict=True):
+            if not (text.isdecimal() and len(text) <= _FILETIME_DIGITS):
+                raise RecordingError(
+                    f"{label}, line {number + 1}: expected a time in ticks of 100 ns as in the "
+                    f"first row, got '{text}'; export with one kind of time"
+                )
         # As integers: a float of this size is good to microseconds only.
         ticks = np.array([int(text) for text in texts], dtype=np.int64)
         return rows, (ticks - ticks[0]).astype(np.float64) / _FILETIME_PER_S
@@ -160,6 +168,9 @@ def _is_number(text: str) -> bool:
 def _start_time(head: list[list[str]]) -> str:
     for cells in head:
         if cells[0] in _START and len(cells) > 1 and cells[1].isdecimal():
-            since = timedelta(microseconds=int(cells[1]) // 10)
-            return (datetime(1601, 1, 1, tzinfo=UTC) + since).isoformat()
+            try:
+                since = timedelta(microseconds=int(cells[1]) // 10)
+                return (datetime(1601, 1, 1, tzinfo=UTC) + since).isoformat()
+            except (OverflowError, ValueError):
+                return ""  # beyond the year 9999
     return ""

@@ -18,7 +18,7 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.recordings.trial_file import trial_image
 from gmfbo.recordings.writer_lock import WriterLock
 
-_LOCK_NAME = "writer.lock"
+LOCK_NAME = "writer.lock"
 
 INDEX_SHARE = 0.05
 """Share of the time that a long study may spend on its index, which is written anew each time."""
@@ -64,7 +64,7 @@ class StudyStore:
         if (folder / STUDY_NAME).exists():
             raise StoreError(f"{folder}: holds a study already; resume it, or give another folder")
         # A creation that was killed leaves the lock and an empty folder of trials.
-        ours = {"trials", _LOCK_NAME}
+        ours = {"trials", LOCK_NAME}
         if folder.is_dir() and any(
             path.name not in ours and not path.name.endswith(".tmp") for path in folder.iterdir()
         ):
@@ -72,7 +72,7 @@ class StudyStore:
         lock = None
         try:
             folder.mkdir(exist_ok=True)
-            lock = WriterLock(folder / _LOCK_NAME)
+            lock = WriterLock(folder / LOCK_NAME)
             (folder / "trials").mkdir(exist_ok=True)
             sync_folder(folder.absolute().parent)
             write_whole(folder / STUDY_NAME, study_text.encode())
@@ -111,14 +111,13 @@ class StudyStore:
             raise StoreError(f"{folder}: a packed study can only be read; name the study folder")
         reading = FolderReading(folder)
         try:
-            lock = WriterLock(folder / _LOCK_NAME)
+            lock = WriterLock(folder / LOCK_NAME)
         except OSError as error:
             raise StoreError(f"{folder}: cannot open for writing: {cause(error)}") from error
         store = cls(reading, lock)
         try:
             (folder / "trials").mkdir(exist_ok=True)
-            store._repair([*remove_stale(folder), *remove_stale(folder / "trials")])
-            store.refresh_index()
+            store.clear_away()
         except OSError as error:
             store.close()
             raise StoreError(f"{folder}: cannot open for writing: {cause(error)}") from error
@@ -249,18 +248,33 @@ class StudyStore:
             self._lock.release()
             self._lock = None
 
-    def _repair(self, unfinished: list[str]) -> None:
-        """Log what a killed writer left behind, each damaged line once."""
+    def clear_away(self) -> list[str]:
+        """Remove what a killed writer left, log it, each damaged line once, rebuild the index.
+
+        Returns
+        -------
+        list of str
+            Names of the unfinished files that were removed.
+
+        Raises
+        ------
+        StoreError
+            The folder cannot be written.
+        """
+        folder = self._writable().location
+        unfinished = [*remove_stale(folder), *remove_stale(folder / "trials")]
         lines = self._reading.event_lines()
         told = {
             line
             for event in lines.events
             if event["event"] == "repair"
-            for line in event["damaged_lines"]
+            for line in event.get("damaged_lines", ())
         }
         damaged = [line for line in lines.damaged if line not in told]
         if unfinished or damaged:
             self.log("repair", unfinished_files=unfinished, damaged_lines=damaged)
+        self.refresh_index()
+        return unfinished
 
     def _writable(self) -> FolderReading:
         if self._lock is None or not isinstance(self._reading, FolderReading):

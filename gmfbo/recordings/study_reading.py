@@ -68,14 +68,20 @@ class FolderReading:
     def study_text(self) -> str:
         """Study file as given."""
         # No translation of line ends: the text is kept to the byte.
-        return self._read(STUDY_NAME).decode("utf-8")
+        try:
+            return self._read(STUDY_NAME).decode("utf-8")
+        except UnicodeDecodeError as error:
+            raise StoreError(
+                f"{self.location / STUDY_NAME}: expected UTF-8 text, but it is damaged "
+                f"({error}); run `gmfbo repair {self.location}`"
+            ) from error
 
     def numbers(self) -> list[int]:
-        """Numbers of the trial files, increasing; temporary files do not count."""
+        """Numbers of the trial files, increasing; temporary and other files do not count."""
         return sorted(
             int(path.stem)
             for path in (self.location / "trials").glob("*.h5")
-            if path.stem.isdecimal()
+            if path.stem.isdecimal() and path.stem == trial_name(int(path.stem))
         )
 
     def read_trial(self, number: int) -> Trial:

@@ -12,9 +12,12 @@ from typing import Any
 import h5py
 import numpy as np
 
-from gmfbo.errors import StoreError
+from gmfbo.errors import RecordingError, StoreError
+from gmfbo.recordings.durable import cause
 from gmfbo.recordings.hdf5_group import (
+    DIGEST,
     file_image,
+    group_digest,
     is_recording_group,
     read_recording_group,
     with_prefix,
@@ -23,6 +26,8 @@ from gmfbo.recordings.hdf5_group import (
     write_texts,
     write_values,
 )
+from gmfbo.recordings.reading_process import try_apart
+from gmfbo.recordings.seal import read_seal, sealed
 from gmfbo.recordings.trial import Trial
 
 _OPTIONAL = ("parent", "sigma_c", "accepted")
@@ -41,8 +46,13 @@ def software_versions() -> Mapping[str, str]:
 
 
 def trial_image(trial: Trial) -> bytes:
-    """Bytes of the HDF5 file of one trial."""
-    return file_image(lambda root: write_trial_group(root, trial))
+    """Bytes of the HDF5 file of one trial, with the seal that shows damage."""
+
+    def fill(root: Any) -> None:
+        write_trial_group(root, trial)
+        root.attrs[DIGEST] = group_digest(root)
+
+    return sealed(file_image(fill))
 
 
 def write_trial_group(group: Any, trial: Trial) -> None:
@@ -61,8 +71,8 @@ def write_trial_group(group: Any, trial: Trial) -> None:
     RecordingError
         Two columns have one name, or HDF5 cannot hold a name.
     """
-    write_recording_group(group, trial.recording)
     attributes = group.attrs
+    # Before the columns: of a file that is cut off, what comes last is lost.
     for key in ("number", "source", "objective", "status", "started", "seconds", "seed", "twin"):
         attributes[key] = getattr(trial, key)
     for key in _OPTIONAL:
@@ -73,11 +83,12 @@ def write_trial_group(group: Any, trial: Trial) -> None:
     write_values(group, "metric", trial.metrics)
     for package, number in (trial.versions or software_versions()).items():
         attributes[f"version.{package}"] = number
-    units = trial.recording.units
     write_texts(group, "uncorrected", list(trial.uncorrected))
+    write_texts(group, "std", list(trial.std))
+    write_recording_group(group, trial.recording)
+    units = trial.recording.units
     for name, values in trial.uncorrected.items():
         write_column(group, f"{name}_uncorrected", values, "uncorrected", units.get(name))
-    write_texts(group, "std", list(trial.std))
     for name, values in trial.std.items():
         write_column(group, f"{name}_std", values, "std", units.get(name))
 
@@ -116,16 +127,67 @@ def is_trial_group(group: Any) -> bool:
 def read_trial_file(path: Path) -> Trial:
     """Read one trial file; it takes no lock, as such a file is never written twice.
 
+    A file without an intact seal is first read by another process, as damage in HDF5 may crash its
+    reader. It counts as whole if its content has the digest that it states: a program that opened
+    the file for writing changes bytes that hold nothing, and takes the seal away.
+
     Raises
     ------
     StoreError
         The file is damaged, or is not a trial.
     """
     try:
-        with h5py.File(path, "r", locking=False) as file:
-            return read_trial_group(file)
-    except (OSError, KeyError, ValueError) as error:
-        raise StoreError(
-            f"{path}: expected a whole trial file, but it is damaged ({error}); move it out of "
-            "the folder to read the others"
-        ) from error
+        seal = read_seal(path.read_bytes()).state
+    except OSError as error:
+        raise StoreError(f"{path}: cannot be read: {cause(error)}") from error
+    if seal != "intact":
+        try:
+            try_apart(path, __name__, "try_trial_file")
+        except RecordingError as error:
+            raise damaged_trial(path, str(error)) from error
+    try:
+        return _read(path)
+    except Exception as error:  # h5py raises what its parsing trips over
+        raise damaged_trial(path, f"{type(error).__name__}: {error}") from error
+
+
+def try_trial_file(path: Path) -> None:
+    """Read one trial file where a crash does no harm.
+
+    Raises
+    ------
+    RecordingError
+        Its content is not what was written.
+    """
+    seal = read_seal(path.read_bytes()).state
+    with h5py.File(path, "r", locking=False) as file:
+        read_trial_group(file)
+        # Files of an early version state no digest.
+        if seal == "damaged" or DIGEST in file.attrs:
+            check_digest(file)
+
+
+def check_digest(group: Any) -> None:
+    """Refuse a trial whose content has not the digest that it states.
+
+    Raises
+    ------
+    RecordingError
+        It has another one, or states none.
+    """
+    if group.attrs.get(DIGEST) != group_digest(group):
+        raise RecordingError("its content is not what was written")
+
+
+def damaged_trial(path: Path, why: str) -> StoreError:
+    """Error that says how to go on without this trial."""
+    why = " ".join(why.split())
+    return StoreError(
+        f"{path}: expected a whole trial file, but it is damaged ({why}); run "
+        f"`gmfbo repair {path.parent.parent}`, which saves what can be saved"
+    )
+
+
+def _read(path: Path) -> Trial:
+    with h5py.File(path, "r", locking=False) as file:
+        return read_trial_group(file)

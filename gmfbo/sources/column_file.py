@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -16,6 +15,7 @@ from gmfbo.recordings.column_mapping import ColumnMapping, MappedColumn
 from gmfbo.recordings.units import parse_unit
 from gmfbo.sources.twin_entries import Number, Table, Text
 from gmfbo.sources.validation import describe_problems
+from gmfbo.toml_text import parse_toml, read_toml_text
 
 Dialect = Literal["auto", "plain", "decimal_comma", "twincat_scope"]
 
@@ -81,13 +81,13 @@ class ColumnFile(Table):
             It is missing, not TOML, or says what a column mapping cannot say.
         """
         try:
-            raw: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+            raw = parse_toml(read_toml_text(path))
         except OSError as error:
             raise TwinFileError(
                 f"no column mapping at '{path}' ({error.strerror or error}); check the path, or "
                 "leave 'columns' out and make one with 'gmfbo columns TWIN.toml REC --save FILE'"
             ) from None
-        except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        except ValueError as error:
             raise TwinFileError(f"{path.name}: not valid TOML: {error}") from None
         try:
             return cls.model_validate(raw)

@@ -8,10 +8,11 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from gmfbo.errors import FmuFileError
+from gmfbo.errors import FmuFileError, in_short
 from gmfbo.sources.fmu_variable import FmuVariable, number_from, variable_from
 from gmfbo.sources.platforms import Platform, this_platform
-from gmfbo.sources.unpacking import member_path, open_archive
+from gmfbo.sources.prolog import check_prolog
+from gmfbo.sources.unpacking import member_path, open_archive, read_member
 
 if TYPE_CHECKING:
     from fmpy.model_description import ModelDescription
@@ -167,6 +168,8 @@ def read_description(path: Path) -> FmuDescription:
     """
     with open_archive(path) as archive:
         names = archive.namelist()
+        described = "modelDescription.xml" in names
+        content = read_member(path, archive, "modelDescription.xml") if described else b""
     if "modelDescription.xml" not in names and "SystemStructure.ssd" in names:
         raise FmuFileError(
             f"'{path}' is an SSP package of several FMUs: gmfbo import '{path.name}' --out FOLDER "
@@ -177,6 +180,7 @@ def read_description(path: Path) -> FmuDescription:
             f"'{path}' is no FMU: expected a modelDescription.xml at the top of the archive; "
             "export it again"
         )
+    check_prolog(path.name, content)
     raw = _parse(path)
     interface = raw.coSimulation or raw.modelExchange or raw.scheduledExecution
     if interface is None:
@@ -212,10 +216,9 @@ def _parse(path: Path) -> ModelDescription:
         return read_model_description(str(path), validate=False)
     except Exception as error:
         # fmpy raises whatever its XML reader and its own checks raise.
-        reason = " ".join(str(error).split()) or type(error).__name__
         raise FmuFileError(
-            f"'{path.name}': modelDescription.xml cannot be read ({reason}); ask its vendor for a "
-            "valid FMI 2.0 export"
+            f"'{path.name}': modelDescription.xml cannot be read ({in_short(error)}); ask its "
+            "vendor for a valid FMI 2.0 export"
         ) from None
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from gmfbo.errors import FmuFileError
-from gmfbo.sources.unpacking import open_archive
+from gmfbo.sources.unpacking import open_archive, read_member
 
 STRUCTURE = "SystemStructure.ssd"
 _KINDS = (None, "", "application/x-fmu-sharedlibrary")
@@ -66,7 +66,8 @@ def read_system(path: Path) -> SspSystem:
     """
     with open_archive(path) as archive:
         names = archive.namelist()
-        texts = {n: archive.read(n) for n in names if n.endswith((".ssd", ".ssv", ".ssm", ".ssb"))}
+        wanted = [name for name in names if name.endswith((".ssd", ".ssv", ".ssm", ".ssb"))]
+        texts = {name: read_member(path, archive, name) for name in wanted}
     if STRUCTURE not in texts:
         raise FmuFileError(
             f"'{path.name}' is no SSP package: expected {STRUCTURE} at the top of the archive"

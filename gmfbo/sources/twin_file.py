@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
@@ -27,6 +26,7 @@ from gmfbo.sources.twin_entries import (
     Text,
 )
 from gmfbo.sources.validation import describe_problems
+from gmfbo.toml_text import parse_toml, read_toml_text
 
 __all__ = [
     "KNOWN_STATES",
@@ -164,8 +164,8 @@ class TwinFile(Table):
             One line with each of the first few problems.
         """
         try:
-            raw: dict[str, Any] = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
+            raw = parse_toml(text)
+        except ValueError as error:
             raise TwinFileError(f"{label}: not valid TOML: {error}") from None
         if isinstance(raw.get("columns"), str):
             shared = ColumnFile.read((folder or Path()) / raw["columns"])
@@ -192,10 +192,11 @@ class TwinFile(Table):
         """
         path = Path(path)
         try:
-            text = path.read_text(encoding="utf-8")
-        except UnicodeDecodeError:
+            text = read_toml_text(path)
+        except ValueError as error:
+            why = "" if isinstance(error, UnicodeDecodeError) else f" ({error})"
             raise TwinFileError(
-                f"{path.name}: expected UTF-8 text; is it an FMU? give the twin file (.toml)"
+                f"{path.name}: expected UTF-8 text{why}; is it an FMU? give the twin file (.toml)"
             ) from None
         except OSError as error:
             raise TwinFileError(

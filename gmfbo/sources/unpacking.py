@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import zipfile
 from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 
-from gmfbo.errors import FmuFileError
+from gmfbo.errors import FmuFileError, in_short
 
 # Real FMUs unpack to at most some 20 times their size; a 298 kB file was seen to fill 300 MB.
 LARGEST_BYTES = 4 * 2**30
@@ -40,12 +41,37 @@ def open_archive(path: Path) -> zipfile.ZipFile:
         ) from None
     except OSError as error:
         raise FmuFileError(f"cannot read '{path}': {error.strerror or error}") from None
+    except Exception as error:  # zipfile raises what its parsing trips over
+        raise _damaged(path, error) from None
     try:
         _check_sizes(path, archive)
     except FmuFileError:
         archive.close()
         raise
     return archive
+
+
+def read_member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
+    """Content of one member of an archive.
+
+    Parameters
+    ----------
+    path : Path
+        The archive, for the message.
+    archive : ZipFile
+        Open.
+    name : str
+        Of a member that is there.
+
+    Raises
+    ------
+    FmuFileError
+        It is damaged or encrypted.
+    """
+    try:
+        return archive.read(name)
+    except Exception as error:  # zipfile, zlib and lzma raise what their parsing trips over
+        raise _damaged(path, error) from None
 
 
 def member_path(path: Path, name: str) -> PurePosixPath:
@@ -66,8 +92,8 @@ def member_path(path: Path, name: str) -> PurePosixPath:
     member = PurePosixPath(name.replace("\\", "/"))
     if member.is_absolute() or ".." in member.parts or ":" in name or "\0" in name:
         raise FmuFileError(
-            f"'{path}' is refused: its member '{name}' would be written outside the folder that it "
-            "is unpacked to; get the FMU from a source you trust"
+            f"'{path}' is refused: its member '{in_short(name, 100)}' would be written outside the "
+            "folder that it is unpacked to; get the FMU from a source you trust"
         )
     return member
 
@@ -93,21 +119,43 @@ def unpack(path: Path, folder: Path, wanted: Callable[[PurePosixPath], bool]) ->
         members = [(info, member_path(path, info.filename)) for info in archive.infolist()]
         try:
             for info, member in members:
-                if info.is_dir() or not wanted(member):
+                if not member.name or info.filename.endswith("/") or not wanted(member):
                     continue
                 target = folder / member
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with archive.open(info) as source, target.open("wb") as written:
                     shutil.copyfileobj(source, written)
-        except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError) as error:
-            raise FmuFileError(
-                f"'{path}' is damaged or encrypted ({error}); export or copy it again"
-            ) from None
         except OSError as error:
+            if error.errno in _NAMES:
+                raise FmuFileError(
+                    f"'{path}' is refused: the names of its members cannot be those of files "
+                    f"({error.strerror}); export it again"
+                ) from None
+            if error.errno is None:  # what bz2 raises for damaged data
+                raise _damaged(path, error) from None
             raise FmuFileError(
                 f"cannot unpack '{path}' into '{folder}': {error.strerror or error}; free some "
                 "space or set TMPDIR to a folder with room"
             ) from None
+        except Exception as error:  # zipfile, zlib and lzma raise what their parsing trips over
+            raise _damaged(path, error) from None
+
+
+# A file where a folder is wanted, a name that is too long or of letters that no file may have.
+_NAMES = {
+    errno.EEXIST,
+    errno.EISDIR,
+    errno.ENOTDIR,
+    errno.ENAMETOOLONG,
+    errno.EINVAL,
+    errno.EILSEQ,
+}
+
+
+def _damaged(path: Path, error: Exception) -> FmuFileError:
+    return FmuFileError(
+        f"'{path}' is damaged or encrypted ({in_short(error)}); export or copy it again"
+    )
 
 
 def _check_sizes(path: Path, archive: zipfile.ZipFile) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from gmfbo.errors import StudyFileError, did_you_mean
+from gmfbo.toml_text import parse_toml, read_toml_text
 from gmfbo.tuning.drift_section import DriftSection
 from gmfbo.tuning.study_sections import (
     BudgetSection,
@@ -55,8 +55,8 @@ def parse_study(text: str, *, label: str, default_name: str) -> StudyFile:
         Not TOML, or not a study: one line that lists everything wrong.
     """
     try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+        raw = parse_toml(text)
+    except ValueError as error:
         raise StudyFileError(f"{label}: not a TOML file: {error}") from None
     try:
         return StudyFile.model_validate({"name": default_name, **raw})
@@ -79,9 +79,10 @@ def read_study_file(path: Path) -> tuple[StudyFile, str]:
         The file cannot be read or is not a study.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        text = read_toml_text(path)
+    except (OSError, ValueError) as error:
+        reason = "not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)
+        reason = getattr(error, "strerror", None) or reason
         raise StudyFileError(f"{path}: cannot read the study file: {reason}") from None
     return parse_study(text, label=path.name, default_name=path.stem), text
 

@@ -56,6 +56,14 @@ BAD_CSV = {
         "# gmfbo = 0.1.0\n# gmfbo.status = ok\ntime,a\n0,1\n1,2\n",
         "'# gmfbo.status = ok': expected a number or a quoted text; restore",
     ),
+    "a row of units shorter than the header": (
+        "time [ms],a [rad],b\nΩ\n1,1,0\n2,x,0\n",
+        "line 4, column 'a': expected a number, got 'x'",
+    ),
+    "a text of thousands of letters": (
+        "time,a\n0,1\n1," + "x" * 9000 + "\n",
+        r"line 3, column 'a': .* \.\.\. x+'; correct the cell, or leave it blank",
+    ),
     "use of nothing": ("# use = 5:6\ntime,a\n0,1\n1,2\n", "use = 5:6 selects nothing"),
     "use backwards": ("# use = 1:0\ntime,a\n0,1\n1,2\n", "use = 1:0 selects nothing"),
     "use without an end": ("# use = 1\ntime,a\n0,1\n", "expected first and last time in seconds"),

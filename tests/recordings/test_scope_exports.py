@@ -153,3 +153,17 @@ def test_the_dialect_by_name_refuses_an_ordinary_table(tmp_path: Path) -> None:
     path.write_text("time,a\n0,1\n1,2\n")
     with pytest.raises(RecordingError, match="expected a TwinCAT Scope export with a line"):
         read_recording(path, mapping=ColumnMapping({}, dialect="twincat_scope"))
+
+
+@pytest.mark.parametrize("text", ["1e308", "-0.0", "9" * 30])
+def test_a_tick_that_is_none_is_told_with_its_line(tmp_path: Path, text: str) -> None:
+    lines = ["Name,axis", f"Starttime of export,{'9' * 30}", "Name,SetPos", "SymbolName,a.b"]
+    lines += [f"{FILETIME + 10000 * k},1.0" for k in range(4)]
+    lines[6] = f"{text},1.0"
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    with pytest.raises(RecordingError, match=r"line 7: expected a time in ticks of 100 ns .* got"):
+        Recording.read(path)
+    lines[6] = lines[6].replace(text, str(FILETIME + 20000))
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    assert Recording.read(path).start_time == "", "a year beyond 9999"

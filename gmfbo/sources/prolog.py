@@ -1,0 +1,89 @@
+"""What stands before the first element of a model description: no document type, no entities."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+from xml.parsers import expat
+
+from gmfbo.errors import FmuFileError
+
+LARGEST_BYTES = 256 * 2**20  # the largest seen, of a vehicle model, has 30 MB
+
+
+class _FirstElement(Exception):
+    pass
+
+
+class _DocumentType(Exception):
+    pass
+
+
+def check_prolog(name: str, content: bytes) -> None:
+    """Refuse a document type: FMI has none, and its entities can expand without end or read files.
+
+    Parameters
+    ----------
+    name : str
+        File name of the FMU, for the message.
+    content : bytes
+        `modelDescription.xml`.
+
+    Raises
+    ------
+    FmuFileError
+        There is one, or the text is larger than a description can be.
+    """
+    if len(content) > LARGEST_BYTES:
+        raise FmuFileError(
+            f"'{name}' is refused: its modelDescription.xml has {len(content) / 1e6:.0f} MB, "
+            f"expected at most {LARGEST_BYTES / 1e6:.0f} MB; ask its vendor for a smaller export"
+        )
+    if has_document_type(content):
+        raise FmuFileError(
+            f"'{name}' is refused: its modelDescription.xml has a document type (<!DOCTYPE>), "
+            "which FMI does not know and which can read files or fill the memory; get the FMU "
+            "from a source you trust"
+        )
+
+
+def has_document_type(content: bytes) -> bool:
+    """Whether XML declares a document type; no entity of it is expanded.
+
+    Parameters
+    ----------
+    content : bytes
+        XML, perhaps damaged.
+    """
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = _document_type
+    parser.StartElementHandler = _first_element
+    try:
+        parser.Parse(content, True)
+    except _DocumentType:
+        return True
+    except _FirstElement:
+        return False
+    except (expat.ExpatError, ValueError, LookupError):
+        # The reader of the description forgives what this parser does not, a wrong encoding say.
+        return _has_document_type_to_libxml2(content)
+    return False
+
+
+def _has_document_type_to_libxml2(content: bytes) -> bool:
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    try:
+        tree = etree.parse(io.BytesIO(content), parser)
+    except etree.XMLSyntaxError:
+        return False  # told by the reader of the description
+    return tree.docinfo.internalDTD is not None or bool(tree.docinfo.doctype)
+
+
+def _document_type(*_: Any) -> None:
+    raise _DocumentType
+
+
+def _first_element(*_: Any) -> None:
+    raise _FirstElement

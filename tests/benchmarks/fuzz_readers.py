@@ -1,0 +1,145 @@
+"""Give every reader thousands of hostile files; may be stopped, and goes on where it was.
+
+python tests/benchmarks/fuzz_readers.py [--seed 0] [--share 1.0] [--only "CSV" ...]
+                                        [--state FILE.jsonl] [--out FILE]
+
+Files are drawn by Hypothesis in batches of 250, each in a process of its own with 6 GiB of
+address space. A batch is done or not: an interrupted campaign repeats the batch that it was in.
+Files that are faults are kept beside the state.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import platform
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT))
+
+from tests.fuzz.targets import TARGETS  # noqa: E402
+
+BATCH = 250
+LONGEST_S = 1800.0
+
+
+def main() -> None:
+    """Run what is not done yet, then print the table; exit status 1 where there was a fault."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--share", type=float, default=1.0, help="of each kind's number of files")
+    parser.add_argument("--only", nargs="+", choices=list(TARGETS), default=list(TARGETS))
+    parser.add_argument("--state", type=Path, default=Path("fuzz_readers.jsonl"))
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    done = _done(given.state, given.seed)
+    for name in given.only:
+        batches = math.ceil(given.share * TARGETS[name].inputs / BATCH)
+        for batch in range(batches):
+            if (name, batch) not in {(entry["target"], entry["batch"]) for entry in done}:
+                entry = _run(name, batch, given.seed, given.state.with_suffix(".faults"))
+                done.append(entry)
+                with given.state.open("a", encoding="utf-8") as state:
+                    state.write(json.dumps(entry) + "\n")
+    text, faults = table(done, given)
+    print(text, end="")
+    if given.out:
+        given.out.write_text(text, encoding="utf-8")
+    sys.exit(1 if faults else 0)
+
+
+def _done(state: Path, seed: int) -> list[dict[str, Any]]:
+    if not state.exists():
+        return []
+    entries = [json.loads(line) for line in state.read_text(encoding="utf-8").splitlines()]
+    return [entry for entry in entries if entry["seed"] == seed]
+
+
+def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
+    """One batch in a process of its own, which a file may bring down."""
+    command = [sys.executable, "-m", "tests.fuzz.batch", name, str(batch), str(seed), str(BATCH)]
+    began = time.perf_counter()
+    try:
+        ran = subprocess.run(
+            [*command, str(keep)],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=LONGEST_S,
+        )
+        lines, status = ran.stdout.splitlines(), f"exit status {ran.returncode}"
+        why = " ".join(ran.stderr.split())[-300:]
+    except subprocess.TimeoutExpired:
+        lines, status, why = [], f"no end within {LONGEST_S:.0f} s", ""
+    entry: dict[str, Any] = {"target": name, "batch": batch, "seed": seed}
+    if lines and lines[-1].startswith("{"):
+        entry |= json.loads(lines[-1])
+    else:
+        fault = f"batch {batch} ended early: {status} {why}"
+        entry |= {"tried": 0, "read": 0, "refused": {}, "ended_reader": 0, "faults": [fault],
+                  "seconds": 0.0, "megabytes": 0.0}  # fmt: skip
+    print(f"{name} {batch}: {time.perf_counter() - began:.0f} s, {len(entry['faults'])} faults")
+    for fault in entry["faults"][:5]:
+        print(f"    {fault}")
+    sys.stdout.flush()
+    return entry
+
+
+def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, int]:
+    """Result as text, and the number of faults."""
+    share = f" --share {given.share:g}" if given.share != 1.0 else ""
+    lines = [
+        f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{share}",
+        f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
+        "",
+        f"{'reader':<16} {'files':>6} {'read':>6} {'refused':>8} {'reader ended':>13} "
+        f"{'worst [s]':>10} {'worst [MB]':>11} {'faults':>7}",
+    ]
+    faults: Counter[str] = Counter()
+    for name in TARGETS:
+        entries = [entry for entry in done if entry["target"] == name]
+        if not entries:
+            continue
+        faults.update(f"{name}: {fault}" for entry in entries for fault in entry["faults"])
+        lines.append(
+            f"{name:<16} {_sum(entries, 'tried'):6d} {_sum(entries, 'read'):6d} "
+            f"{sum(sum(entry['refused'].values()) for entry in entries):8d} "
+            f"{_sum(entries, 'ended_reader'):13d} {_worst(entries, 'seconds'):10.2f} "
+            f"{_worst(entries, 'megabytes'):11.0f} "
+            f"{sum(len(entry['faults']) for entry in entries):7d}"
+        )
+    lines += [
+        "",
+        "refused: by an error of gmfbo's own, one line. reader ended: of these, the reading",
+        "process crashed, hung to its limit of time or met its limit of memory; the next file was",
+        "read by a new one. worst: of one file, in the process that read it; processor time, or",
+        "for the formats that the reading process reads what passed until it answered.",
+        f"limits: {_limits()}",
+    ]
+    lines += [f"FAULT ({count}): {fault}" for fault, count in faults.most_common(40)]
+    return "\n".join([*lines, ""]), sum(faults.values())
+
+
+def _limits() -> str:
+    limits = {(t.seconds, t.megabytes) for t in TARGETS.values()}
+    return "; ".join(f"{seconds:g} s and {size:g} MB" for seconds, size in sorted(limits))
+
+
+def _sum(entries: list[dict[str, Any]], key: str) -> int:
+    return sum(entry[key] for entry in entries)
+
+
+def _worst(entries: list[dict[str, Any]], key: str) -> float:
+    return float(max(entry[key] for entry in entries))
+
+
+if __name__ == "__main__":
+    main()
