@@ -195,8 +195,10 @@ def test_a_worker_killed_in_a_run_is_a_crashed_run(faulty: Path) -> None:
         assert twin.run({}, RAMP).status == "ok"
 
 
+# A test run under nohup passes on that a hangup is ignored; the child is to die of it.
 CHILD = """
-import sys
+import signal, sys
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from gmfbo import FmuTwin, Recording
 import numpy as np
 ramp = Recording(time=1e-3 * np.arange(101), signals={"reference": np.arange(101.0)})
