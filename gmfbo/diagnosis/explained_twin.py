@@ -8,28 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.predictions import Explanation
 from gmfbo.diagnosis.remaining_explanations import as_candidate
 from gmfbo.diagnosis.simulations import Point
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin import FmuTwin
-
-
-def uncertain_of(twin: FmuTwin) -> tuple[Uncertain, ...]:
-    """Parameters that the twin file calls uncertain, about their values in it.
-
-    Parameters
-    ----------
-    twin : FmuTwin
-        The twin.
-    """
-    found = []
-    for name, (low, high) in twin.file.uncertain.items():
-        value = float(twin.parameters.get(name, twin.binding.nominal(name)))
-        found.append(Uncertain(name, value, min(low, value), max(high, value)))
-    return tuple(found)
+from gmfbo.sources.uncertain import uncertain_of
 
 
 def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -> Fitted:

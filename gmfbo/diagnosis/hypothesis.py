@@ -11,35 +11,13 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.simulations import PlayedNoise, Point
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 from gmfbo.physics.effect import EffectParameter
+from gmfbo.sources.uncertain import Uncertain
 
 PRIOR_WIDTH = 3.0
 """Standard deviation of a weak prior of an effect's parameters, in typical sizes."""
 
 _PARAMETER_WIDTH = 0.3  # the same for the twin's own
 _INSIDE = 1e-6  # share of a range by which values stay off its ends
-
-
-@dataclass(frozen=True)
-class Uncertain:
-    """A parameter of the twin that is known only roughly.
-
-    Attributes
-    ----------
-    name : str
-        FMU parameter.
-    nominal, low, high : float
-        [FMU's unit]
-    """
-
-    name: str
-    nominal: float
-    low: float
-    high: float
-
-    @property
-    def scale(self) -> float:
-        """Typical change."""
-        return max(abs(self.nominal), 0.05 * (self.high - self.low))
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def known_limit(twin: FmuTwin, signal: str, *, is_command: bool) -> KnownLimit |
             continue
         last = other.rpartition(".")[2]
         if own.si_unit and own.si_unit == variable.si_unit and _CALLED.search(last):
-            value = float(twin.parameters.get(other, binding.nominal(other))) * own.to_si
+            value = twin.nominal(other) * own.to_si
             if value > 0.0:
                 found.append(KnownLimit(value, other))
     return min(found, key=lambda limit: limit.size, default=None)

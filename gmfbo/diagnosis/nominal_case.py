@@ -11,11 +11,12 @@ import numpy as np
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.command_signal import command_of
 from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Hypothesis, Uncertain
+from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.opening import open_case
 from gmfbo.diagnosis.parities import Parities, parities
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.uncertain import uncertain_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +117,7 @@ def _rows(case: Case, logged: str | None) -> frozenset[str]:
 
 def _with_derivatives(case: Case, twin: FmuTwin) -> Case:
     """Let the uncertain parameters vary about their values, so that no effect counts as one."""
-    uncertain = []
-    for name, (low, high) in twin.file.uncertain.items():
-        value = float(twin.parameters.get(name, twin.binding.nominal(name)))
-        uncertain.append(Uncertain(name, value, min(low, value), max(high, value)))
-    setting = replace(case.setting, uncertain=tuple(uncertain))
+    setting = replace(case.setting, uncertain=uncertain_of(twin))
     # One point: the values stay, and the twin is simulated beside them for its derivatives.
     base = fit(case.misfit, Hypothesis(setting), {}, parallel=True, iterations=1)
     assert base is not None, "the same values were simulated a moment ago"

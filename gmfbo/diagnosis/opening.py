@@ -12,7 +12,7 @@ from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
 from gmfbo.diagnosis.case import Budget, Case
 from gmfbo.diagnosis.covariances import covariances, noise_squares, whiteners
 from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.logged_rows import logged_new
 from gmfbo.diagnosis.loop_noise import own_variances, white_variances
 from gmfbo.diagnosis.measured_noise import noise_of_all, noise_through_loop, position_noise
@@ -36,6 +36,7 @@ from gmfbo.physics import Excitation
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin
 from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.uncertain import Uncertain
 
 FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
@@ -279,7 +280,7 @@ class _Opening:
         role = self.twin.file.roles.get("inertia")
         if role is None:
             return None
-        return float(self.twin.parameters.get(role, self.twin.binding.nominal(role)))
+        return self.twin.nominal(role)
 
     def _track(self, simulations: Simulations, rig: Rig, inertia: float | None) -> None:
         """Keep an open-loop twin near its recordings, and score what the loop leaves."""
@@ -355,7 +356,7 @@ class _Opening:
         binding = self.twin.binding
         for name, (low, high) in self.twin.file.uncertain.items():
             variable = binding.variables[name].variable
-            nominal = float(self.twin.parameters.get(name, binding.nominal(name)))
+            nominal = self.twin.nominal(name)
             low = max(low, variable.minimum if variable.minimum is not None else low)
             high = min(high, variable.maximum if variable.maximum is not None else high)
             found.append(Uncertain(name, nominal, low, high))

@@ -132,8 +132,4 @@ class StudyFollower:
         if len(asked) < 2:
             return None
         mean = (asked[-1] - asked[0]) / (len(asked) - 1)
-        budget = self.file.budget
-        left = budget.most_queries - review.runs[-1].query
-        if budget.is1_runs is not None:
-            left = min(left, budget.is1_runs - len(review.real))
-        return mean * max(left, 0)
+        return mean * self.file.budget.queries_left(review.runs[-1].query, len(review.real))

@@ -120,19 +120,18 @@ class Calibration:
         for _ in range(_STEPS):
             errors = self.errors(residuals)
             before = self._loss(x, residuals, errors)
-            found = self._step(x, residuals, errors, known, damping)
+            found = self._step(x, residuals, errors, known, damping, before)
             if found is None:
                 if fresh:
                     break
                 known = {run.number: self._slope(run.number, x) for run in self.runs}
                 fresh, damping = True, 1e-2
                 continue
-            moved, after, damping = found
+            moved, after, loss, damping = found
             _correct(known, self.runs, moved - x, residuals, after)
             fresh = False
-            gained = before - self._loss(moved, after, errors)
             x, residuals = moved, after
-            if gained < _GAIN * (1.0 + before):
+            if before - loss < _GAIN * (1.0 + before):
                 break
         return Estimate(x, self.errors(residuals), known, self.simulations)
 
@@ -192,8 +191,9 @@ class Calibration:
         errors: Vector,
         slopes: dict[int, Vector],
         damping: float,
-    ) -> tuple[Vector, list[Vector], float] | None:
-        """A step that makes the loss less, with its residuals and the next damping."""
+        before: float,
+    ) -> tuple[Vector, list[Vector], float, float] | None:
+        """A step to a loss below that before, with its residuals, the loss and the next damping."""
         scales = self._scales(errors)
         prior, left = self.unknowns.prior_slope(x), self.unknowns.prior_rows(x)
         normal, gradient = prior.T @ prior, prior.T @ left
@@ -201,12 +201,11 @@ class Calibration:
             weighted = slopes[run.number] * scale[:, None]
             normal = normal + weighted.T @ weighted
             gradient = gradient + weighted.T @ (residual.ravel() * scale)
-        before = self._loss(x, residuals, errors)
         for _ in range(_TRIES):
             moved = x - np.linalg.solve(normal + damping * np.eye(x.size), gradient)
             after = self._residuals(moved)
-            if after is not None and self._loss(moved, after, errors) < before:
-                return moved, after, max(damping / 5.0, 1e-4)
+            if after is not None and (loss := self._loss(moved, after, errors)) < before:
+                return moved, after, loss, max(damping / 5.0, 1e-4)
             damping *= 8.0
         return None
 

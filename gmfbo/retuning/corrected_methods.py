@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.retuning.refiner import PhysicsRefiner, nothing_missing
+from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.retuning.sampled_trajectories import SampledTrajectories
 from gmfbo.retuning.smoothing_refiner import SmoothingRefiner
 from gmfbo.sources.source import Source
@@ -57,7 +57,7 @@ class OnCorrectedTwin:
 
 
 def _calibrate(twin: FmuTwin, folder: Path) -> TwinRefiner:
-    return PhysicsRefiner(twin, folder, nothing_missing)
+    return PhysicsRefiner(twin, folder, completer=None)
 
 
 def _smooth(twin: FmuTwin, folder: Path) -> TwinRefiner | None:

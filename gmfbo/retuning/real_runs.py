@@ -16,6 +16,7 @@ from gmfbo.sources.twin import FmuTwin
 from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.history import History
 from gmfbo.tuning.playing import play
+from gmfbo.tuning.run_values import at_times
 
 MOST_SAMPLES = 300
 """Samples of a run that are compared."""
@@ -76,12 +77,7 @@ def rows_of(
     """Signals at given times, shape (s, m); None where the run failed."""
     if isinstance(run, Trajectory) and run.status != "ok":
         return None
-    rows = []
-    for name in signals:
-        values = run.signal(name)
-        known = np.isfinite(values)
-        rows.append(np.interp(times, run.time[known], values[known]))
-    return np.stack(rows)
+    return np.stack([at_times(run, run.signal(name), times) for name in signals])
 
 
 def plain_recordings(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -55,8 +56,6 @@ class _Version:
         Number of the last real run that the first correction knew.
     effects : tuple of str
         Named by the diagnosis.
-    given_up : bool
-        The twin as given is in force again.
     """
 
     number: int
@@ -65,7 +64,11 @@ class _Version:
     estimate: Estimate | None = None
     first: int = 0
     effects: tuple[str, ...] = ()
-    given_up: bool = False
+
+    @property
+    def given_up(self) -> bool:
+        """The twin as given is in force again: there was an estimate, and it is taken back."""
+        return self.number > 0 and self.estimate is None
 
 
 class Completer(Protocol):
@@ -80,17 +83,6 @@ class Completer(Protocol):
         *,
         seed: int,
     ) -> Completion | None: ...
-
-
-def nothing_missing(
-    twin: FmuTwin,
-    tables: Mapping[str, float],
-    recordings: Sequence[Recording],
-    folder: Path,
-    *,
-    seed: int,
-) -> None:
-    """Complete no twin: parameters and tables are all that is estimated."""
 
 
 class PhysicsRefiner:
@@ -108,14 +100,24 @@ class PhysicsRefiner:
         As the study file names it.
     folder : Path
         For what belongs to the versions.
-    completer : callable
-        Who is asked for missing physics.
+    completer : callable or None
+        Who is asked for missing physics; None where parameters and tables are all that is
+        estimated.
     """
 
-    def __init__(self, twin: FmuTwin, folder: Path, completer: Completer = complete) -> None:
+    def __init__(self, twin: FmuTwin, folder: Path, completer: Completer | None = complete) -> None:
         self._given, self._folder, self._completer = twin, folder, completer
-        self._version = _Version(0, twin, Unknowns.of(twin))
+        self._newest: _Version | None = None
         self._opened: list[FmuTwin] = []
+
+    @cached_property
+    def _uncertain(self) -> Unknowns:
+        """Of the twin as given; reading its tables runs it, so not before they are wanted."""
+        return Unknowns.of(self._given)
+
+    @property
+    def _version(self) -> _Version:
+        return self._newest or _Version(0, self._given, self._uncertain)
 
     def revise(self, history: History) -> TwinVersion | None:
         """Look at the newest real run; see `TwinRefiner`."""
@@ -138,28 +140,21 @@ class PhysicsRefiner:
             if completed is not None and _is_better(completed[1], estimate):
                 version, estimate, reason = completed
         first = version.first or history.of("IS1")[-1].number
-        self._version = replace(version, number=version.number + 1, estimate=estimate, first=first)
+        self._newest = replace(version, number=version.number + 1, estimate=estimate, first=first)
         return self._told(reason, signals)
 
     def restore(self, event: Mapping[str, Any]) -> TwinVersion:
         """Bring back a version that was logged; see `TwinRefiner`."""
-        model, unknowns = self._given, Unknowns.of(self._given)
+        model, unknowns = self._given, self._uncertain
         if event["augmented"] is not None:
             model = FmuTwin(self._folder / event["augmented"])
             self._opened.append(model)
-            unknowns = Unknowns.of(self._given, [Scalar(**scalar) for scalar in event["physics"]])
-        given_up = bool(event["given_up"])
+            unknowns = unknowns.with_physics([Scalar(**scalar) for scalar in event["physics"]])
         estimate = None
-        if not given_up:
+        if not event["given_up"]:
             estimate = read_estimate(self._folder / _estimate_file(event["version"]))
-        self._version = _Version(
-            event["version"],
-            model,
-            unknowns,
-            estimate,
-            event["first"],
-            tuple(event["effects"]),
-            given_up,
+        self._newest = _Version(
+            event["version"], model, unknowns, estimate, event["first"], tuple(event["effects"])
         )
         return self._as_version(event["reason"], {})
 
@@ -184,6 +179,8 @@ class PhysicsRefiner:
         estimate: Estimate,
     ) -> tuple[_Version, Estimate, str] | None:
         """The twin with what the diagnosis finds missing, estimated, and the verdict."""
+        if self._completer is None:
+            return None
         unknowns = self._version.unknowns
         values = unknowns.settings(estimate.x)
         names = {name for table in unknowns.tables for name in table.parameters}
@@ -200,7 +197,7 @@ class PhysicsRefiner:
         version = replace(
             self._version,
             model=found.twin,
-            unknowns=Unknowns.of(self._given, found.scalars),
+            unknowns=self._uncertain.with_physics(found.scalars),
             effects=found.names,
         )
         runs = [real_run(t, signals, found.twin, history.experiment) for t in trials]
@@ -208,13 +205,12 @@ class PhysicsRefiner:
         return version, Calibration(version.unknowns, runs).estimate(begun), found.sentence
 
     def _take_back(self, history: History) -> TwinVersion:
-        self._version = replace(
+        self._newest = replace(
             self._version,
             number=self._version.number + 1,
             model=self._given,
             estimate=None,
             effects=(),
-            given_up=True,
         )
         return self._told(
             "taken back: the corrected twin predicted the last real runs worse than the twin "
@@ -240,15 +236,13 @@ class PhysicsRefiner:
         if version.model is not self._given:
             place = version.model.path.resolve().relative_to(self._folder.resolve())
             details["augmented"] = place.as_posix()
-            known = self._given.file.uncertain.keys()
-            details["physics"] = [
-                vars(scalar) for scalar in version.unknowns.scalars if scalar.name not in known
-            ]
+            physics = version.unknowns.scalars[len(self._uncertain.scalars) :]
+            details["physics"] = [vars(scalar) for scalar in physics]
         return self._as_version(reason, details)
 
     def _as_version(self, reason: str, details: Mapping[str, Any]) -> TwinVersion:
         version = self._version
-        if version.given_up or version.estimate is None:
+        if version.estimate is None:
             return TwinVersion(version.number, self._given, reason, details)
         source = TwinAt(version.model, version.unknowns.settings(version.estimate.x))
         return TwinVersion(version.number, source, reason, details)

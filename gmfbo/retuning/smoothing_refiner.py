@@ -22,23 +22,21 @@ class SmoothingRefiner:
     """
 
     def __init__(self, twin: FmuTwin) -> None:
-        unknowns = Unknowns.of(twin)
-        self._smooth = TwinVersion(
-            1, TwinAt(twin, unknowns.settings(unknowns.smoothed)), "its tables were smoothed"
-        )
-        self._done = False
+        self._twin, self._done = twin, False
 
     def revise(self, history: History) -> TwinVersion | None:
         """Give the smooth twin, once."""
-        if self._done:
-            return None
-        self._done = True
-        return self._smooth
+        return None if self._done else self._smooth()
 
     def restore(self, event: Mapping[str, Any]) -> TwinVersion:
         """Give the smooth twin again."""
-        self._done = True
-        return self._smooth
+        return self._smooth()
 
     def close(self) -> None:
         """Nothing was opened."""
+
+    def _smooth(self) -> TwinVersion:
+        self._done = True
+        unknowns = Unknowns.of(self._twin)
+        source = TwinAt(self._twin, unknowns.settings(unknowns.smoothed))
+        return TwinVersion(1, source, "its tables were smoothed")

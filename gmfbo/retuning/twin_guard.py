@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.trial import Trial
-from gmfbo.retuning.real_runs import MOST_SAMPLES, rows_of
+from gmfbo.retuning.real_runs import MOST_SAMPLES, rows_of, usable_trials
 from gmfbo.sources.source import Source
 from gmfbo.tuning.history import History
 from gmfbo.tuning.playing import play
 
 LEAST_RUNS = 2
 """Real runs that were predicted; one alone may be an accident."""
+
+NEWEST_RUNS = 4
+"""Predictions that count: what an early version got wrong is mended since."""
 
 
 def misleads(history: History, given: Source, first: int) -> bool:
@@ -33,27 +34,20 @@ def misleads(history: History, given: Source, first: int) -> bool:
     first : int
         Number of the last real run that the first correction knew.
     """
+    beside: dict[int | None, Trial] = {}
+    for twin in history.of("IS2"):
+        beside.setdefault(twin.parent, twin)
     unseen = [
-        trial
-        for trial in history.of("IS1")
-        if trial.number > max(first, history.changed_after) and trial.status == "ok"
-    ]
+        trial for trial in usable_trials(history) if trial.number > first and trial.number in beside
+    ][-NEWEST_RUNS:]
     ratios = []
     for trial in unseen:
-        predicted = next((t for t in history.of("IS2") if t.parent == trial.number), None)
-        if predicted is None:
-            continue
         before = play(given, trial.gains, history.experiment)
         ratios.append(
-            np.log(_error(trial, predicted.recording, history))
+            np.log(_error(trial, beside[trial.number].recording, history))
             - np.log(_error(trial, before, history))
         )
-    return len(ratios) >= LEAST_RUNS and float(np.sum(_latest(ratios))) > 0.0
-
-
-def _latest(ratios: Sequence[float]) -> Sequence[float]:
-    """The newest ones: what an early version got wrong is mended since."""
-    return ratios[-4:]
+    return len(ratios) >= LEAST_RUNS and float(np.sum(ratios)) > 0.0
 
 
 def _error(trial: Trial, simulated: Recording, history: History) -> float:

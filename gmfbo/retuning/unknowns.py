@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -12,27 +12,15 @@ from numpy.typing import NDArray
 from gmfbo.retuning.table_prior import TablePrior
 from gmfbo.sources.lookup_table import LookupTable, tables_of
 from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.uncertain import Uncertain, uncertain_of
 
 _RANGES_PER_SPREAD = 4.0
 """A range that somebody states holds about 95 %: four standard deviations."""
 
 
 @dataclass(frozen=True)
-class Scalar:
-    """A parameter of an FMU that is known roughly.
-
-    Attributes
-    ----------
-    name : str
-        FMU parameter.
-    nominal, low, high : float
-        [FMU's unit]
-    """
-
-    name: str
-    nominal: float
-    low: float
-    high: float
+class Scalar(Uncertain):
+    """An uncertain parameter with its prior: its range is four standard deviations wide."""
 
     @property
     def logarithmic(self) -> bool:
@@ -81,33 +69,32 @@ class Unknowns:
     before: tuple[NDArray[np.float64], ...] = ()
 
     @classmethod
-    def of(cls, twin: FmuTwin, added: Sequence[Scalar] = ()) -> Self:
+    def of(cls, twin: FmuTwin) -> Self:
         """Read them from a twin.
 
         Parameters
         ----------
         twin : FmuTwin
             Its [uncertain] and [tables].
-        added : sequence of Scalar
-            Parameters of physics.
 
         Raises
         ------
         SimulationError
             The tables cannot be read: the FMU does not initialise.
         """
-        scalars = []
-        for name, (low, high) in twin.file.uncertain.items():
-            nominal = _value(twin, name)
-            scalars.append(Scalar(name, nominal, min(low, nominal), max(high, nominal)))
+        scalars = tuple(Scalar(**vars(uncertain)) for uncertain in uncertain_of(twin))
         tables = tables_of(twin.binding)
         priors, before = [], []
         for table in tables:
             read = twin.values_at_start(table.nodes)
             nodes = np.array([read[name] for name in table.nodes])
             priors.append(TablePrior.of(nodes, table.shape, table.rising))
-            before.append(np.array([_value(twin, name) for name in table.parameters]))
-        return cls((*scalars, *added), tables, tuple(priors), tuple(before))
+            before.append(np.array([twin.nominal(name) for name in table.parameters]))
+        return cls(scalars, tables, tuple(priors), tuple(before))
+
+    def with_physics(self, added: Sequence[Scalar]) -> Self:
+        """Return them with the parameters of physics behind the other scalars."""
+        return replace(self, scalars=(*self.scalars, *added))
 
     @property
     def size(self) -> int:
@@ -152,8 +139,3 @@ class Unknowns:
             changes.append(x[first:last] * prior.scale * prior.noise)
             first = last
         return changes
-
-
-def _value(twin: FmuTwin, name: str) -> float:
-    given: Mapping[str, float] = twin.parameters
-    return float(given[name]) if name in given else twin.binding.nominal(name)

@@ -11,6 +11,7 @@ from pathlib import Path
 from gmfbo.errors import FmuFileError, TwinFileError
 from gmfbo.sources.bound_variable import BoundVariable
 from gmfbo.sources.description import FmuDescription, read_description
+from gmfbo.sources.job import Wire
 from gmfbo.sources.misfits import find_misfits, is_parameter
 from gmfbo.sources.models import models_folder
 from gmfbo.sources.twin_file import ControllerEntry, TwinFile
@@ -54,6 +55,14 @@ class Binding:
             for name, v in self.variables.items()
             if is_parameter(v.variable) or name in held
         }
+
+    @property
+    def wires(self) -> tuple[Wire, ...]:
+        """From outputs to inputs, as the twin file joins its FMUs."""
+        return tuple(
+            self.variables[target].wire_from(self.variables[source])
+            for target, source in self.file.wires.items()
+        )
 
     def nominal(self, name: str) -> float:
         """Value [FMU's unit] of a parameter as the twin file leaves it."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.binding import Binding
-from gmfbo.sources.job import Job, Port, Wire
+from gmfbo.sources.job import Job, Port
 from gmfbo.sources.parameters import RunParameters
 from gmfbo.sources.runner import Order, Result
 from gmfbo.sources.sampling import sample, steps_to_cover
@@ -160,18 +160,11 @@ class Experiment:
                 for column, name in enumerate(self.inputs)
             ),
             schedules=schedules,
-            wires=self._wires(),
+            wires=self.binding.wires,
             outputs=tuple(
                 variables[entry.variable].port(column)
                 for column, entry in enumerate(file.outputs.values())
             ),
-        )
-
-    def _wires(self) -> tuple[Wire, ...]:
-        variables = self.binding.variables
-        return tuple(
-            variables[target].wire_from(variables[source])
-            for target, source in self.binding.file.wires.items()
         )
 
     def _driven(self) -> NDArray[np.float64]:

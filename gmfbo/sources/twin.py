@@ -117,6 +117,11 @@ class FmuTwin:
         """FMU parameters [FMU's unit] given over the twin file's."""
         return MappingProxyType(self._parameters)
 
+    def nominal(self, name: str) -> float:
+        """Value [FMU's unit] of a parameter as this twin leaves it to its runs."""
+        given = self._parameters.get(name)
+        return float(self._binding.nominal(name) if given is None else given)
+
     @cached_property
     def content_hash(self) -> str:
         """Hash of the twin file's meaning, the FMUs' bytes, the parameters and the step."""
@@ -225,7 +230,7 @@ class FmuTwin:
         SimulationError
             The FMU did not initialise.
         """
-        from gmfbo.sources.initial_values import initial_order
+        from gmfbo.sources.values_at_start import initial_order
 
         order = initial_order(self._binding, names, {**self._parameters, **(parameters or {})})
         with self._lock:

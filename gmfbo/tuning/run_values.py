@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.trial import Trial
 from gmfbo.tuning.experiment_series import ExperimentSeries
 
@@ -74,9 +75,15 @@ def values_of_runs(
 
 def sampled(trial: Trial, times: NDArray[np.float64], signal: str) -> NDArray[np.float64]:
     """A signal of a run at given times, shape (m,)."""
-    values = trial.recording.signal(signal)
+    return at_times(trial.recording, trial.recording.signal(signal), times)
+
+
+def at_times(
+    recording: Recording, values: NDArray[np.float64], times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Values on the rows of a recording at given times, shape (m,); NaN was not sampled."""
     known = np.isfinite(values)
-    return np.interp(times, trial.recording.time[known], values[known])
+    return np.interp(times, recording.time[known], values[known])
 
 
 def _lag(

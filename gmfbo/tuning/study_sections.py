@@ -258,6 +258,21 @@ class BudgetSection(Section):
             return self.iterations
         return 20 if self.is1_runs is None else max(100, 5 * self.is1_runs)
 
+    def queries_left(self, queries: int, real_runs: int) -> int:
+        """Queries until the first of the two ends, at least; queries of the twin may come between.
+
+        Parameters
+        ----------
+        queries : int
+            Made after the initial runs.
+        real_runs : int
+            Made, initial ones counted.
+        """
+        left = self.most_queries - queries
+        if self.is1_runs is not None:
+            left = min(left, self.is1_runs - real_runs)
+        return max(left, 0)
+
 
 class StudyFile(Section):
     """A validated study file; paths in it are relative to its folder."""

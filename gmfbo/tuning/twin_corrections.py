@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 from gmfbo.tuning.history import History
 from gmfbo.tuning.method import Method
@@ -45,9 +45,9 @@ class TwinCorrections:
         """
         if not isinstance(method, RefiningMethod):
             return cls(runs, None)
-        history = runs.history
-        corrections = cls(runs, method.refiner(runs.source, history.store.location / "twins"))
-        logged = [event for event in history.store.events() if event["event"] == EVENT]
+        folder = runs.history.store.location / "twins"
+        corrections = cls(runs, method.refiner(runs.source, folder))
+        logged = corrections._logged()
         if corrections.refiner is not None and logged:
             corrections.seen = logged[-1]["after"]
             corrections._use(corrections.refiner.restore(logged[-1]))
@@ -56,8 +56,7 @@ class TwinCorrections:
     @property
     def reasons(self) -> tuple[str, ...]:
         """Why the twin was corrected, each time."""
-        events = self.runs.history.store.events()
-        return tuple(event["reason"] for event in events if event["event"] == EVENT)
+        return tuple(event["reason"] for event in self._logged())
 
     def follow(self, watch: Watch) -> TwinRuns:
         """Show the newest real run to the refiner; after a correction make the runs again.
@@ -93,6 +92,10 @@ class TwinCorrections:
         """Give back what was opened to correct the twin."""
         if self.refiner is not None:
             self.refiner.close()
+
+    def _logged(self) -> list[dict[str, Any]]:
+        events = self.runs.history.store.events()
+        return [event for event in events if event["event"] == EVENT]
 
     def _use(self, version: TwinVersion) -> None:
         self.runs = replace(self.runs, source=version.source)

@@ -91,9 +91,7 @@ class TwinRuns:
         for trial in history.unprompted[len(again) :]:
             self.announce("correction", history.write(self._run(trial.gains)))
         for real in history.of("IS1"):
-            if not history.children(real, "IS2"):
-                pair = self._run(real.gains, parent=real.number)
-                self.announce("correction", history.write(pair))
+            self._beside(real)
         self.follow_up()
 
     def query(self, gains: Mapping[str, float]) -> Trial:
@@ -108,12 +106,16 @@ class TwinRuns:
         real = self.history.of("IS1")
         if self.correction is None or not real:
             return
-        if not self.history.children(real[-1], "IS2"):
-            pair = self._run(real[-1].gains, parent=real[-1].number)
-            self.announce("correction", self.history.write(pair))
+        self._beside(real[-1])
         corrected = CorrectedRuns(self.source, self.history, self.correction)
         for trial in corrected.around(real[-1]):
             self.announce("correction", trial)
+
+    def _beside(self, real: Trial) -> None:
+        """Run the twin at the gains of a real run, unless it was."""
+        if not self.history.children(real, "IS2"):
+            pair = self._run(real.gains, parent=real.number)
+            self.announce("correction", self.history.write(pair))
 
     def _run(
         self, gains: Mapping[str, float], *, parent: int | None = None, number: int | None = None

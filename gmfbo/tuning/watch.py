@@ -76,8 +76,4 @@ class Watch:
         if done <= 0:
             return None
         mean = (time.perf_counter() - self._began) / done
-        left = budget.most_queries - history.queries
-        if budget.is1_runs is not None:
-            # Real runs may be spaced by twin queries, so this is a lower bound.
-            left = min(left, budget.is1_runs - history.made)
-        return mean * max(left, 0)
+        return mean * budget.queries_left(history.queries, history.made)

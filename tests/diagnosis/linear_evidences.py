@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.decision import Evidence
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
 from gmfbo.physics import CATALOGUE
+from gmfbo.sources.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.budget import white_covariance
 from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.ranges import measure_ranges
 from gmfbo.diagnosis.records import Record, scored_record
@@ -22,6 +22,7 @@ from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin
 from gmfbo.sources.models import models_folder
+from gmfbo.sources.uncertain import Uncertain
 
 TRUTH = {"inertia": 0.0105, "viscous": 0.03}
 OWN = (Uncertain("inertia", 0.01, 0.005, 0.02), Uncertain("viscous", 0.02, 0.0, 0.2))

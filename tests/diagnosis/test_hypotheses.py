@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 
 from gmfbo.diagnosis.fitting import fit
 from gmfbo.diagnosis.holding_out import split_of
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
 from gmfbo.diagnosis.records import scored_record
 from gmfbo.diagnosis.simulations import Point, Simulations
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.uncertain import Uncertain
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 from tests.physics.excitations import TYPICAL
 

@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
 from gmfbo.diagnosis.leaving_out import normal_equations, sums_of_others
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.screening import Probe
 from gmfbo.diagnosis.threshold import LEAST_THRESHOLD, NullGains, left_out_square
+from gmfbo.sources.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
 
 Blocks = tuple[NDArray[np.float64], ...]

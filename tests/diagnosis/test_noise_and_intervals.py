@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.budget import noise_level, white_covariance
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Hypothesis, Setting, Uncertain
+from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.intervals import combinations_of, spread_of
 from gmfbo.diagnosis.records import ScoredSignal
 from gmfbo.diagnosis.whitening import make_window
+from gmfbo.sources.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
 
 STEP = 1e-3

@@ -22,7 +22,8 @@ def test_only_our_own_errors_come_out_of_a_hostile_file(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if name in _PACKAGES:
-        pytest.importorskip(_PACKAGES[name])
+        package = _PACKAGES[name]
+        pytest.importorskip(package, reason=f"needs {package}: pip install 'gmfbo[{name.lower()}]'")
     target, tally = TARGETS[name], Tally()
     monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 2.0)
 

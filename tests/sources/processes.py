@@ -8,16 +8,21 @@ from pathlib import Path
 
 
 def children(of: int | None = None) -> list[int]:
-    """Processes, zombies too, whose parent is this or that process."""
+    """Processes, zombies too, whose parent is this or that process.
+
+    Python's own tracker is not among them: once a pool has run in a process, it stays to its end.
+    """
     parent = of or os.getpid()
     found = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
             try:
                 status = (entry / "stat").read_text()
+                command = (entry / "cmdline").read_bytes()
             except OSError:
                 continue
-            if int(status.rpartition(")")[2].split()[1]) == parent:
+            is_child = int(status.rpartition(")")[2].split()[1]) == parent
+            if is_child and b"multiprocessing.resource_tracker" not in command:
                 found.append(int(entry.name))
     return found
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gmfbo.recordings.trial import Trial
 from gmfbo.tuning.method import CorrectionOptions, Proposal
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
+from gmfbo.tuning.run_values import at_times
 from gmfbo.tuning.state import TuningState
 
 if TYPE_CHECKING:
@@ -225,9 +226,7 @@ def _sampled(
     if trial is None or trial.status != "ok":
         return np.full(times.size, np.nan)
     recording = trial.recording
-    values = recording.signal(signal) if values is None else values
-    known = np.isfinite(values)
-    return np.interp(times, recording.time[known], values[known])
+    return at_times(recording, recording.signal(signal) if values is None else values, times)
 
 
 def _point(state: TuningState, trial: Trial) -> NDArray[np.float64]:

@@ -35,16 +35,12 @@ def initial_order(binding: Binding, names: Sequence[str], parameters: Mapping[st
         if name not in binding.variables:
             raise InputError(f"no FMU variable '{name}'" + did_you_mean(name, binding.variables))
     still = Recording(time=np.array([0.0, binding.file.step]), signals={})
-    wires = tuple(
-        binding.variables[target].wire_from(binding.variables[source])
-        for target, source in binding.file.wires.items()
-    )
     job = Job(
         steps=1,
         start=0.0,
         step=binding.file.step,
         settings=run_parameters(binding, still, parameters, {}).settings,
-        wires=wires,
+        wires=binding.wires,
         outputs=tuple(binding.variables[name].port(k) for k, name in enumerate(names)),
     )
     return Order(job, np.empty((1, 0)), np.empty((1, 0)))
