@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis import Check, Diagnosis, check, diagnose
     from gmfbo.recordings import Recording, Trajectory, step_reference
     from gmfbo.sources.twin import FmuTwin
-    from gmfbo.studies.comparison import Comparison, compare
+    from gmfbo.studies.campaign import campaign, compare
+    from gmfbo.studies.comparison import Comparison
     from gmfbo.tuning.study import Study
     from gmfbo.tuning.tuner import Tuner
 
@@ -40,13 +41,14 @@ _HOMES = {
     "Study": "gmfbo.tuning.study",
     "Trajectory": "gmfbo.recordings",
     "Tuner": "gmfbo.tuning.tuner",
+    "campaign": "gmfbo.studies.campaign",
     "check": "gmfbo.diagnosis",
-    "compare": "gmfbo.studies.comparison",
+    "compare": "gmfbo.studies.campaign",
     "diagnose": "gmfbo.diagnosis",
     "step_reference": "gmfbo.recordings",
 }
 
-_TAKE_METHODS = ("Comparison", "Study", "Tuner", "compare")
+_TAKE_METHODS = ("Comparison", "Study", "Tuner", "campaign", "compare")
 """Names that look a method up: those of `gmfbo.retuning` add themselves when it is imported."""
 
 __all__ = [
@@ -58,6 +60,7 @@ __all__ = [
     "Study",
     "Trajectory",
     "Tuner",
+    "campaign",
     "check",
     "compare",
     "diagnose",

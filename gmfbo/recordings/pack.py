@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,12 @@ from gmfbo.recordings.durable import cause, write_whole
 from gmfbo.recordings.events import EventLines, read_events
 from gmfbo.recordings.hdf5_group import DIGEST, file_image, group_digest
 from gmfbo.recordings.index import trial_name
+from gmfbo.recordings.memory_store import StudyRecord
 from gmfbo.recordings.reading_process import try_apart
 from gmfbo.recordings.seal import read_seal, sealed
 from gmfbo.recordings.study_reading import FolderReading
 from gmfbo.recordings.trial import Trial
-from gmfbo.recordings.trial_file import check_digest, read_trial_group
+from gmfbo.recordings.trial_file import check_digest, read_trial_group, write_trial_group
 
 
 def pack_study(folder: str | Path, path: str | Path) -> Path:
@@ -46,18 +47,59 @@ def pack_study(folder: str | Path, path: str | Path) -> Path:
         The folder is no study, a trial is damaged, or the file cannot be written.
     """
     study = FolderReading(Path(folder))
+
+    def copy(trials: Any) -> None:
+        for number in study.numbers():
+            _copy_trial(study, number, trials)
+
+    name = study.location.resolve().name
+    return _write_pack(Path(path), name, study.study_text(), study.intact_event_lines(), copy)
+
+
+def pack_record(record: StudyRecord, path: str | Path) -> Path:
+    """Write a study that was kept in memory as one HDF5 file, as `pack_study` does a folder.
+
+    Parameters
+    ----------
+    record : StudyRecord
+        All of it.
+    path : str or Path
+        File to write, ending `.h5`; an older one is replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    StoreError
+        The file cannot be written.
+    """
     target = Path(path)
+
+    def write(trials: Any) -> None:
+        for trial in record.trials:
+            group = trials.create_group(trial_name(trial.number))
+            write_trial_group(group, trial)
+            group.attrs[DIGEST] = group_digest(group)
+
+    return _write_pack(target, target.stem, record.study_text, record.event_lines, write)
+
+
+def _write_pack(
+    target: Path, name: str, text: str, lines: Sequence[str], write: Callable[[Any], None]
+) -> Path:
     if target.suffix.lower() not in (".h5", ".hdf5"):
         raise StoreError(f"{target}: expected a file name that ends in .h5, got '{target.suffix}'")
 
     def fill(root: Any) -> None:
-        root.attrs["packed_study"] = study.location.resolve().name
-        root.create_dataset("study", data=study.study_text(), dtype=h5py.string_dtype())
-        lines = study.intact_event_lines()
-        root.create_dataset("events", data=lines, shape=(len(lines),), dtype=h5py.string_dtype())
-        trials = root.create_group("trials")
-        for number in study.numbers():
-            _copy_trial(study, number, trials)
+        root.attrs["packed_study"] = name
+        root.create_dataset("study", data=text, dtype=h5py.string_dtype())
+        root.create_dataset(
+            "events", data=list(lines), shape=(len(lines),), dtype=h5py.string_dtype()
+        )
+        write(root.create_group("trials"))
 
     image = sealed(file_image(fill))
     try:

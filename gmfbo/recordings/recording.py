@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +88,13 @@ class Recording:
         object.__setattr__(self, "schedules", _frozen(self.schedules, time.size))
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel to another process as plain dicts: a read-only view of one cannot."""
+        values = (getattr(self, field.name) for field in fields(self))
+        return type(self), tuple(
+            dict(value) if isinstance(value, Mapping) else value for value in values
+        )
 
     @classmethod
     def read(cls, path: str | Path, twin: SignalReading | None = None) -> Recording:

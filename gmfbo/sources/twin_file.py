@@ -37,6 +37,7 @@ __all__ = [
     "SignalEntry",
     "TableEntry",
     "TwinFile",
+    "twin_files",
 ]
 
 KNOWN_STATES = (
@@ -203,3 +204,23 @@ class TwinFile(Table):
                 f"no twin file at '{path}' ({error.strerror or error}); check the path"
             ) from None
         return cls.parse(text, path.name, path.parent)
+
+
+def twin_files(path: Path) -> tuple[Path, ...]:
+    """A twin file and all files that it names; what ships with gmfbo is not among them.
+
+    Parameters
+    ----------
+    path : Path
+        The `.toml` file.
+
+    Raises
+    ------
+    TwinFileError
+        It cannot be read.
+    """
+    twin = TwinFile.read(path)
+    named = [twin.fmu, *twin.fmus.values()]
+    columns = parse_toml(read_toml_text(path)).get("columns")
+    named.append(columns if isinstance(columns, str) else None)
+    return (path, *(path.parent / name for name in named if isinstance(name, str)))

@@ -1,12 +1,15 @@
 """Methods compared on the same seeds: many studies at once, kept run by run, told as tables.
 
 `compare` runs each method on each seed, judges every run against the true optimum of the plant
-(`PlantGrid`, `Goal`), keeps one small text a run (`Outcome`), and writes the tables.
+(`PlantGrid`, `Goal`), keeps one small text a run (`Outcome`), and writes the tables; `campaign`
+does so for many studies. A run is a value (`Unit`) that goes to a worker of an `Engine` and comes
+back as one; this process alone writes.
 """
 
-from gmfbo.studies.comparison import Comparison, compare
+from gmfbo.studies.campaign import campaign, compare
+from gmfbo.studies.comparison import Comparison
 from gmfbo.studies.goal import Goal
 from gmfbo.studies.outcome import Outcome
 from gmfbo.studies.plant_grid import PlantGrid
 
-__all__ = ["Comparison", "Goal", "Outcome", "PlantGrid", "compare"]
+__all__ = ["Comparison", "Goal", "Outcome", "PlantGrid", "campaign", "compare"]

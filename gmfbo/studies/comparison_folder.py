@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import json
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from gmfbo.errors import StoreError
 from gmfbo.recordings.durable import cause, write_whole
+from gmfbo.recordings.memory_store import StudyRecord
+from gmfbo.recordings.pack import pack_record
 from gmfbo.recordings.writer_lock import WriterLock
 from gmfbo.reports.comparison_curves import Landscape
 from gmfbo.studies.comparison_table import Table
@@ -24,9 +25,9 @@ from gmfbo.tuning.methods import METHODS
 class ComparisonFolder:
     """A folder `NAME.compare`.
 
-    `runs/METHOD-SEED.json` is what a finished run came to, `truth/` holds the plant over the
-    box, `running/` what is under way; `table.txt`, `curves.txt` and `landscape.txt` follow from
-    them, and the figures from these three.
+    `runs/METHOD-SEED.json` is what a finished run came to, `trials/METHOD-SEED.h5` all its trials
+    where they are kept, `truth/` holds the plant over the box; `table.txt`, `curves.txt` and
+    `landscape.txt` follow from them, and the figures from these three.
 
     Attributes
     ----------
@@ -52,6 +53,40 @@ class ComparisonFolder:
         return self.path / "landscape.txt"
 
     @property
+    def truth(self) -> Path:
+        """Grids of the plant and of the twin."""
+        return self.path / "truth"
+
+    def keep(self, outcome: Outcome, record: StudyRecord | None) -> None:
+        """Keep a finished run, its trials first.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            What it came to.
+        record : StudyRecord or None
+            All trials, where they are to be kept.
+        """
+        label = f"{outcome.method}-{outcome.seed}"
+        if record is not None:
+            (self.path / "trials").mkdir(exist_ok=True)
+            pack_record(record, self.path / "trials" / f"{label}.h5")
+        (self.path / "runs").mkdir(exist_ok=True)
+        outcome.save(self.path / "runs" / f"{label}.json")
+
+    def keep_truth(self, grids: Mapping[str, bytes]) -> None:
+        """Keep grids of the plant.
+
+        Parameters
+        ----------
+        grids : mapping of str to bytes
+            By name of the file.
+        """
+        self.truth.mkdir(exist_ok=True)
+        for name, content in grids.items():
+            write_whole(self.truth / name, content)
+
+    @property
     def finished_runs(self) -> list[Path]:
         """What each finished run came to, a text each."""
         return sorted((self.path / "runs").glob("*.json"))
@@ -71,10 +106,7 @@ class ComparisonFolder:
         except OSError as error:
             raise StoreError(f"{self.path}: cannot write there: {cause(error)}") from None
         try:
-            # Whoever holds the lock knows that nothing is under way any more.
-            shutil.rmtree(self.path / "running", ignore_errors=True)
             yield
-            shutil.rmtree(self.path / "running", ignore_errors=True)
         finally:
             lock.release()
 

@@ -13,15 +13,13 @@ from gmfbo.errors import StoreError
 from gmfbo.objective.cost import Objective
 from gmfbo.reports.comparison_curves import Landscape
 from gmfbo.studies.one_run import seeded
-from gmfbo.studies.plant_grid import Told, TrueSources
+from gmfbo.studies.plant_grid import TrueSources
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 
 
-def landscape_of(
-    study: Study, seed: int, side: int, folder: Path, told: Told | None = None
-) -> Landscape | None:
+def landscape_of(study: Study, seed: int, side: int, truth: Path) -> Landscape | None:
     """Cost of the plant over two gains, and the twin's error of it, on one seed.
 
     Parameters
@@ -32,10 +30,8 @@ def landscape_of(
         Decides the twin and the constants of the cost.
     side : int
         Points along a side.
-    folder : Path
-        Of the comparison.
-    told : callable, optional
-        Told of grids that have to be simulated.
+    truth : Path
+        Folder of the grids of plant and twin.
 
     Returns
     -------
@@ -48,8 +44,7 @@ def landscape_of(
         if len(opened.gains.space) != 2:
             return None
         plant, twin = (
-            opened.grid(source, side, folder / "truth", told)
-            for source in (opened.plants[0], opened.sources.is2)
+            opened.grid(source, side, truth) for source in (opened.plants[0], opened.sources.is2)
         )
     objective = _cost(same)
     real, simulated = objective.scaled(plant.metrics), objective.scaled(twin.metrics)

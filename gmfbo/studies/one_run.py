@@ -1,8 +1,7 @@
-"""One method on one seed: the study is run, judged against the truth, and put away."""
+"""One method on one seed: the study is run and judged against the truth."""
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gmfbo import __version__
+from gmfbo.recordings.memory_store import MemoryStore, StudyRecord
 from gmfbo.recordings.trial import Trial
 from gmfbo.studies.goal import Descent, Goal
 from gmfbo.studies.outcome import Outcome
@@ -21,6 +21,7 @@ from gmfbo.tuning.method import Method
 from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.study import Study
+from gmfbo.tuning.study_sections import StudyFile
 from gmfbo.tuning.tuner import Tuner
 
 PAPER_QUERIES = 20
@@ -34,15 +35,13 @@ class OneRun:
     Attributes
     ----------
     study : Study
-        As given; seed and method are those below.
+        With the seed and the place for files that its method makes.
     key : str
         Hash of what all runs of the comparison share.
     method : Method
         Who proposes.
-    seed : int
-        Of the study.
-    folder : Path
-        Of the comparison.
+    truth : Path
+        Folder of the plant's grids.
     side : int
         Points along a side of the grid that gives the truth.
     """
@@ -50,38 +49,25 @@ class OneRun:
     study: Study
     key: str
     method: Method
-    seed: int
-    folder: Path
+    truth: Path
     side: int
 
-    @property
-    def label(self) -> str:
-        """Names the run, and its files."""
-        return f"{self.method.name}-{self.seed}"
+    def run(self) -> tuple[Outcome, StudyRecord]:
+        """Run the study from its beginning, in memory, and judge it.
 
-    @property
-    def kept(self) -> Path:
-        """Text of the finished run."""
-        return self.folder / "runs" / f"{self.label}.json"
-
-    def run(self) -> Outcome:
-        """Run the study from its beginning, and keep what it came to.
-
-        A run that was killed is made again: half of it would spoil its times.
+        Returns
+        -------
+        outcome : Outcome
+            What it came to.
+        record : StudyRecord
+            All its trials.
         """
-        place = self.folder / "running" / self.label
-        shutil.rmtree(place, ignore_errors=True)
-        place.mkdir(parents=True)
-        study = seeded(self.study, self.seed, self.method.name, place / "run.study")
+        store = MemoryStore(self.study.location, self.study.text)
         stamps = _Stamps([], [])
-        with Tuner(study, method=self.method) as tuner:
+        with Tuner(self.study, method=self.method, store=store) as tuner:
             tuner.run(stamps.take)
-            goals = true_goals(study, tuner.history, self.side, self.folder)
-            outcome = self._outcome(tuner.history, goals, stamps)
-        self.kept.parent.mkdir(exist_ok=True)
-        outcome.save(self.kept)
-        shutil.rmtree(place, ignore_errors=True)
-        return outcome
+            goals = true_goals(self.study, tuner.history, self.side, self.truth)
+            return self._outcome(tuner.history, goals, stamps), store.record
 
     def _outcome(self, history: History, goals: Sequence[Goal], stamps: _Stamps) -> Outcome:
         budget, change = self.study.file.budget, self.study.file.is1.change
@@ -97,7 +83,7 @@ class OneRun:
         return Outcome(
             study=self.key,
             method=self.method.name,
-            seed=self.seed,
+            seed=self.study.file.seed,
             n_star=descent.arrival(),
             n_star_paper=descent.arrival(within),
             most_real_runs=most,
@@ -150,14 +136,46 @@ def seeded(study: Study, seed: int, method: str, location: Path) -> Study:
     location : Path
         Folder of the copy.
     """
-    budget = study.file.budget
+    return replace(study, file=seeded_file(study.file, seed, method), location=location)
+
+
+def seeded_file(file: StudyFile, seed: int, method: str) -> StudyFile:
+    """Copy of a study file with another seed and method, and a budget.
+
+    Parameters
+    ----------
+    file : StudyFile
+        As given; without an end of its budget it gets that of the publication.
+    seed : int
+        Of the copy.
+    method : str
+        Name of the copy's method.
+    """
+    budget = file.budget
     if budget.is1_runs is None and budget.iterations is None:
         budget = budget.model_copy(update={"is1_runs": budget.initial_is1 + 20})
-    file = study.file.model_copy(update={"seed": seed, "method": method, "budget": budget})
-    return replace(study, file=file, location=location)
+    return file.model_copy(update={"seed": seed, "method": method, "budget": budget})
 
 
-def true_goals(study: Study, history: History, side: int, folder: Path) -> list[Goal]:
+def make_truth(study: Study, side: int, truth: Path) -> None:
+    """Run the plant, and the changed plant, over the box, unless that was done before.
+
+    Parameters
+    ----------
+    study : Study
+        With its seed.
+    side : int
+        Points along a side of the grid.
+    truth : Path
+        Folder of the plant's grids.
+    """
+    opened = TrueSources.open(study)
+    with closing(opened.sources):
+        for plant in opened.plants:
+            opened.grid(plant, side, truth)
+
+
+def true_goals(study: Study, history: History, side: int, truth: Path) -> list[Goal]:
     """Goals of the plant, and of the changed plant, by the study's own cost.
 
     Parameters
@@ -168,12 +186,12 @@ def true_goals(study: Study, history: History, side: int, folder: Path) -> list[
         With its cost's constants, which come from the initial runs of the twin.
     side : int
         Points along a side of the grid.
-    folder : Path
-        Of the comparison, where grids are kept.
+    truth : Path
+        Folder of the plant's grids.
     """
     opened = TrueSources.open(study)
     with closing(opened.sources):
-        grids = [opened.grid(plant, side, folder / "truth") for plant in opened.plants]
+        grids = [opened.grid(plant, side, truth) for plant in opened.plants]
     return [Goal.over(true_costs(history, grid.metrics)) for grid in grids]
 
 

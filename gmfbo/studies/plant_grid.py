@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,8 +23,6 @@ from gmfbo.tuning.safety_section import SafetySection
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.study_sources import StudySources
 from gmfbo.tuning.study_terms import own_metrics
-
-Told = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +131,7 @@ class TrueSources:
         both = (self.sources.is1, self.sources.changed_is1)
         return tuple(plant for plant in both if plant is not None)
 
-    def grid(self, source: Source, side: int, folder: Path, told: Told | None = None) -> PlantGrid:
+    def grid(self, source: Source, side: int, folder: Path) -> PlantGrid:
         """Run a source all over the box, or read what that came to before.
 
         Parameters
@@ -145,15 +142,11 @@ class TrueSources:
             Points along a side.
         folder : Path
             Where grids are kept, one text each.
-        told : callable, optional
-            Told of a grid that has to be simulated.
         """
         space = self.gains.space
         points = space.from_unit(grid_points(len(space), side))
-        kept = folder / f"{self._key(source, side)}.csv"
+        kept = folder / self.file_name(source, side)
         if not kept.exists():
-            if told is not None:
-                told(f"{source.name}: {len(points)} runs over the box, once")
             rows = [self._metrics(source, point) for point in points]
             folder.mkdir(parents=True, exist_ok=True)
             text = io.StringIO()
@@ -171,8 +164,16 @@ class TrueSources:
         run = play(source, self.gains.values(point), self.experiment, envelope)
         return self.experiment.metrics(run)
 
-    def _key(self, source: Source, side: int) -> str:
-        """Hash of all that decides the grid; two seeds share it where the plant has no seed."""
+    def file_name(self, source: Source, side: int) -> str:
+        """Name of a grid's file; two seeds share it where the plant has no seed.
+
+        Parameters
+        ----------
+        source : Source
+            One of the study's.
+        side : int
+            Points along a side.
+        """
         own = self.experiment.own
         decisive: list[Any] = [source.content_hash, side, self.experiment.signal, repr(self.gains)]
         decisive += [
@@ -183,4 +184,4 @@ class TrueSources:
             columns = [part.reference.time, *part.reference.signals.values()]
             decisive += [share, part.horizon, list(part.reference.signals)]
             decisive += [column.tobytes().hex() for column in columns]
-        return hashlib.sha256(json.dumps(decisive).encode()).hexdigest()[:16]
+        return f"{hashlib.sha256(json.dumps(decisive).encode()).hexdigest()[:16]}.csv"

@@ -27,7 +27,7 @@ from gmfbo.tuning.state import Observation, TuningState
 from gmfbo.tuning.study_sections import StudyFile
 
 if TYPE_CHECKING:
-    from gmfbo.recordings.store import StudyStore
+    from gmfbo.recordings.memory_store import TrialStore
 
 
 class History:
@@ -38,7 +38,7 @@ class History:
 
     Parameters
     ----------
-    store : StudyStore
+    store : TrialStore
         Open for writing.
     study : StudyFile
         The validated file.
@@ -59,7 +59,7 @@ class History:
 
     def __init__(
         self,
-        store: StudyStore,
+        store: TrialStore,
         study: StudyFile,
         experiment: ExperimentSeries,
         gains: GainChoice,

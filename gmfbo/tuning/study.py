@@ -19,6 +19,7 @@ from gmfbo.tuning.study_file import parse_study, read_study_file
 from gmfbo.tuning.study_sections import StudyFile
 
 if TYPE_CHECKING:
+    from gmfbo.recordings.memory_store import TrialStore
     from gmfbo.recordings.store import StudyStore
 
 
@@ -167,12 +168,12 @@ class Study:
                 f"only the end of the [budget] may change; give another 'out'"
             )
 
-    def log_begin(self, store: StudyStore, twins: dict[str, str]) -> None:
+    def log_begin(self, store: TrialStore, twins: dict[str, str]) -> None:
         """Log who runs, and refuse to mix runs of different twins in one study.
 
         Parameters
         ----------
-        store : StudyStore
+        store : TrialStore
             Open for writing.
         twins : dict of str to str
             Content hash by source.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -329,3 +329,14 @@ class StudyFile(Section):
     def folder_name(self) -> str:
         """Where the study is kept, relative to the file."""
         return self.out or f"{self.name}.study"
+
+
+def stated(file: StudyFile) -> dict[str, Any]:
+    """What a study file says, as TOML can hold it; what it leaves to defaults is left out.
+
+    Parameters
+    ----------
+    file : StudyFile
+        Read or made.
+    """
+    return file.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude_none=True)

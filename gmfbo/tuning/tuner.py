@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,9 @@ from gmfbo.tuning.twin_corrections import TwinCorrections
 from gmfbo.tuning.twin_runs import TwinRuns
 from gmfbo.tuning.watch import Watch
 
+if TYPE_CHECKING:
+    from gmfbo.recordings.memory_store import TrialStore
+
 
 class Tuner:
     """Tunes the gains of a study; a context manager that holds the study's folder.
@@ -59,6 +62,8 @@ class Tuner:
         Used instead of the method that the file names.
     resume : bool
         Go on where a former tuner stopped; otherwise a study with trials is refused.
+    store : TrialStore, optional
+        Keeps the runs instead of the study's folder.
 
     Raises
     ------
@@ -75,6 +80,7 @@ class Tuner:
         plant: PlantFunction | None = None,
         method: Method | None = None,
         resume: bool = True,
+        store: TrialStore | None = None,
     ) -> None:
         self.study = study
         self.method = method or find_method(study.file.method)
@@ -101,7 +107,9 @@ class Tuner:
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
             self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
-            self._store = closing.enter_context(study.open_for_writing(resume=resume))
+            self._store: TrialStore = store or closing.enter_context(
+                study.open_for_writing(resume=resume)
+            )
             correction = self.method.correction
             survey = correction.survey if correction else 0
             self.history = History(

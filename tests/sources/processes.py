@@ -6,11 +6,14 @@ import os
 import time
 from pathlib import Path
 
+STANDING = (b"multiprocessing.resource_tracker", b"gmfbo.recordings.reading_program")
+
 
 def children(of: int | None = None) -> list[int]:
     """Processes, zombies too, whose parent is this or that process.
 
-    Python's own tracker is not among them: once a pool has run in a process, it stays to its end.
+    Standing helpers are not among them, which stay to the end of a process once it needed them:
+    Python's tracker of a pool's resources, and the reader of foreign recordings.
     """
     parent = of or os.getpid()
     found = []
@@ -22,7 +25,7 @@ def children(of: int | None = None) -> list[int]:
             except OSError:
                 continue
             is_child = int(status.rpartition(")")[2].split()[1]) == parent
-            if is_child and b"multiprocessing.resource_tracker" not in command:
+            if is_child and not any(name in command for name in STANDING):
                 found.append(int(entry.name))
     return found
 

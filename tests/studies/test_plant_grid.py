@@ -56,15 +56,16 @@ def test_grid_is_what_single_runs_come_to(tmp_path: Path) -> None:
 def test_grid_is_simulated_once_and_again_where_the_plant_is_another(tmp_path: Path) -> None:
     change = 'change = { after_runs = 3, parameters = { "viscous_friction" = 900.0 } }'
     study = Study.read(write_small_study(tmp_path, change=change))
-    told: list[str] = []
+    truth = tmp_path / "truth"
     opened = TrueSources.open(study)
     with closing(opened.sources):
         before, after = opened.plants
-        first = opened.grid(before, 3, tmp_path / "truth", told.append)
-        again = opened.grid(before, 3, tmp_path / "truth", told.append)
-        assert len(told) == 1
-        changed = opened.grid(after, 3, tmp_path / "truth", told.append)
-    assert len(told) == 2
+        first = opened.grid(before, 3, truth)
+        made = (truth / opened.file_name(before, 3)).stat().st_mtime_ns
+        again = opened.grid(before, 3, truth)
+        assert (truth / opened.file_name(before, 3)).stat().st_mtime_ns == made
+        changed = opened.grid(after, 3, truth)
+    assert len(list(truth.iterdir())) == 2
     np.testing.assert_array_equal(first.metrics["rise_time"], again.metrics["rise_time"])
     assert not np.array_equal(first.metrics["rise_time"], changed.metrics["rise_time"])
 
