@@ -32,8 +32,9 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import FmuTwin, Recording, Study, Tuner
+from gmfbo.sources.models import models_folder
 
-MODELS = Path(__file__).resolve().parents[1] / "models"
+MODELS = models_folder()
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-vendor-"))
 
 try:

@@ -28,11 +28,12 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import FmuTwin, Study, Trajectory, Tuner
+from gmfbo.sources.models import models_folder
 from gmfbo.tuning.method import CorrectionOptions
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.request import TuningResult
 
-MODELS = Path(__file__).resolve().parents[1] / "models"
+MODELS = models_folder()
 HIDDEN = {"drive.delay": 9e-3}  # [s]; the twin, and whoever corrects it, is not told
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-tuned-"))
 

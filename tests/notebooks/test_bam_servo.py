@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/05_bam_servo.py"
+NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03c_bam_servo.py"
 FOLDER = Path(os.environ.get("GMFBO_DATA", "")) / "bam_xl330" / "raw"
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/06_mr_damper.py"
+NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03d_mr_damper.py"
 FILE = Path(os.environ.get("GMFBO_DATA", "")) / "hysteresis_ce8" / "mr_damper.mat"
 
 

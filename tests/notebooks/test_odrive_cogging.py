@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/04_odrive_cogging.py"
+NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03b_odrive_cogging.py"
 FOLDER = Path(os.environ.get("GMFBO_DATA", "")) / "odrive_cogging"
 
 

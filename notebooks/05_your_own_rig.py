@@ -30,8 +30,9 @@ from pathlib import Path
 from gmfbo import FmuTwin, Recording, Study, Trajectory, Tuner, step_reference
 from gmfbo.recordings.writer import write_recording
 from gmfbo.sources.failed_run import failed_run
+from gmfbo.sources.models import models_folder
 
-MODELS = Path(__file__).resolve().parents[1] / "models"
+MODELS = models_folder()
 WORN = {"friction.viscous": 2.0}  # [N m s/rad]
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-plants-"))
 

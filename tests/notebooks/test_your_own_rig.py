@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/07_your_own_plant.py"
+NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/05_your_own_rig.py"
 
 
 def test_every_kind_of_plant_tunes_the_same_drive(
