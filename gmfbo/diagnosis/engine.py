@@ -16,8 +16,10 @@ from gmfbo.diagnosis.parities import logged_as, parities
 from gmfbo.diagnosis.search import Progress, Search
 from gmfbo.diagnosis.shown_gains import find_shown_gain
 from gmfbo.errors import InputError, did_you_mean
-from gmfbo.physics import CATALOGUE
+from gmfbo.physics import CATALOGUE, Effect
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.description import read_description
+from gmfbo.sources.models import physics_fmu
 from gmfbo.sources.twin import FmuTwin
 
 
@@ -61,7 +63,7 @@ def diagnose(
     Raises
     ------
     InputError
-        An effect or parameter has no such name.
+        An effect or parameter has no such name, or the law of an added effect is missing.
     RecordingError
         A recording cannot be read, or has nothing to compare.
     SimulationError
@@ -69,6 +71,7 @@ def diagnose(
     """
     started = time.perf_counter()
     _check_names((*assume, *exclude))
+    _check_laws(CATALOGUE.added)
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     read = [as_recording(recording, opened) for recording in recordings]
     unseen = [as_recording(recording, opened) for recording in validate or ()]
@@ -129,3 +132,19 @@ def _check_names(names: Sequence[str]) -> None:
     for name in names:
         if name not in CATALOGUE:
             raise InputError(f"no effect '{name}'" + did_you_mean(name, CATALOGUE))
+
+
+def _check_laws(added: Sequence[Effect]) -> None:
+    """An effect that is not part of gmfbo has its law in the user's physics.fmu."""
+    if not added:
+        return
+    path = physics_fmu()
+    known = read_description(path).variables
+    for effect in added:
+        for parameter in effect.parameters:
+            name = f"{effect.name}.{parameter.name}"
+            if name not in known:
+                raise InputError(
+                    f"effect '{effect.name}': expected its law in '{path}', which has no parameter "
+                    f"'{name}'; build it in, and name that file in GMFBO_PHYSICS"
+                )

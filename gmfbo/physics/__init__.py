@@ -20,10 +20,19 @@ gap's contact are fixed parameters that follow from the excitation, never fitted
 processes, pass names: an effect holds functions and does not pickle.
 """
 
-from gmfbo.physics.catalogue import CATALOGUE
+from gmfbo.physics.catalogue import CATALOGUE, add_effect
 from gmfbo.physics.effect import Effect, EffectParameter, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import States
 from gmfbo.physics.units import Units
 
-__all__ = ["CATALOGUE", "Effect", "EffectParameter", "Excitation", "States", "Units", "Values"]
+__all__ = [
+    "CATALOGUE",
+    "Effect",
+    "EffectParameter",
+    "Excitation",
+    "States",
+    "Units",
+    "Values",
+    "add_effect",
+]

@@ -1,10 +1,13 @@
-"""The effects that gmfbo knows; to add one, import it here and list it."""
+"""The effects that gmfbo knows; to add one, import it here and list it.
+
+One that is not part of gmfbo is added by `add_effect`, or by the entry point of a package.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Iterator, Mapping
 
+from gmfbo.errors import InputError
 from gmfbo.physics.effect import Effect
 from gmfbo.physics.effects.actuator_dead_zone import actuator_dead_zone
 from gmfbo.physics.effects.actuator_gain_loss import actuator_gain_loss
@@ -38,6 +41,7 @@ from gmfbo.physics.effects.torque_ripple import torque_ripple
 from gmfbo.physics.effects.torsional_compliance import torsional_compliance
 from gmfbo.physics.effects.transport_delay import transport_delay
 from gmfbo.physics.effects.viscous_friction import viscous_friction
+from gmfbo.physics.installed_effects import installed_effects
 
 # The order is that of reports, and decides between effects that explain equally well.
 _EFFECTS = (
@@ -75,4 +79,76 @@ _EFFECTS = (
     load_inertia,
 )
 
-CATALOGUE: Mapping[str, Effect] = MappingProxyType({effect.name: effect for effect in _EFFECTS})
+_PORTS = ("torque", "command", "sensor")
+
+
+class _Catalogue(Mapping[str, Effect]):
+    """Effects by name; those of installed packages are loaded when the first is asked for."""
+
+    def __init__(self) -> None:
+        self._own = {effect.name: effect for effect in _EFFECTS}
+        self._added: dict[str, Effect] = {}
+        self._loaded = False
+
+    def add(self, effect: Effect) -> None:
+        known = self._own.get(effect.name, self._added.get(effect.name, effect))
+        if known is not effect:
+            raise InputError(
+                f"effect '{effect.name}': expected a name that is free, got that of another "
+                "effect; give yours another name"
+            )
+        if effect.port not in _PORTS:
+            raise InputError(
+                f"effect '{effect.name}': expected a port of {', '.join(_PORTS)}, got "
+                f"'{effect.port}'"
+            )
+        self._added[effect.name] = effect
+
+    @property
+    def added(self) -> tuple[Effect, ...]:
+        """Effects that are not part of gmfbo."""
+        return tuple(effect for name, effect in self._all().items() if name not in self._own)
+
+    def _all(self) -> dict[str, Effect]:
+        if not self._loaded:
+            self._loaded = True  # at once: what is loaded may look up an effect itself
+            try:
+                for effect in installed_effects():
+                    self.add(effect)
+            except InputError:
+                self._loaded = False  # said again wherever effects are asked for
+                raise
+        return {**self._own, **self._added}
+
+    def __getitem__(self, name: str) -> Effect:
+        return self._all()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all())
+
+    def __len__(self) -> int:
+        return len(self._all())
+
+
+CATALOGUE = _Catalogue()
+"""All effects by name: those of gmfbo in the order above, then those that were added."""
+
+
+def add_effect(effect: Effect) -> None:
+    """Let every diagnosis of this process know an effect that is not part of gmfbo.
+
+    Its law is C in a `physics.fmu` of your own, which the environment variable `GMFBO_PHYSICS`
+    names: `fmu_build.own_effect.build_physics` makes one. Adding the same effect again does
+    nothing.
+
+    Parameters
+    ----------
+    effect : Effect
+        Its bounds, its smallest size worth claiming, and how to speak of it.
+
+    Raises
+    ------
+    InputError
+        Another effect has this name, or it names no port.
+    """
+    CATALOGUE.add(effect)

@@ -9,7 +9,7 @@ from gmfbo.sources.binding import Binding, content_of
 from gmfbo.sources.bound_variable import BoundVariable
 from gmfbo.sources.description import FmuDescription, read_description
 from gmfbo.sources.job import Wire
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.models import physics_fmu
 
 PORT_OUTPUTS = {"torque": "torque", "command": "command", "sensor": "sensor"}
 """Output of physics.fmu that acts at each port."""
@@ -82,7 +82,7 @@ def augment(binding: Binding) -> AugmentedBinding:
     fmus: list[FmuDescription] = []
     content: list[str] = []
     physics_at: dict[int, int] = {}
-    description = read_description(models_folder() / "physics.fmu")
+    description = read_description(physics_fmu())
     description.library()
     physics_content = content_of(description.path) if owners else ""
     for i, fmu in enumerate(binding.fmus):

@@ -19,7 +19,7 @@ from gmfbo.sources.container_wiring import End, Wiring, wire_up
 from gmfbo.sources.description import FmuDescription, read_description
 from gmfbo.sources.exportable import check_exportable, common_platforms, losses
 from gmfbo.sources.misfits import is_parameter
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.models import physics_fmu
 from gmfbo.sources.parameters import check_parameters
 from gmfbo.sources.platforms import this_platform
 from gmfbo.sources.trial_run import try_out
@@ -116,7 +116,7 @@ def export_augmented(
     values = {**binding.settings, **twin.parameters, **parameters}
     check_parameters(binding, values)
     check_exportable(binding)
-    description = read_description(models_folder() / "physics.fmu")
+    description = read_description(physics_fmu())
     wiring = wire_up(binding, description.path)
     wiring.starts.update(values)
     exposed = _expose(wiring, binding, description, physics, settings)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+
+from gmfbo.errors import InputError
 
 
 def models_folder() -> Path:
@@ -10,3 +13,23 @@ def models_folder() -> Path:
     package = Path(__file__).resolve().parent.parent
     installed = package / "_models"
     return installed if installed.is_dir() else package.parent / "models"
+
+
+def physics_fmu() -> Path:
+    """The FMU that holds the laws of all effects: ours, or that of `GMFBO_PHYSICS`.
+
+    Raises
+    ------
+    InputError
+        The environment variable names no file.
+    """
+    own = os.environ.get("GMFBO_PHYSICS")
+    if not own:
+        return models_folder() / "physics.fmu"
+    path = Path(own)
+    if not path.is_file():
+        raise InputError(
+            f"GMFBO_PHYSICS: expected a file with laws of your own, but there is no '{own}'; "
+            "build it, or unset the variable"
+        )
+    return path
