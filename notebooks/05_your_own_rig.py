@@ -12,7 +12,7 @@
 # ---
 
 # %% [markdown]
-# # Your own plant
+# # Your own rig
 #
 # The real axis (IS1) need not be an FMU. It may be a **program** that gmfbo starts, a **person** at
 # a bench, a **folder** of recordings, or a **Python function**. Here each of them tunes the same
@@ -34,7 +34,7 @@ from gmfbo.sources.models import models_folder
 
 MODELS = models_folder()
 WORN = {"friction.viscous": 2.0}  # [N m s/rad]
-folder = Path(tempfile.mkdtemp(prefix="gmfbo-plants-"))
+folder = Path(tempfile.mkdtemp(prefix="gmfbo-rig-"))
 
 STUDY = """
 method = "bo_ei"

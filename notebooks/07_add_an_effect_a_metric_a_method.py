@@ -112,9 +112,9 @@ add_effect(
 
 # %%
 BELLOWS = 2.0  # [N.m/rad3]
-time, rng = np.arange(800) * 1e-3, np.random.default_rng(0)
+time, rng = np.arange(600) * 1e-3, np.random.default_rng(0)
 with AugmentedTwin(FmuTwin(AXIS), substeps=10) as axis:
-    for number, (hertz, size) in enumerate([(0.8, 0.5), (1.4, 0.35), (2.3, 0.6)]):
+    for number, (hertz, size) in enumerate([(1.2, 0.5), (1.8, 0.35), (2.5, 0.6)]):
         wave = {"reference": size * np.sin(2.0 * np.pi * hertz * time)}
         plan = axis.plan(Recording(time=time, signals=wave), {})
         noise = 3e-5 * rng.standard_normal(time.size)  # [rad]
@@ -130,6 +130,16 @@ with AugmentedTwin(FmuTwin(AXIS), substeps=10) as axis:
 recordings = sorted(folder.glob("run?.csv"))
 found = diagnose(AXIS, recordings[:2], recordings[2:])
 print(found)
+
+# %% [markdown]
+# The law is also in the corrected twin, which runs in any FMI tool; its size is a parameter there.
+
+# %%
+found.save(folder / "found")
+with FmuTwin(folder / "found" / "augmented.toml") as better:
+    followed = better.run({}, Recording.read(recordings[2], better))
+    sizes = [name for name in better.binding.variables if name.startswith("physics.")]
+print(sizes, followed.status)
 
 # %% [markdown]
 # The same without it in the library. Something is still missing, and the nearest law that is known
@@ -201,7 +211,7 @@ weights = {{ rise_time = 0.6, settling_time = 0.2, effort = 0.2 }}
 normalise = 4
 [budget]
 initial_is2 = 4
-is1_runs = 8
+is1_runs = 6
 """
 (folder / "gentle.toml").write_text(STUDY, encoding="utf-8")
 
@@ -248,7 +258,7 @@ for trial in trials:
 # initial runs. Two seeds show that it works, not which is better: the bands tell.
 
 # %%
-comparison = compare(folder / "gentle.toml", [TurnTheKnobs(), "bo_ei"], seeds=2, grid=7)
+comparison = compare(folder / "gentle.toml", [TurnTheKnobs(), "bo_ei"], seeds=2, grid=5)
 print(comparison.text.partition("\n\nthe same within")[0])
 best_observed(read_curves(comparison.folder / "curves.txt"))
 
@@ -269,6 +279,8 @@ best_observed(read_curves(comparison.folder / "curves.txt"))
 (named,) = found.effects
 assert named.name == "cubic_spring"
 assert abs(named.parameters["stiffness"].value - BELLOWS) < 0.05 * BELLOWS
+assert sizes == ["physics.cubic_spring.stiffness"]
+assert followed.status == "ok"
 assert "cubic_spring" not in {effect.name for effect in without.effects}
 assert ("cubic_spring", "excluded by the user") in {(n.name, n.why) for n in without.not_testable}
 assert left(found)["with the named physics"] < left(without)["with the named physics"]
@@ -280,5 +292,5 @@ assert set(made) == {(name, seed) for name in ("turn_the_knobs", "bo_ei") for se
 for seed in range(2):
     mine, theirs = made["turn_the_knobs", seed], made["bo_ei", seed]
     assert mine.best[:2] == theirs.best[:2], "the same initial runs"
-    assert mine.best[-1] < mine.best[1], "and better after eight"
+    assert mine.best[-1] < mine.best[1], "and better after six"
 print(f"found: {named.statement}")

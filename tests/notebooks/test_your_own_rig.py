@@ -1,4 +1,4 @@
-"""The notebook on plants runs to its end: a real program, real files, a person's two commands."""
+"""The notebook on one's own rig runs: a real program, real files, a person's two commands."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def test_every_kind_of_plant_tunes_the_same_drive(
     assert "four ways to run one drive, the same study: 3 real runs each" in printed
     kinds = {names[f"by_{kind}"].file.is1.model_dump_json() for kind in ("program", "recordings")}
     assert len(kinds) == 2
-    studies = sorted(path.name for path in tmp_path.glob("gmfbo-plants-*/*.study"))
+    studies = sorted(path.name for path in tmp_path.glob("gmfbo-rig-*/*.study"))
     assert studies == [f"{n}.study" for n in ("bench", "function", "grid", "program", "script")]
     # One of the runs fails in each of the four ways, and none of them ends its study for it.
     assert re.search(r"^ctl\.Kp = .*: failed, objective ", printed, re.MULTILINE)
     assert [names["outcomes"][0][run][1] for run in range(3)] == ["ok", "ok", "failed"]
 
 
-def test_the_notebook_on_plants_is_in_the_percent_format() -> None:
+def test_the_notebook_on_ones_own_rig_is_in_the_percent_format() -> None:
     text = NOTEBOOK.read_text(encoding="utf-8")
     assert text.startswith("# ---\n# jupyter:")
     assert text.count("\n# %%\n") >= 5
