@@ -24,6 +24,7 @@
 # %%
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -160,9 +161,13 @@ trajectories(review)
 
 # %%
 def gmfbo(*words: str) -> str:
-    """Run the program and return what it prints."""
+    """Run the program and return what it prints, without the colours that a kernel asks for."""
     command = [sys.executable, "-m", "gmfbo", *words]
-    return subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder).stdout
+    plain = {name: value for name, value in os.environ.items() if name != "FORCE_COLOR"}
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, cwd=folder, env=plain
+    )
+    return done.stdout
 
 
 file.write_text(STUDY.replace("is1_runs = 5", "is1_runs = 6"), encoding="utf-8")

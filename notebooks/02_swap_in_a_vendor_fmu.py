@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import difflib
 import importlib.metadata
+import os
 import subprocess
 import sys
 import tempfile
@@ -59,9 +60,13 @@ if not vendor_fmu.is_file():
 
 # %%
 def gmfbo(*words: str | Path) -> str:
-    """Run the program and return what it prints."""
+    """Run the program and return what it prints, without the colours that a kernel asks for."""
     command = [sys.executable, "-m", "gmfbo", *map(str, words)]
-    return subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder).stdout
+    plain = {name: value for name, value in os.environ.items() if name != "FORCE_COLOR"}
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, cwd=folder, env=plain
+    )
+    return done.stdout
 
 
 starting_twin = gmfbo("inspect", "--twin-file", vendor_fmu)

@@ -21,6 +21,7 @@
 # %%
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -126,9 +127,13 @@ with Tuner(by_function, plant=worn_drive) as tuner:
 
 # %%
 def gmfbo(*words: str | Path) -> str:
-    """Run the program and return what it prints."""
+    """Run the program and return what it prints, without the colours that a kernel asks for."""
     command = [sys.executable, "-m", "gmfbo", *map(str, words)]
-    return subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder).stdout
+    plain = {name: value for name, value in os.environ.items() if name != "FORCE_COLOR"}
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, cwd=folder, env=plain
+    )
+    return done.stdout
 
 
 by_hand = study_of("bench", "ask_tell = true")

@@ -1,6 +1,6 @@
 """The notebook that reads a store without gmfbo, run as a reader of pages does: by a kernel.
 
-Of all notebooks this one is executed so; what differs from running the file is the same for all.
+The other notebooks are run as files; of their pages it is tested that they can be made.
 """
 
 from __future__ import annotations
