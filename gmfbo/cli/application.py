@@ -6,6 +6,7 @@ import os
 import sys
 import tempfile
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -34,6 +35,7 @@ from gmfbo.cli import (
     tune,
     watch,
 )
+from gmfbo.cli.manual import EXITS, Manual, ManualCommand, ManualGroup, definitions
 from gmfbo.cli.many_values import ManyValuesCommand
 from gmfbo.errors import GmfboError
 
@@ -41,31 +43,61 @@ OUR_FAULT = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
 
+_EPILOG = "\n".join(
+    [
+        definitions(
+            "Exit status",
+            {str(status): meaning for status, meaning in EXITS.items()},
+        ),
+        definitions(
+            "Environment",
+            {"GMFBO_SANDBOX": "loosens what shuts FMUs in: network, read=DIR, memory=GB, or off"},
+        ),
+        definitions(
+            "Units",
+            {
+                "": "SI; angles in rad, overshoot and errors in %. An FMU's parameters and the "
+                "gains have the FMU's units. The conventions are in notebooks/docs/conventions.md."
+            },
+        ),
+        definitions("See also", {"": "'gmfbo COMMAND --help', with examples; README.md"}),
+    ]
+)
+
 app = typer.Typer(
+    cls=ManualGroup,
     help="Tune a controller with few runs of the real axis, guided by its digital twin.",
+    epilog=_EPILOG,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # it takes [low, high] and [s] for markup, and drops them
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("demo")(demo.demo)
-app.command("inspect")(inspect.inspect)
-app.command("import")(import_.import_)
-app.command("simulate")(simulate.simulate)
-app.command("tune")(tune.tune)
-app.command("watch")(watch.watch)
-app.command("ask")(ask.ask)
-app.command("tell")(tell.tell)
-app.command("check")(check.check)
-app.command("columns")(columns.columns)
-app.command("diagnose", cls=ManyValuesCommand)(diagnose.diagnose)
-app.command("experiment")(experiment.experiment)
-app.command("compensate")(compensate.compensate)
-app.command("compare")(compare.compare)
-app.command("methods")(methods.methods)
-app.command("export")(export.export)
-app.command("report")(report.report)
-app.command("repair")(repair.repair)
-app.command("build")(build.build)
+_COMMANDS: dict[str, tuple[Callable[..., None], Manual]] = {
+    "demo": (demo.demo, demo.MANUAL),
+    "inspect": (inspect.inspect, inspect.MANUAL),
+    "import": (import_.import_, import_.MANUAL),
+    "simulate": (simulate.simulate, simulate.MANUAL),
+    "tune": (tune.tune, tune.MANUAL),
+    "watch": (watch.watch, watch.MANUAL),
+    "ask": (ask.ask, ask.MANUAL),
+    "tell": (tell.tell, tell.MANUAL),
+    "check": (check.check, check.MANUAL),
+    "columns": (columns.columns, columns.MANUAL),
+    "diagnose": (diagnose.diagnose, diagnose.MANUAL),
+    "experiment": (experiment.experiment, experiment.MANUAL),
+    "compensate": (compensate.compensate, compensate.MANUAL),
+    "compare": (compare.compare, compare.MANUAL),
+    "methods": (methods.methods, methods.MANUAL),
+    "export": (export.export, export.MANUAL),
+    "report": (report.report, report.MANUAL),
+    "repair": (repair.repair, repair.MANUAL),
+    "build": (build.build, build.MANUAL),
+}
+_WITH_MANY_VALUES = ("diagnose",)
+for _name, (_function, _manual) in _COMMANDS.items():
+    _kind = ManyValuesCommand if _name in _WITH_MANY_VALUES else ManualCommand
+    app.command(_name, cls=_kind, epilog=_manual.text)(_function)
 
 
 def _show_version(asked: bool) -> None:
@@ -107,7 +139,7 @@ def main(arguments: list[str] | None = None) -> int:
         # Typer turns Ctrl-C into an exit of its own.
         return _interrupted() if stop.exit_code == INTERRUPTED else int(stop.exit_code)
     except TyperException as error:
-        return _complain(f"{_usage(error)} (see 'gmfbo --help')", BAD_INPUT)
+        return _complain(_usage(error), BAD_INPUT)
     except BrokenPipeError:
         # The reader of our output went away, as `head` does; nothing is left to say.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -122,8 +154,10 @@ def _interrupted() -> int:
 
 
 def _usage(error: TyperException) -> str:
-    # Usage errors know how to say themselves, with the option's name in front.
-    return str(getattr(error, "format_message", lambda: error)())
+    # Usage errors know how to say themselves, with the option's name in front, and where.
+    said = getattr(error, "format_message", lambda: error)()
+    context = getattr(error, "ctx", None)
+    return f"{said} (see '{context.command_path if context else 'gmfbo'} --help')"
 
 
 def _complain(message: str, status: int) -> int:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, parse_settings
+from gmfbo.cli.manual import Manual
 from gmfbo.cli.tune import print_result
 
 if TYPE_CHECKING:
@@ -15,14 +17,42 @@ if TYPE_CHECKING:
     from gmfbo.tuning.request import TrialRequest
 
 
+MANUAL = Manual(
+    files={
+        "STUDY.study/": "the study, made at the first call",
+        "STUDY.study/next.csv": "the reference to play; next1.csv, next2.csv ... of several",
+        "STUDY.study/next.json": "trial, gains with all digits, and the files to play",
+    },
+    examples={
+        "The next run:": "gmfbo ask monday.toml",
+        "With one gain held, for a script:": "gmfbo ask monday.toml --fix ctl.Kd=3 --json",
+    },
+    see_also=("gmfbo tell", "gmfbo tune", "notebooks/docs/studies.md"),
+)
+
+
 def ask(
-    study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
+    study: StudyFile,
     fix: Annotated[
-        list[str] | None, typer.Option("--fix", help="Hold a gain in this proposal, NAME=VALUE.")
+        list[str] | None,
+        typer.Option(
+            "--fix",
+            metavar="NAME=VALUE",
+            help="Hold a gain in this proposal [unit of the FMU parameter]; may be repeated.",
+        ),
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print it as JSON, for a script.")] = False,
+    json: Annotated[
+        bool,
+        typer.Option(
+            "--json", help="Print trial, gains and references as JSON; null when all is done."
+        ),
+    ] = False,
 ) -> None:
-    """Print the next gains to try; asking again before telling prints the same ones."""
+    """Print the next gains to try, for whoever runs the axis.
+
+    Runs the twin as the method wants it, then asks for one real run. Asking again before telling
+    prints the same gains, also after a restart.
+    """
     from gmfbo import Tuner
     from gmfbo.cli.study_display import StudyDisplay
     from gmfbo.tuning.next_run import next_run_text, remove_next_run, write_next_run

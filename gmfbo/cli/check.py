@@ -7,27 +7,42 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.arguments import Jobs, Recordings, Seed, TwinFile
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
+
+MANUAL = Manual(
+    files={"FILE": "of --json: the same as numbers, SI"},
+    examples={
+        "What is wrong with four recordings:": "gmfbo check axis.toml run*.csv",
+        "All of it, and for a script:": "gmfbo check axis.toml run*.csv --all --json seen.json",
+    },
+    exits={0: "done, also where something is wrong with a recording"},
+    see_also=(
+        "gmfbo columns",
+        "gmfbo diagnose",
+        "notebooks/docs/diagnosis.md",
+        "notebooks/docs/recordings.md",
+    ),
+)
 
 
 def check(
-    twin: Annotated[Path, typer.Argument(help="Twin file (.toml).")],
-    recordings: Annotated[
-        list[Path], typer.Argument(metavar="REC...", help="Recordings of the real axis.")
-    ],
+    twin: TwinFile,
+    recordings: Recordings,
     json: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write all numbers to this file.")
     ] = None,
     every: Annotated[bool, typer.Option("--all", help="Show all findings and effects.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the noise sent through the loop.")] = 0,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes that simulate; one a core without it.")
-    ] = None,
+    seed: Seed = 0,
+    jobs: Jobs = None,
 ) -> None:
-    """Look at recordings before a diagnosis: faults of logging, and what they can show.
+    """Look at recordings: what is wrong, and what they can show.
 
-    Takes seconds, fits nothing, and ends with status 0 also where something is wrong.
+    To be used before a diagnosis. Clock, scale, resolution, repeated samples, alignment,
+    controller parity; then, for each effect, the smallest size that each recording would have
+    shown. Takes seconds, fits nothing.
     """
     _check_file(json)
 

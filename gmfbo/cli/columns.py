@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import TwinFile
+from gmfbo.cli.completion import dialects
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
@@ -20,24 +23,46 @@ _REFERENCE = re.compile(r"ref|set_?(point|pos|val)|target|soll|desired", re.IGNO
 _MEASURED = re.compile(r"act|ist|meas|feedback|fb", re.IGNORECASE)
 
 
+MANUAL = Manual(
+    files={"FILE": "of --save: the mapping, for the line 'columns = ...' of a twin file"},
+    examples={
+        "What is in a file:": "gmfbo columns axis.toml log.csv",
+        "Say what it is, and keep it:": (
+            "gmfbo columns axis.toml log.csv --set 'position=Pos [deg]' --save log.toml"
+        ),
+    },
+    see_also=("gmfbo check", "notebooks/docs/recordings.md", "notebooks/docs/studies.md"),
+)
+
+
 def columns(
-    twin: Annotated[Path, typer.Argument(help="Twin file (.toml).")],
+    twin: TwinFile,
     recording: Annotated[Path, typer.Argument(metavar="REC", help="Recording of the logger.")],
     set_: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", metavar="NAME=COLUMN", help="Signal and its column, 'position=ActPos [deg]'."
+            "--set",
+            metavar="NAME=COLUMN",
+            help="Signal and its column, 'position=ActPos [deg]'; may be repeated.",
         ),
     ] = None,
     dialect: Annotated[
         str | None,
-        typer.Option(help="How a text file is written: auto, plain, decimal_comma, twincat_scope."),
+        typer.Option(
+            metavar="NAME",
+            help="How a text file is written: auto, plain, decimal_comma, twincat_scope.",
+            autocompletion=dialects,
+        ),
     ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the mapping to this .toml file.")
     ] = None,
 ) -> None:
-    """Show which column of a recording is which signal of a twin; save it for the next ones."""
+    """Show which column of a recording is which signal of a twin.
+
+    With the unit of each column and its range [that unit]. --set corrects it, --save keeps it
+    for the next recordings; one line in the twin file then names the saved file.
+    """
     from gmfbo.recordings.column_mapping import DIALECTS, ColumnMapping
     from gmfbo.recordings.reader import read_columns, read_recording
     from gmfbo.sources.twin import FmuTwin

@@ -9,56 +9,100 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.completion import methods as complete_methods
+from gmfbo.cli.completion import paths_ending
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
+
+MANUAL = Manual(
+    files={
+        "STUDY.compare/": "runs/ with a file a study, truth/ with the grid; table.txt, curves.txt "
+        "and landscape.txt, which follow from them; with --keep-trials trials/",
+    },
+    examples={
+        "Two methods, one of them on ten seeds:": (
+            "gmfbo compare joint.toml --methods gmfbo:10,bo_ei --seeds 5"
+        ),
+        "A study with several budgets:": (
+            "gmfbo compare joint.toml --vary 'budget.is1_runs = [8, 22]' --out results"
+        ),
+        "On the workers of a dask scheduler:": (
+            "gmfbo compare joint.toml --executor dask:tcp://bench:8786"
+        ),
+        "Draw what is there again:": "gmfbo compare joint.compare --figures figures",
+    },
+    exits={3: "some runs failed; the others are kept, and the same command tries again"},
+    see_also=("gmfbo methods", "gmfbo report", "notebooks/docs/studies.md"),
+)
 
 
 def compare(
     study: Annotated[
         list[Path],
         typer.Argument(
-            help="Study files (.toml); or the folder of a comparison, to draw it again."
+            metavar="STUDY...",
+            help="Study files (.toml); or the folder of a comparison, to draw it again.",
+            autocompletion=paths_ending(".toml", ".compare"),
         ),
     ],
     methods: Annotated[
-        str, typer.Option(help="Names with commas; NAME:N for N seeds. All unless given.")
+        str,
+        typer.Option(
+            metavar="A,B,...",
+            help="Names with commas; NAME:N for N seeds. All without it.",
+            autocompletion=complete_methods,
+        ),
     ] = "",
-    seeds: Annotated[int, typer.Option(help="Seeds of each method.")] = 10,
-    first_seed: Annotated[int, typer.Option(help="The first of them.")] = 0,
+    seeds: Annotated[int, typer.Option(metavar="N", help="Seeds of each method.")] = 10,
+    first_seed: Annotated[int, typer.Option(metavar="N", help="The first of them.")] = 0,
     vary: Annotated[
         list[str],
         typer.Option(
-            help="Key of the study file and its values, in TOML: 'budget.initial_is1 = [1, 2]'. "
-            "May be repeated, for all combinations.",
+            metavar="KEY=[A,B]",
+            help="Key of the study file and its values, in TOML: 'budget.initial_is1 = [1, 2]'; "
+            "may be repeated, for all combinations.",
         ),
     ] = [],  # noqa: B006 - typer's way to say that none is needed
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Folder; STUDY.compare beside the study file unless given. Of several studies or "
-            "variants: the folder that gets a NAME.compare of each."
+            metavar="DIR",
+            help="Folder; STUDY.compare beside the study file without it. Of several studies or "
+            "variants: the folder that gets a NAME.compare of each.",
         ),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Processes; one a processor unless given.")
+        int | None,
+        typer.Option(metavar="N", help="Processes, a study each; one a core without it."),
     ] = None,
     executor: Annotated[
         str | None,
-        typer.Option(help="Where the runs are made instead: dask:ADDRESS of a scheduler, or mpi."),
+        typer.Option(
+            metavar="WHERE",
+            help="Where the runs are made instead: dask:ADDRESS of a scheduler, or mpi.",
+        ),
     ] = None,
     keep_trials: Annotated[
         bool,
         typer.Option("--keep-trials", help="Keep all trials of each run too, as trials/RUN.h5."),
     ] = False,
     grid: Annotated[
-        int, typer.Option(help="Points along a side of the grid that gives the true optimum.")
+        int,
+        typer.Option(
+            metavar="N", help="Points along a side of the grid that gives the true optimum."
+        ),
     ] = 41,
     figures: Annotated[
-        Path | None, typer.Option(help="Folder to draw the figures into (SVG, PDF, PNG).")
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder to draw the figures into (SVG, PDF, PNG)."),
     ] = None,
 ) -> None:
-    """Compare tuning methods on the same seeds of a study, against the true optimum.
+    """Compare tuning methods on the same seeds of a study.
 
-    Each finished run is kept: repeat the command to go on after a stop, or with more seeds.
+    The plant must be an FMU: it is run over a grid, and each method is held against the true
+    optimum. Tables count the real runs until a method is within 2 % of the way from the optimum
+    to the median. Each finished run is kept: repeat the command to go on after a stop, or with
+    more seeds.
     """
     from gmfbo.errors import InputError, SimulationError
     from gmfbo.studies.campaign import campaign

@@ -8,26 +8,48 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 
 WIDTH = 79
 INDENT = 15
 
 
+MANUAL = Manual(
+    files={"FILE": "table over the state (.csv), or functions without dependencies (.c)"},
+    examples={
+        "As C, for the drive's own language:": "gmfbo compensate found --out friction.c",
+        "As a table, smoothed within 0.05 rad/s:": (
+            "gmfbo compensate found --out friction.csv --smoothing 0.05"
+        ),
+    },
+    exits={2: "bad input, or nothing that was found can be cancelled"},
+    see_also=("gmfbo diagnose", "gmfbo experiment", "notebooks/docs/diagnosis.md"),
+)
+
+
 def compensate(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Folder that 'gmfbo diagnose' wrote.")
     ],
-    out: Annotated[Path, typer.Option(help="File to write: .csv for a table, .c for C functions.")],
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="To write: .csv for a table, .c for C functions.")
+    ],
     smoothing: Annotated[
         float | None,
         typer.Option(
-            help="Velocity within which the sign of friction is smoothed; 1 % of the fastest "
-            "recorded motion without it."
+            metavar="VELOCITY",
+            help="Velocity [rad/s or m/s] within which the sign of friction is smoothed; 1 % of "
+            "the fastest recorded motion without it.",
         ),
     ] = None,
 ) -> None:
-    """Write what a drive adds to its torque so that the physics found is cancelled."""
+    """Write what a drive adds to cancel the physics that was found.
+
+    What is added has the opposite sign of the effect: torque [N.m] or force [N] at the motor
+    shaft, command [its unit], or position reference [rad or m]. It says what it leaves out, and
+    why: no feed-forward cancels a delay, a limit or a fault of the sensor.
+    """
     if out.suffix.lower() not in (".csv", ".c"):
         raise InputError(f"--out: expected a file ending in .csv or .c, got '{out}'")
 

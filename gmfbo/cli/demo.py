@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 
 # The real axis is the drive twin itself; its digital twin has a motor map half of which is noise.
@@ -35,16 +36,40 @@ is1_runs = {runs}
 """
 
 
+MANUAL = Manual(
+    files={
+        "DIR/demo.study/": "the study, of demo.toml; packed in demo.h5",
+        "DIR/sealed.json": "what was hidden",
+        "DIR/recordings/": "four recordings of the axis",
+        "DIR/found/": "report.html, diagnosis.json and augmented.fmu of the diagnosis",
+    },
+    examples={
+        "In the folder gmfbo-demo; a second one goes to gmfbo-demo-2:": "gmfbo demo",
+        "Something else hidden:": "gmfbo demo --seed 7 --out demo7",
+    },
+    see_also=("gmfbo tune", "gmfbo diagnose"),
+)
+
+
 def demo(
-    out: Annotated[Path, typer.Option(help="New folder for all that the demo makes.")] = Path(
-        "gmfbo-demo"
-    ),
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="New folder for all that the demo makes.")
+    ] = Path("gmfbo-demo"),
     seed: Annotated[
-        int, typer.Option(min=0, help="Which wrong twin, which initial gains, what is hidden.")
+        int,
+        typer.Option(
+            min=0, metavar="N", help="Which wrong twin, which initial gains, what is hidden."
+        ),
     ] = 0,
-    runs: Annotated[int, typer.Option(min=3, help="Runs of the real axis while tuning.")] = 8,
+    runs: Annotated[
+        int, typer.Option(min=3, metavar="N", help="Runs of the real axis while tuning.")
+    ] = 8,
 ) -> None:
-    """Tune a drive with a wrong twin, then find what is hidden in an axis: under two minutes."""
+    """Tune an embedded drive, then find what is hidden in an axis.
+
+    Under two minutes on two cores. The twin of the drive has 50 % noise in its motor map; what
+    the axis has that its twin lacks is drawn from the seed and sealed before the diagnosis.
+    """
     folder = _new_folder(out)
     _tune(folder, seed, runs)
     console.print()

@@ -9,19 +9,52 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from gmfbo.cli.arguments import Jobs, Recordings, Seed, TwinFile
+from gmfbo.cli.completion import effects
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
 
 
+MANUAL = Manual(
+    files={
+        "DIR/diagnosis.json": "all of it as numbers, SI",
+        "DIR/report.html": "a page with the curves, without network",
+        "DIR/augmented.fmu": "the twin with the physics in it, for any FMI tool",
+        "DIR/augmented.toml": "its twin file",
+        "DIR/next.csv": "the reference to play next, where rivals remain",
+    },
+    examples={
+        "What four recordings say:": "gmfbo diagnose axis.toml run*.csv --out found",
+        "With two of them outside every choice:": (
+            "gmfbo diagnose axis.toml 1.csv 2.csv --validate 3.csv 4.csv --out found"
+        ),
+        "Backlash cannot be there:": (
+            "gmfbo diagnose axis.toml run*.csv --out found --exclude backlash"
+        ),
+        "A ripple is known to be there:": (
+            "gmfbo diagnose axis.toml run*.csv --out found --assume torque_ripple"
+        ),
+    },
+    exits={0: "done, whatever the verdict"},
+    see_also=(
+        "gmfbo check",
+        "gmfbo experiment",
+        "gmfbo compensate",
+        "notebooks/docs/diagnosis.md",
+    ),
+)
+
+
 def diagnose(
-    twin: Annotated[Path, typer.Argument(help="Twin file (.toml).")],
-    recordings: Annotated[
-        list[Path], typer.Argument(metavar="REC...", help="Recordings of the real axis.")
+    twin: TwinFile,
+    recordings: Recordings,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder to write; made if it is not there.")
     ],
-    out: Annotated[Path, typer.Option(help="Folder to write; made if it is not there.")],
     validate: Annotated[
         list[Path] | None,
         typer.Option(
@@ -30,20 +63,28 @@ def diagnose(
     ] = None,
     assume: Annotated[
         list[str] | None,
-        typer.Option(metavar="EFFECT", help="Effect to take as present; may be repeated."),
+        typer.Option(
+            metavar="EFFECT",
+            help="Effect to take as present; may be repeated.",
+            autocompletion=effects,
+        ),
     ] = None,
     exclude: Annotated[
         list[str] | None,
-        typer.Option(metavar="EFFECT", help="Effect never to name; may be repeated."),
+        typer.Option(
+            metavar="EFFECT",
+            help="Effect never to name; may be repeated.",
+            autocompletion=effects,
+        ),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of all randomness.")] = 0,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes that simulate; one a core without it.")
-    ] = None,
+    seed: Seed = 0,
+    jobs: Jobs = None,
 ) -> None:
-    """Name the physics that the twin lacks, model it, and show the fit on unseen recordings.
+    """Name the physics that the twin lacks, and model it.
 
-    Writes diagnosis.json, report.html, augmented.fmu and augmented.toml.
+    Refits what is known only roughly, locates what is left, names effects where recordings
+    outside the fit confirm them, and gives the error on unseen recordings before and after.
+    Parameters are printed in SI with 95 % intervals.
     """
     _check_effects(assume or [], exclude or [])
     _check_folder(out)

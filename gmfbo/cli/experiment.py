@@ -7,17 +7,41 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.arguments import Jobs, Seed, TwinFile
+from gmfbo.cli.completion import paths_ending
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
+
+MANUAL = Manual(
+    files={
+        "FILE": "of --out: time [s] and reference [rad or m], for a drive to play",
+        "DIR/confirmation.json": "of --observed: predicted against observed",
+    },
+    examples={
+        "What to play so that much can be seen:": (
+            "gmfbo experiment axis.toml --limits lim.toml --out next.csv"
+        ),
+        "What settles the rivals of a diagnosis:": (
+            "gmfbo experiment axis.toml --limits lim.toml --diagnosis found --out n.csv"
+        ),
+        "What a recording of it says:": (
+            "gmfbo experiment axis.toml --diagnosis found --observed played.csv"
+        ),
+    },
+    see_also=("gmfbo diagnose", "gmfbo compensate", "notebooks/docs/diagnosis.md"),
+)
 
 
 def experiment(
-    twin: Annotated[Path, typer.Argument(help="Twin file (.toml).")],
+    twin: TwinFile,
     limits: Annotated[
         Path | None,
         typer.Option(
-            help="Limits of the axis (.toml, SI): position = [low, high], velocity, acceleration, "
-            "duration; jerk and torque may be left out."
+            metavar="LIMITS",
+            help="Limits of the axis (.toml): position = [low, high] [rad or m], velocity, "
+            "acceleration, duration [s]; jerk and torque [N.m or N] may be left out.",
+            autocompletion=paths_ending(".toml"),
         ),
     ] = None,
     diagnosis: Annotated[
@@ -29,16 +53,17 @@ def experiment(
         typer.Option(metavar="REC", help="Recording to hold the diagnosis's predictions against."),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Reference to write for a drive to play, .csv.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Reference to write for a drive to play, .csv."),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of all randomness.")] = 0,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes that simulate; one a core without it.")
-    ] = None,
+    seed: Seed = 0,
+    jobs: Jobs = None,
 ) -> None:
-    """Write the next reference to play, within limits; or, with --observed, judge what came of it.
+    """Write the next reference to play, or judge what came of it.
 
-    With --diagnosis it is the one on which the rivals of that diagnosis differ most.
+    With --limits and --out it chooses a reference within the limits; with --diagnosis too, the
+    one on which the rivals of that diagnosis differ most. With --diagnosis and --observed it
+    says which of them a recording supports.
     """
     if observed is not None:
         _confirm(twin, diagnosis, observed, limits, out, seed, jobs)

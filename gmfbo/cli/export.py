@@ -7,12 +7,24 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.arguments import StudyFolder
+from gmfbo.cli.manual import Manual
+
+MANUAL = Manual(
+    files={"FILE": "/trials/000001 and so on, the study file and the events"},
+    examples={"All runs in one file:": "gmfbo export joint.study --pack joint.h5"},
+    see_also=("gmfbo report", "gmfbo repair", "notebooks/docs/store.md"),
+)
+
 
 def export(
-    study: Annotated[Path, typer.Argument(help="Study folder (NAME.study).")],
-    pack: Annotated[Path, typer.Option(help="HDF5 file to write.")],
+    study: StudyFolder,
+    pack: Annotated[Path, typer.Option(metavar="FILE", help="HDF5 file to write (.h5).")],
 ) -> None:
-    """Pack a study into one self-contained HDF5 file, for others and for MATLAB."""
+    """Pack a study into one HDF5 file, for others and for MATLAB.
+
+    It reads like the folder: `gmfbo report` and `Study.read` take it.
+    """
     from gmfbo.recordings.pack import pack_study
 
     pack_study(study, pack)

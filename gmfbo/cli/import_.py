@@ -7,12 +7,34 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.completion import paths_ending
+from gmfbo.cli.manual import Manual
+
+MANUAL = Manual(
+    files={
+        "DIR/NAME.toml": "the twin file; NAME is the system's, and it must not be there yet",
+        "DIR/": "the FMUs, as they lie in the package",
+    },
+    examples={"Unpack a drive:": "gmfbo import drive.ssp --out drive"},
+    see_also=("gmfbo inspect", "gmfbo simulate", "notebooks/docs/fmus.md"),
+)
+
 
 def import_(
-    package: Annotated[Path, typer.Argument(help="SSP 1.0 package (.ssp).")],
-    out: Annotated[Path, typer.Option(help="Folder for the FMUs and the twin file.")],
+    package: Annotated[
+        Path,
+        typer.Argument(
+            metavar="PACKAGE", help="SSP 1.0 package (.ssp).", autocompletion=paths_ending(".ssp")
+        ),
+    ],
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the FMUs and the twin file.")
+    ],
 ) -> None:
-    """Write the FMUs of an SSP package and a twin file that joins them as it says."""
+    """Write the FMUs of an SSP package, and a twin file for them.
+
+    The twin file joins them as the package says. None of their code runs.
+    """
     from gmfbo.sources.ssp_import import import_ssp
 
     made = import_ssp(package, out)

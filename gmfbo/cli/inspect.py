@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.completion import paths_ending
+from gmfbo.cli.manual import Manual
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -16,10 +19,28 @@ MOST_ROWS = 60
 """Variables of a kind that are listed; a lookup table may have hundreds."""
 
 
+MANUAL = Manual(
+    examples={
+        "What it is, without running it:": "gmfbo inspect vendor.fmu",
+        "A twin file to start from:": "gmfbo inspect --twin-file vendor.fmu > vendor.toml",
+    },
+    exits={0: "done, also where it cannot run here"},
+    see_also=(
+        "gmfbo simulate",
+        "gmfbo import",
+        "notebooks/docs/fmus.md",
+        "notebooks/docs/faults.md",
+    ),
+)
+
+
 def inspect(
-    fmu: Annotated[Path, typer.Argument(help="FMU file.")],
+    fmu: Annotated[
+        Path,
+        typer.Argument(metavar="FMU", help="FMU file (.fmu).", autocompletion=paths_ending(".fmu")),
+    ],
     twin_file: Annotated[
-        bool, typer.Option("--twin-file", help="Print a twin file to start from.")
+        bool, typer.Option("--twin-file", help="Print a twin file to start from, nothing else.")
     ] = False,
     everything: Annotated[
         bool, typer.Option("--all", help=f"List more than {MOST_ROWS} variables of a kind.")
@@ -28,7 +49,11 @@ def inspect(
         bool, typer.Option("--run", help="Run its code for a few steps; else none of it runs.")
     ] = False,
 ) -> None:
-    """Print what an FMU is: signals, parameters, capabilities, platforms, findings."""
+    """Print what an FMU is: signals, parameters, findings.
+
+    Variables are listed as NAME [unit] = start in [low, high]. It also says what protects you
+    from its code on this machine.
+    """
     from gmfbo.sources.inspection import inspect_fmu, starting_twin_file, try_fmu
     from gmfbo.sources.sandbox.enclosure import protection
     from gmfbo.sources.sandbox.policy import Policy

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from typer.core import TyperCommand
+from gmfbo.cli.manual import ManualCommand
 
 
-class ManyValuesCommand(TyperCommand):
+class ManyValuesCommand(ManualCommand):
     """A command whose list options take all values up to the next flag.
 
     Only options named in `many` do so; a bare `--` ends their values, as it ends options.

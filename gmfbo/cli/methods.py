@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
+
+MANUAL = Manual(
+    examples={"Which there are:": "gmfbo methods"},
+    see_also=("gmfbo tune", "gmfbo compare", "notebooks/docs/tuning.md"),
+)
 
 
 def methods() -> None:
-    """List the tuning methods."""
+    """List the tuning methods, with the source of each.
+
+    Those of gmfbo and those that installed packages add.
+    """
     import gmfbo.retuning  # noqa: F401 - adds its methods
     from gmfbo.tuning.methods import all_methods
 

@@ -7,13 +7,35 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.completion import paths_ending
+from gmfbo.cli.manual import Manual
+
+MANUAL = Manual(
+    files={
+        "FOLDER/damaged/": "what was set aside, and what was saved of it",
+        "FOLDER/index.h5": "anew",
+        "NAME.repaired.study/": "the whole trials of a packed study",
+    },
+    examples={
+        "After a disk has failed:": "gmfbo repair joint.study",
+        "And on with it:": "gmfbo tune joint.toml --resume",
+    },
+    exits={0: "done, also where something is lost; the lines say what"},
+    see_also=("gmfbo export", "gmfbo tune", "notebooks/docs/store.md"),
+)
+
 
 def repair(
     study: Annotated[
-        Path, typer.Argument(help="Study folder (NAME.study), or a packed study (.h5).")
+        Path,
+        typer.Argument(
+            metavar="STUDY",
+            help="Study folder (NAME.study), or a packed study (.h5).",
+            autocompletion=paths_ending(".study", ".h5"),
+        ),
     ],
 ) -> None:
-    """Rebuild the index of a study, say what is damaged, and save what can be saved.
+    """Mend or save what is damaged in a study; rebuild its index.
 
     Damaged files of a folder are moved to its folder 'damaged', never deleted. Of a damaged packed
     study the whole trials become a study folder beside it.

@@ -7,29 +7,49 @@ from typing import Annotated
 
 import typer
 
+from gmfbo.cli.completion import paths_ending
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 
 TABLE_NAME = "table.txt"  # by which the folder of a comparison is known; studies load torch
+
+
+MANUAL = Manual(
+    files={
+        "FILE": "one page with all it needs",
+        "DIR/": "of --figures: all figures; needs matplotlib (the extra 'figures')",
+    },
+    examples={
+        "A page:": "gmfbo report joint.study --out joint.html",
+        "And figures for a paper:": ("gmfbo report joint.study --out joint.html --figures figures"),
+    },
+    see_also=("gmfbo watch", "gmfbo compare", "notebooks/docs/reports.md"),
+)
 
 
 def report(
     study: Annotated[
         Path,
         typer.Argument(
-            help="Study folder (NAME.study), packed study (.h5), or folder of a comparison."
+            metavar="STUDY",
+            help="Study folder (NAME.study), packed study (.h5), or folder of a comparison.",
+            autocompletion=paths_ending(".study", ".compare", ".h5"),
         ),
     ],
-    out: Annotated[Path, typer.Option(help="Page to write (.html); an older one is replaced.")],
+    out: Annotated[
+        Path,
+        typer.Option(metavar="FILE", help="Page to write (.html); an older one is replaced."),
+    ],
     figures: Annotated[
         Path | None,
-        typer.Option(help="Folder to draw figures for a paper into (PDF and SVG)."),
+        typer.Option(metavar="DIR", help="Folder to draw figures for a paper into (PDF, SVG)."),
     ] = None,
 ) -> None:
-    """Write a self-contained page of a study, which may still run, or of a comparison.
+    """Write a page of a study, or of a comparison.
 
-    Of a study: gains explored, the way to the best, who was asked, trust in the twin, and the
-    trajectories of every run. Of a comparison: means with intervals, and every seed. The page
-    opens in any browser, without a network.
+    The study may still run. Its page shows the gains explored, the way to the best, who was
+    asked, trust in the twin, and the trajectories of every run; that of a comparison means with
+    intervals, and every seed. The page opens in any browser, without a network.
     """
     from gmfbo.recordings.durable import cause, write_whole
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import TwinFile
 from gmfbo.cli.console import parse_settings
+from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, SimulationError
 
 if TYPE_CHECKING:
@@ -15,17 +17,43 @@ if TYPE_CHECKING:
     from gmfbo.sources.twin import FmuTwin
 
 
+MANUAL = Manual(
+    files={"FILE": "time [s] and the twin's signals in SI; parameters in force above the header"},
+    examples={
+        "The response to a unit step with another gain:": (
+            "gmfbo simulate axis.toml --set ctl.Kp=120 --out step.csv"
+        ),
+        "Against a recording:": "gmfbo simulate axis.toml --reference run1.csv --out sim.csv",
+    },
+    exits={3: "the FMU failed; the rows before that are in FILE"},
+    see_also=("gmfbo inspect", "gmfbo diagnose", "notebooks/docs/fmus.md"),
+)
+
+
 def simulate(
-    twin: Annotated[Path, typer.Argument(help="Twin file (.toml).")],
-    out: Annotated[Path, typer.Option(help="Trajectory to write, .csv or .h5.")],
+    twin: TwinFile,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="Trajectory to write, .csv or .h5.")],
     set_: Annotated[
-        list[str] | None, typer.Option("--set", help="FMU parameter for this run, NAME=VALUE.")
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="FMU parameter of this run [its unit in the FMU]; may be repeated.",
+        ),
     ] = None,
     reference: Annotated[
-        Path | None, typer.Option(help="Recording to follow; a unit step without it.")
+        Path | None,
+        typer.Option(
+            metavar="REC",
+            help="Recording to follow; a step of 1 rad or m at 0.1 s without it.",
+        ),
     ] = None,
 ) -> None:
-    """Simulate a twin once; with a recording, print how far each signal is from it."""
+    """Simulate a twin once; hold it against a recording.
+
+    With --reference it prints the NRMSE of each signal that the recording also holds: RMS error
+    over the range of the recorded signal [%].
+    """
     from gmfbo.recordings import Recording
     from gmfbo.recordings.writer import write_recording
     from gmfbo.sources.twin import FmuTwin

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import gains_text, parse_settings
+from gmfbo.cli.manual import Manual
 from gmfbo.cli.tune import metric_text
 from gmfbo.errors import InputError
 
@@ -17,8 +19,21 @@ if TYPE_CHECKING:
     from gmfbo.tuning.request import TrialRequest
 
 
+MANUAL = Manual(
+    files={
+        "STUDY.study/": "the trial; next.csv and next.json are removed",
+    },
+    examples={
+        "What was measured at the gains that were asked for:": "gmfbo tell monday.toml run5.csv",
+        "At others:": "gmfbo tell monday.toml run5.csv --set ctl.Kp=90 --anyway",
+        "A run without a recording:": "gmfbo tell monday.toml --failed 'lost the encoder'",
+    },
+    see_also=("gmfbo ask", "notebooks/docs/studies.md", "notebooks/docs/recordings.md"),
+)
+
+
 def tell(
-    study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
+    study: StudyFile,
     recordings: Annotated[
         list[Path] | None,
         typer.Argument(
@@ -27,17 +42,27 @@ def tell(
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Gain in force, NAME=VALUE, whatever the recording says."),
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Gain in force [unit of the FMU parameter], whatever the recording says; may be "
+            "repeated.",
+        ),
     ] = None,
     anyway: Annotated[
         bool,
         typer.Option("--anyway", help="Take it though its gains differ, or a second time."),
     ] = False,
     failed: Annotated[
-        str | None, typer.Option("--failed", help="The run failed; say why in a few words.")
+        str | None,
+        typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
     ] = None,
 ) -> None:
-    """Take back the recording of the run that `gmfbo ask` wanted."""
+    """Take back the recording of the run that `gmfbo ask` wanted.
+
+    The gains of a recording are those in its lines `# NAME = VALUE`, those of --set, or those
+    asked for. A run that failed is priced as the worst one.
+    """
     from gmfbo import Tuner
     from gmfbo.sources.failed_run import failed_run
     from gmfbo.tuning.next_run import remove_next_run

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, gains_text
+from gmfbo.cli.manual import Manual
 
 if TYPE_CHECKING:
     from gmfbo.reports.study_review import StudyReview
@@ -15,13 +16,42 @@ if TYPE_CHECKING:
     from gmfbo.tuning.study import Study
 
 
+MANUAL = Manual(
+    files={
+        "STUDY.study/": "study.toml, trials/000001.h5 and so on, events.jsonl, index.h5; beside "
+        "the study file unless that says 'out'",
+    },
+    examples={
+        "Tune:": "gmfbo tune joint.toml",
+        "Go on after Ctrl-C, a kill or a power cut, with the same gains as without it:": (
+            "gmfbo tune joint.toml --resume"
+        ),
+    },
+    exits={0: "done, also where single real runs failed: they are priced as the worst"},
+    see_also=(
+        "gmfbo watch",
+        "gmfbo report",
+        "gmfbo ask",
+        "gmfbo compare",
+        "gmfbo methods",
+        "notebooks/docs/tuning.md",
+        "notebooks/docs/studies.md",
+    ),
+)
+
+
 def tune(
-    study: Annotated[Path, typer.Argument(help="Study file (.toml).")],
+    study: StudyFile,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a study that was stopped.")
+        bool, typer.Option("--resume", help="Go on with a study that was stopped or killed.")
     ] = False,
 ) -> None:
-    """Run a tuning study; every trajectory of every source is kept."""
+    """Run a tuning study; every trajectory of every source is kept.
+
+    The study file names the real axis (an FMU, a program or a folder of recordings), its twin,
+    the box of gains, the reference and the budget of real runs. Best observed gains and,
+    separately, the recommended ones are printed at the end. The objective is minimised.
+    """
     from gmfbo.tuning.study import Study
 
     run_study(Study.read(study), resume=resume)

@@ -3,26 +3,37 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import StudyFolder
 from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
 
 if TYPE_CHECKING:
     from gmfbo.reports.study_follower import StudyFollower
 
 
+MANUAL = Manual(
+    examples={
+        "Look every ten seconds:": "gmfbo watch joint.study --interval 10",
+    },
+    exits={130: "Ctrl-C; the study goes on"},
+    see_also=("gmfbo tune", "gmfbo report", "notebooks/docs/reports.md"),
+)
+
+
 def watch(
-    study: Annotated[Path, typer.Argument(help="Study folder (NAME.study), written by 'tune'.")],
+    study: StudyFolder,
     interval: Annotated[
-        float, typer.Option(min=0.1, help="[s] Between two looks at the folder.")
+        float, typer.Option(min=0.1, metavar="SECONDS", help="Between two looks at the folder [s].")
     ] = 1.0,
 ) -> None:
-    """Follow a running study until it ends; Ctrl-C stops watching, not the study.
+    """Follow a running study in the terminal until it ends.
 
-    It reads the folder alone, so it may run on another machine that sees the folder.
+    Ctrl-C stops watching, not the study. It reads the folder alone, so it may run on another
+    machine that sees the folder.
     """
     from gmfbo.cli.watch_display import WatchDisplay
     from gmfbo.reports.study_follower import StudyFollower

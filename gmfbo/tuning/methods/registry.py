@@ -7,6 +7,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.tuning.method import Method
+from gmfbo.tuning.method_names import ADDED_GROUP
 
 GROUP = "gmfbo.methods"
 
@@ -19,7 +20,7 @@ def added_methods() -> dict[str, Method]:
     InputError
         One of them cannot be loaded, or is no method.
     """
-    return {entry.name: _load(entry) for entry in entry_points(group=GROUP)}
+    return {entry.name: _load(entry) for entry in entry_points(group=ADDED_GROUP)}
 
 
 def method_named(name: str, known: Iterable[str]) -> Method:
@@ -37,7 +38,7 @@ def method_named(name: str, known: Iterable[str]) -> Method:
     InputError
         No package adds it, or it cannot be loaded, or is no method.
     """
-    added = {entry.name: entry for entry in entry_points(group=GROUP)}
+    added = {entry.name: entry for entry in entry_points(group=ADDED_GROUP)}
     if name not in added:
         raise InputError(f"no method '{name}'" + did_you_mean(name, [*known, *added]))
     return _load(added[name])

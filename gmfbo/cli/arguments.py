@@ -1,0 +1,48 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gmfbo.cli.completion import paths_ending
+
+TwinFile = Annotated[
+    Path,
+    typer.Argument(metavar="TWIN", help="Twin file (.toml).", autocompletion=paths_ending(".toml")),
+]
+
+StudyFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="STUDY", help="Study file (.toml).", autocompletion=paths_ending(".toml")
+    ),
+]
+
+StudyFolder = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FOLDER",
+        help="Study folder (NAME.study), written by 'gmfbo tune'.",
+        autocompletion=paths_ending(".study"),
+    ),
+]
+
+Recordings = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="REC...",
+        help="Recordings of the real axis: .csv, .h5, .mat, .parquet, .mf4 or .tdms.",
+    ),
+]
+
+Seed = Annotated[
+    int, typer.Option(metavar="N", help="Seed of all randomness: the same seed, the same result.")
+]
+
+Jobs = Annotated[
+    int | None,
+    typer.Option(min=1, metavar="N", help="Processes that simulate; one a core without it."),
+]

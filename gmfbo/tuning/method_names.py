@@ -1,0 +1,26 @@
+"""Names of the tuning methods for whoever needs nothing but these: the methods load torch."""
+
+METHOD_NAMES = (
+    "gmfbo",
+    "gmfbo_local",
+    "gmfbo_guarded",
+    "gmfbo_emulated",
+    "gmfbo_kernel",
+    "gmfbo_paper",
+    "mfbo_adaptive",
+    "mfbo_icm",
+    "mfbo_caei",
+    "mfbo_takg",
+    "rmfbo",
+    "bo_ei",
+    "twin_once",
+    "random",
+    "gmfbo_physics",
+    "gmfbo_composite",
+    "gmfbo_calibrated",
+    "gmfbo_smoothed",
+)
+"""Those of gmfbo itself."""
+
+ADDED_GROUP = "gmfbo.methods"
+"""Entry points by which installed packages add theirs."""
