@@ -15,7 +15,19 @@ from gmfbo.errors import InputError, did_you_mean
 
 @dataclass(frozen=True)
 class Gain:
-    """One gain: an FMU parameter and the range [in the parameter's unit] it may take."""
+    """One gain: an FMU parameter and the range it may take.
+
+    Attributes
+    ----------
+    name : str
+        FMU parameter.
+    low, high : float
+        Bounds [the parameter's unit].
+    scale : {"linear", "log"}
+        Whether the range is searched by its values or by their logarithm.
+    integer : bool
+        Only whole numbers are taken.
+    """
 
     name: str
     low: float
@@ -37,7 +49,13 @@ class Gain:
 
 @dataclass(frozen=True)
 class GainSpace:
-    """A box of `d` gains; points are arrays of shape (..., d) in the order of `gains`."""
+    """A box of `d` gains; points are arrays of shape (..., d) in the order of `gains`.
+
+    Attributes
+    ----------
+    gains : tuple of Gain
+        The axes of the box.
+    """
 
     gains: tuple[Gain, ...]
 
@@ -55,12 +73,24 @@ class GainSpace:
         return len(self.gains)
 
     def to_unit(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Map points of the box, shape (..., d), to the unit cube."""
+        """Map points of the box, shape (..., d), to the unit cube.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., d)
+            In the order of `gains` [unit of each].
+        """
         low, high = self._warped_bounds()
         return (self._warp(np.asarray(points, dtype=float)) - low) / (high - low)
 
     def from_unit(self, unit: ArrayLike) -> NDArray[np.float64]:
-        """Map the unit cube, shape (..., d), to the box; outside is clipped, integers rounded."""
+        """Map the unit cube, shape (..., d), to the box; outside is clipped, integers rounded.
+
+        Parameters
+        ----------
+        unit : array_like, shape (..., d)
+            Points of the unit cube.
+        """
         low, high = self._warped_bounds()
         points = self._unwarp(low + np.clip(np.asarray(unit, dtype=float), 0.0, 1.0) * (high - low))
         for column, gain in enumerate(self.gains):
@@ -71,13 +101,26 @@ class GainSpace:
         return points
 
     def latin_hypercube(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draw a Latin hypercube of `count` points of the box, shape (count, d)."""
+        """Draw a Latin hypercube of `count` points of the box, shape (count, d).
+
+        Parameters
+        ----------
+        count : int
+            Points; may be 0.
+        rng : numpy.random.Generator
+            Source of randomness.
+        """
         if count == 0:
             return np.empty((0, len(self)))
         return self.from_unit(qmc.LatinHypercube(d=len(self), rng=rng).random(count))
 
     def point(self, gains: Mapping[str, float] | Sequence[float]) -> NDArray[np.float64]:
         """Point, shape (d,), from values by name or in order.
+
+        Parameters
+        ----------
+        gains : mapping of str to float, or sequence of float
+            One value a gain [unit of each].
 
         Raises
         ------
@@ -101,7 +144,13 @@ class GainSpace:
         return np.array([gains[name] for name in self.names], dtype=float)
 
     def named(self, point: ArrayLike) -> dict[str, float]:
-        """Values by name from a point of shape (d,)."""
+        """Values by name from a point of shape (d,).
+
+        Parameters
+        ----------
+        point : array_like, shape (d,)
+            In the order of `gains` [unit of each].
+        """
         return dict(zip(self.names, map(float, np.asarray(point)), strict=True))
 
     def _warp(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -193,7 +193,7 @@ class ResponseSeen:
     trusted : tuple of float
         [Hz] Lowest and highest frequency at which it is; NaN where nowhere.
     apart : float
-        Largest |recorded / twin - 1| between them that noise does not explain; 0 where it does.
+        Largest `|recorded / twin - 1|` between them that noise does not explain; 0 where it does.
     apart_at : float
         [Hz] Where that is; NaN where nowhere.
     """

@@ -135,7 +135,13 @@ class Compensation:
         return tuple(t for t in TARGETS if any(table.target == t for table in self.tables))
 
     def of(self, target: str) -> tuple[CompensationTable, ...]:
-        """Tables whose values are added to one target."""
+        """Tables whose values are added to one target.
+
+        Parameters
+        ----------
+        target : str
+            One of `targets`.
+        """
         return tuple(table for table in self.tables if table.target == target)
 
     def value(self, target: str, states: Mapping[str, Column]) -> Column:

@@ -87,13 +87,24 @@ class Confirmation:
         return max(1.0, min(p.fitted for p in self.predictions))
 
     def fits(self, prediction: Prediction) -> bool:
-        """Whether an error is less than twice that of the best explanation on its recordings."""
+        """Whether an error is less than twice that of the best explanation on its recordings.
+
+        Parameters
+        ----------
+        prediction : Prediction
+            Of one explanation.
+        """
         return prediction.per_residual <= FAR * self.expected
 
     def behind(self, other: Prediction) -> float:
         """By how much an explanation is farther than the best, in units of what the best leaves.
 
         No law is exact: a difference counts relative to what the best prediction leaves.
+
+        Parameters
+        ----------
+        other : Prediction
+            The explanation.
         """
         return (other.chi2 - self.best.chi2) / max(1.0, self.best.per_residual)
 

@@ -36,8 +36,8 @@ def step_metrics(
 
     - overshoot [%]: 100 max(z - 1, 0);
     - rise_time [s]: from the first z = 0.1 to the first z = 0.9;
-    - settling_time [s]: after it |e| stays within 0.02;
-    - transient_time [s]: after it |e| stays within 0.02 of its own peak.
+    - settling_time [s]: after it `|e|` stays within 0.02;
+    - transient_time [s]: after it `|e|` stays within 0.02 of its own peak.
 
     The final value is the reference, not the last sample, so a steady-state error shows: a time
     that is never reached within the horizon is the horizon. A response with a non-finite sample

@@ -115,14 +115,17 @@ class Effect:
     starts : callable (Excitation) -> sequence of mapping
         Grid of starting points for the fit; each is screened on its own.
     size : callable (parameters, Excitation) -> float
-        How large the effect is, at least 0, in the unit `size_unit`; `size_name` names it.
+        How large the effect is, at least 0.
+    size_name, size_unit : str
+        What that size is called, and its unit as an expression over the words of `Units`.
     floor : callable (Excitation) -> float
         Size below which the effect is never claimed.
     acts : callable (States, parameters) -> ndarray (n,) of bool
         The samples where the effect shows most.
     region : callable (parameters, Units) -> str
-        Where that is, in words that contain `region_state`: velocity, position, command, current,
-        acceleration or time.
+        Where that is, in words that contain `region_state`.
+    region_state : str
+        velocity, position, command, current, acceleration or time.
     statement : callable (parameters, Units, place) -> str
         One plain sentence with number and unit; the place is `Units.place`.
     equation, source : str
@@ -196,11 +199,23 @@ class Effect:
         return self.is_searched and "start" not in {p.name for p in self.parameters}
 
     def bounds(self, excitation: Excitation) -> dict[str, tuple[float, float]]:
-        """Lower and upper bound of each fitted parameter, by name."""
+        """Lower and upper bound of each fitted parameter, by name.
+
+        Parameters
+        ----------
+        excitation : Excitation
+            What the recordings show.
+        """
         return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}
 
     def scales(self, excitation: Excitation) -> dict[str, float]:
-        """Typical size of each fitted parameter, by name."""
+        """Typical size of each fitted parameter, by name.
+
+        Parameters
+        ----------
+        excitation : Excitation
+            What the recordings show.
+        """
         return {p.name: p.scale(excitation) for p in self.parameters}
 
     def variables(self, parameters: Values, excitation: Excitation) -> dict[str, float]:

@@ -32,13 +32,13 @@ class Excitation:
     torque : float
         Torque (or force) at the port that corresponds to the range of the command.
     command : float
-        Largest |command|.
+        Largest `|command|`.
     command_rate : float
-        Largest |d command / dt| from row to row [command/s].
+        Largest `|d command / dt|` from row to row [command/s].
     current : float
-        Largest |current|; that of the command where no current is known.
+        Largest `|current|`; that of the command where no current is known.
     speed : float
-        99.5 % quantile of |velocity|.
+        99.5 % quantile of `|velocity|`.
     stroke : float
         Range of the position over all recordings.
     resolution : float
@@ -58,7 +58,7 @@ class Excitation:
     reversals : int
         Sign changes of the velocity that last.
     load : float or None
-        Largest |load torque| where that state is known; else the current stands for it.
+        Largest `|load torque|` where that state is known; else the current stands for it.
     effective_current : float or None
         Root mean square of the current; None where it was not measured.
     wavenumbers : tuple of float
@@ -124,5 +124,5 @@ class Excitation:
 
     @property
     def load_range(self) -> float:
-        """Largest |load torque|, or largest |current| where that stands for it."""
+        """Largest `|load torque|`, or largest `|current|` where that stands for it."""
         return self.current if self.load is None else self.load

@@ -24,7 +24,7 @@ class States:
     rest : float
         Speeds below this count as standstill, so that noise has no direction.
     load_torque : ndarray (n,) or None
-        Where it is known; else |current| stands for it.
+        Where it is known; else `|current|` stands for it.
     """
 
     time: Array
@@ -54,7 +54,7 @@ class States:
 
     @property
     def load(self) -> Array:
-        """Amount of load, shape (n,): |load torque|, or |current| where it is not known."""
+        """Amount of load, shape (n,): `|load torque|`, or `|current|` where it is not known."""
         return np.abs(self.current if self.load_torque is None else self.load_torque)
 
     def near_reversals(self, within: float = 0.05) -> Mask:
@@ -68,6 +68,7 @@ class States:
         Returns
         -------
         ndarray (n,) of bool
+            True near a change.
         """
         moving = np.flatnonzero(np.abs(self.velocity) > self.rest)
         signs = np.sign(self.velocity[moving])

@@ -120,6 +120,11 @@ class Recording:
     def signal(self, name: str) -> NDArray[np.float64]:
         """Values of one signal, shape (n,).
 
+        Parameters
+        ----------
+        name : str
+            The user's name of it.
+
         Raises
         ------
         RecordingError
@@ -131,7 +136,13 @@ class Recording:
         return self.signals[name]
 
     def with_signals(self, signals: Mapping[str, NDArray[np.float64]]) -> Self:
-        """Return a copy with these signals added or replaced, each of shape (n,)."""
+        """Return a copy with these signals added or replaced, each of shape (n,).
+
+        Parameters
+        ----------
+        signals : mapping of str to ndarray, shape (n,)
+            Values [SI] by name.
+        """
         return replace(self, signals={**self.signals, **signals})
 
     @property

@@ -130,7 +130,13 @@ class StudyReview:
         return self.of("IS1")
 
     def of(self, source: str) -> tuple[Run, ...]:
-        """Runs of one source, in order."""
+        """Runs of one source, in order.
+
+        Parameters
+        ----------
+        source : {"IS1", "IS2", "IS3"}
+            Who ran.
+        """
         return tuple(run for run in self.runs if run.trial.source == source)
 
     @cached_property
@@ -179,7 +185,13 @@ class StudyReview:
         return GainSpace(tuple(gains))
 
     def points(self, runs: Sequence[Run]) -> Array:
-        """Gains of runs in the unit cube, shape (n, d)."""
+        """Gains of runs in the unit cube, shape (n, d).
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            Of any source.
+        """
         moved = [[run.trial.gains[name] for name in self.space.names] for run in runs]
         return self.space.to_unit(np.reshape(moved, (-1, len(self.space))))
 
@@ -256,7 +268,13 @@ class StudyReview:
         return tuple(name for name in known if name in self.runs[0].trial.metrics)
 
     def logged(self, event: str) -> list[Mapping[str, Any]]:
-        """Events of one kind, in order."""
+        """Events of one kind, in order.
+
+        Parameters
+        ----------
+        event : str
+            Kind, such as `ask` or `tell`.
+        """
         return [entry for entry in self.events if entry["event"] == event]
 
 

@@ -22,7 +22,15 @@ class Source(Protocol):
         ...
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
-        """Follow the reference at these gains and return what was measured."""
+        """Follow the reference at these gains and return what was measured.
+
+        Parameters
+        ----------
+        gains : mapping of str to float
+            All gains by name [unit of the FMU parameter].
+        reference : Recording
+            What is to be followed.
+        """
         ...
 
     def close(self) -> None:

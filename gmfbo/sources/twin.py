@@ -118,7 +118,13 @@ class FmuTwin:
         return MappingProxyType(self._parameters)
 
     def nominal(self, name: str) -> float:
-        """Value [FMU's unit] of a parameter as this twin leaves it to its runs."""
+        """Value [FMU's unit] of a parameter as this twin leaves it to its runs.
+
+        Parameters
+        ----------
+        name : str
+            FMU parameter.
+        """
         given = self._parameters.get(name)
         return float(self._binding.nominal(name) if given is None else given)
 

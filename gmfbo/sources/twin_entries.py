@@ -58,7 +58,17 @@ class TableEntry(Table):
 
 
 class GainRange(Table):
-    """Range of one gain [unit of the FMU parameter]; a fixed gain has low = high."""
+    """Range of one gain; a fixed gain has low = high.
+
+    Attributes
+    ----------
+    low, high : float
+        Bounds [unit of the FMU parameter].
+    scale : {"linear", "log"}
+        Whether the range is searched by its values or by their logarithm.
+    integer : bool
+        Only whole numbers are taken.
+    """
 
     low: Number
     high: Number
@@ -123,7 +133,13 @@ class SignalEntry(Table):
 
 
 class InputEntry(SignalEntry):
-    """A recorded signal that drives an FMU input."""
+    """A recorded signal that drives an FMU input.
+
+    Attributes
+    ----------
+    interpolation : {"hold", "linear"}
+        Between recorded rows.
+    """
 
     interpolation: Literal["hold", "linear"] = "hold"
 
@@ -144,7 +160,13 @@ class OutputEntry(SignalEntry):
 
 
 class ControllerEntry(BaseModel):
-    """One of the project's own controllers; further keys are its parameters."""
+    """One of the project's own controllers; further keys are its parameters.
+
+    Attributes
+    ----------
+    kind : {"pd_filtered", "cascade_p_pi", "pid"}
+        Which FMU of `models/` it is.
+    """
 
     model_config = ConfigDict(extra="allow", frozen=True)
 

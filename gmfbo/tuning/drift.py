@@ -57,7 +57,13 @@ class Drift:
 
     @classmethod
     def logged(cls, event: dict[str, Any]) -> Self:
-        """From the line of the study's log."""
+        """From the line of the study's log.
+
+        Parameters
+        ----------
+        event : dict
+            Fields by name.
+        """
         return cls(**{name: event[name] for name in cls.__dataclass_fields__})
 
     @property

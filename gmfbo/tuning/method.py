@@ -111,5 +111,11 @@ class Method(Protocol):
         ...
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
-        """Point of the unit cube, shape (d,), with the least expected cost, its mean and std."""
+        """Point of the unit cube, shape (d,), with the least expected cost, its mean and std.
+
+        Parameters
+        ----------
+        state : TuningState
+            All that was observed.
+        """
         ...

@@ -114,7 +114,13 @@ class TuningState:
         return min((one.objective for one in seen if one.feasible), default=self.objective.failed)
 
     def of(self, *sources: SourceName) -> tuple[Observation, ...]:
-        """Observations of some sources, in order."""
+        """Observations of some sources, in order.
+
+        Parameters
+        ----------
+        *sources : {"IS1", "IS2", "IS3"}
+            Who ran.
+        """
         return tuple(seen for seen in self.observations if seen.source in sources)
 
     def extra_of(self, seen: Sequence[Observation], values: NDArray[np.float64]) -> list[float]:
@@ -149,7 +155,13 @@ class TuningState:
         }
 
     def hold(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Copy of points of the unit cube, shape (..., d), with the held gains put in."""
+        """Copy of points of the unit cube, shape (..., d), with the held gains put in.
+
+        Parameters
+        ----------
+        unit : ndarray, shape (..., d)
+            Points; unchanged themselves.
+        """
         held = np.array(unit, dtype=float)
         for column, value in self.fixed_unit.items():
             held[..., column] = value

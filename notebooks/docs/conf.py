@@ -1,0 +1,80 @@
+"""How Sphinx builds these pages; the command stands in index.md."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.parsers.rst import Directive
+from numpydoc.xref import DEFAULT_LINKS
+
+from gmfbo import __version__
+
+project = "gmfbo"
+copyright = "the authors of gmfbo"
+release = version = __version__
+
+extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "myst_parser"]
+html_theme = "alabaster"
+html_theme_options = {
+    "page_width": "68rem",
+    "sidebar_width": "14rem",
+    "code_font_size": "0.8em",
+    "font_family": "sans-serif",
+    "head_font_family": "sans-serif",
+    "font_size": "15px",
+}
+html_title = f"gmfbo {release}"
+html_show_sourcelink = False
+man_pages = [("reference/commands", "gmfbo", "tune a controller, diagnose its twin", [], 1)]
+
+nitpicky = True
+highlight_language = "none"
+default_role = "code"
+myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]  # drawn by MathJax, which a browser loads from its server
+
+# Types stand in the text of each docstring, with shapes and units, which annotations do not have.
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+autodoc_default_options = {"members": True}
+autosummary_generate = False  # the pages name what they hold; no stub files beside them
+numpydoc_show_class_members = False  # autodoc lists them
+
+# A function tells each of its parameters and invents none; a test holds classes to the same.
+numpydoc_validation_checks = {"GL08", "PR01", "PR02", "PR03", "SS01", "RT03"}
+numpydoc_validation_exclude = {r"\.[A-Z]\w*$"}
+
+# The type of a parameter links to its class, where these pages hold it.
+_pages = (path.read_text() for path in Path(__file__).parent.glob("reference/*.rst"))
+_named = re.findall(r"^\.\. auto(?:class|exception):: (\S+)", "".join(_pages), re.MULTILINE)
+numpydoc_xref_param_type = True
+numpydoc_xref_aliases = {name.rpartition(".")[2]: name for name in _named}
+numpydoc_xref_ignore = "all"
+DEFAULT_LINKS.clear()  # of str, ndarray and so on; they need a network
+
+
+class CommandHelp(Directive):
+    """The help text of a command, as the terminal shows it."""
+
+    optional_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Ask the program itself."""
+        from typer.testing import CliRunner
+
+        from gmfbo.cli.application import app
+
+        asked = CliRunner().invoke(
+            app, [*self.arguments, "--help"], prog_name="gmfbo", env={"COLUMNS": "80"}
+        )
+        if asked.exit_code:
+            raise self.error(f"gmfbo {' '.join(self.arguments)} --help: {asked.output}")
+        return [nodes.literal_block(text=asked.output, language="none")]
+
+
+def setup(app: Any) -> None:
+    """Add the directive."""
+    app.add_directive("command-help", CommandHelp)
