@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -47,11 +48,14 @@ numpydoc_show_class_members = False  # autodoc lists them
 numpydoc_validation_checks = {"GL08", "PR01", "PR02", "PR03", "SS01", "RT03"}
 numpydoc_validation_exclude = {r"\.[A-Z]\w*$"}
 
-# The type of a parameter links to its class, where these pages hold it.
+# The type of a parameter links to its class, where these pages hold one of that name.
 _pages = (path.read_text() for path in Path(__file__).parent.glob("reference/*.rst"))
 _named = re.findall(r"^\.\. auto(?:class|exception):: (\S+)", "".join(_pages), re.MULTILINE)
 numpydoc_xref_param_type = True
-numpydoc_xref_aliases = {name.rpartition(".")[2]: name for name in _named}
+_count = Counter(name.rpartition(".")[2] for name in _named)
+numpydoc_xref_aliases = {
+    leaf: name for name in _named if _count[leaf := name.rpartition(".")[2]] == 1
+}
 numpydoc_xref_ignore = "all"
 DEFAULT_LINKS.clear()  # of str, ndarray and so on; they need a network
 
