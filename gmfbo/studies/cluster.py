@@ -9,7 +9,7 @@ from typing import Any
 
 from gmfbo.errors import InputError, SimulationError
 
-_CONNECT_S = 20.0
+_CONNECT_S = 10.0
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from gmfbo.cli.study_display import StudyDisplay
 from gmfbo.errors import StudyFileError
+from gmfbo.recordings.memory_store import MemoryStore
 from gmfbo.recordings.pack import pack_study
 from gmfbo.recordings.recording import Recording
 from gmfbo.tuning.drift import Drift
@@ -160,8 +161,10 @@ def test_older_real_runs_and_what_they_corrected_count_less_and_the_twin_does_no
 @pytest.mark.parametrize("method", sorted(set(QUICK) - {"random", "twin_once"}))
 def test_every_method_goes_on_from_runs_that_count_less(tmp_path: Path, method: str) -> None:
     study = study_at(tmp_path, 4, "is1_runs = {runs}\n", method)
-    chosen = QUICK[method]
-    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(0.2), method=chosen) as tuner:
+    chosen, store = QUICK[method], MemoryStore(study.location, study.text)
+    with Tuner(
+        study, is1=AnalyticAxis(), is2=AnalyticAxis(0.2), method=chosen, store=store
+    ) as tuner:
         tuner.run()
         first = tuner.history.of("IS1")[0].number
         before = chosen.recommend(tuner.history.state({}))

@@ -10,12 +10,15 @@ import pytest
 
 from gmfbo.errors import InputError, RecordingError, SimulationError, StoreError, StudyFileError
 from gmfbo.objective.metrics import worst_metrics
+from gmfbo.recordings.memory_store import MemoryStore
 from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.trial import Trial
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
+from tests.tuning.quick_methods import QUICK
 
 
 def wrong_twin(failing: frozenset[int] = frozenset()) -> AnalyticAxis:
@@ -69,15 +72,23 @@ def test_a_budget_of_real_runs_counts_the_initial_ones(tmp_path: Path) -> None:
         assert tuner.run().is1_runs == 5
 
 
+def trials_of(folder: Path, method: str, seed: int, iterations: int) -> list[Trial]:
+    """Trials of a study that is kept in memory, where a disk would take most of the time."""
+    study = write_study(folder, method=method, seed=seed, budget=f"iterations = {iterations}")
+    store = MemoryStore(study.location, study.text)
+    chosen = QUICK[method]
+    with Tuner(study, is1=AnalyticAxis(), is2=wrong_twin(), method=chosen, store=store) as tuner:
+        tuner.run()
+    return store.trials()
+
+
 @pytest.mark.parametrize("method", sorted(METHODS))
 def test_every_method_starts_from_the_same_data(tmp_path: Path, method: str) -> None:
     seen = {}
     for name in ("random", method):
-        study = write_study(tmp_path / f"of-{name}", method=name, seed=3, budget="iterations = 0")
-        with tuner_of(study) as tuner:
-            tuner.run()
-        twin = [t for t in study.trials if t.source == "IS2" and t.parent is None][:10]
-        real = [t for t in study.trials if t.source == "IS1"]
+        trials = trials_of(tmp_path / f"of-{name}", name, 3, 0)
+        twin = [t for t in trials if t.source == "IS2" and t.parent is None][:10]
+        real = [t for t in trials if t.source == "IS1"]
         seen[name] = [(dict(t.gains), t.objective) for t in (*twin, *real)]
     assert seen["random"] == seen[method]
     assert len(seen[method]) == 12
@@ -85,13 +96,26 @@ def test_every_method_starts_from_the_same_data(tmp_path: Path, method: str) -> 
 
 @pytest.mark.parametrize("method", sorted(METHODS))
 def test_the_same_seed_gives_the_same_study(tmp_path: Path, method: str) -> None:
-    twice = []
-    for folder in ("a", "b"):
-        study = write_study(tmp_path / folder, method=method, seed=5, budget="iterations = 2")
-        with tuner_of(study) as tuner:
-            tuner.run()
-        twice.append([(t.source, dict(t.gains), t.objective) for t in study.trials])
+    twice = [
+        [(t.source, dict(t.gains), t.objective) for t in trials_of(tmp_path / name, method, 5, 2)]
+        for name in ("a", "b")
+    ]
     assert twice[0] == twice[1]
+
+
+def test_memory_and_disk_make_the_same_study(tmp_path: Path) -> None:
+    study = write_study(tmp_path / "disk", method="gmfbo_paper", seed=5, budget="iterations = 2")
+    with tuner_of(study) as tuner:
+        tuner.run()
+    for kept, trial in zip(
+        study.trials, trials_of(tmp_path / "memory", "gmfbo_paper", 5, 2), strict=True
+    ):
+        assert (kept.number, kept.source, kept.parent) == (
+            trial.number,
+            trial.source,
+            trial.parent,
+        )
+        assert (kept.gains, kept.objective) == (trial.gains, trial.objective)
 
 
 def test_a_survey_of_the_twin_is_recorded_but_is_no_query(tmp_path: Path) -> None:
