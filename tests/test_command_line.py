@@ -189,16 +189,47 @@ def test_an_fmu_that_fails_gives_status_three_and_keeps_the_rows(
     assert "faulty" in complaint(capsys)
 
 
+LOST_INTERRUPT = """
+import signal
+import weakref
+
+
+class Held:
+    pass
+
+
+def lost(run):
+    held = Held()
+    watched = weakref.ref(held, lambda _: signal.raise_signal(signal.SIGINT))
+    del held  # what its callback raises is dropped by Python
+    return 1.0
+"""
+
+
+def test_an_interrupt_that_python_drops_ends_the_study_all_the_same(study_file: Path) -> None:
+    study_file.with_name("mine.py").write_text(LOST_INTERRUPT)
+    study_file.write_text(study_file.read_text() + 'metrics = "mine.py:lost"\n')
+    program = [sys.executable, "-m", "gmfbo", "tune", str(study_file)]
+    tuned = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
+    assert "Exception ignored in" in tuned.stderr
+    assert tuned.stderr.strip().endswith("gmfbo: interrupted; all finished work is kept")
+    assert tuned.returncode == 130
+    assert list((study_file.with_name("small.study") / "trials").glob("*.h5"))
+
+
 def test_an_interrupted_study_keeps_its_runs_and_resumes(study_file: Path) -> None:
     study_file.write_text(study_file.read_text().replace("iterations = 3", "iterations = 400"))
     program = [sys.executable, "-m", "gmfbo", "tune", str(study_file)]
     trials = study_file.with_name("small.study") / "trials"
-    process = subprocess.Popen(program, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60.0
-    while len(list(trials.glob("*.h5"))) < 8 and time.monotonic() < deadline:
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    with subprocess.Popen(program, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            deadline = time.monotonic() + 60.0
+            while len(list(trials.glob("*.h5"))) < 8 and time.monotonic() < deadline:
+                time.sleep(0.05)
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=60)
+        finally:
+            process.kill()
     assert process.returncode == 130
     assert said.strip() == "gmfbo: interrupted; all finished work is kept"
     kept = len(list(trials.glob("*.h5")))

@@ -12,6 +12,7 @@ from gmfbo.cli.manual import Manual
 
 if TYPE_CHECKING:
     from gmfbo.reports.study_review import StudyReview
+    from gmfbo.tuning.progress import Progress
     from gmfbo.tuning.request import TuningResult
     from gmfbo.tuning.study import Study
 
@@ -73,11 +74,18 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         Best observed gains and, separately, the recommended ones.
     """
     from gmfbo import Tuner
+    from gmfbo.cli.interrupt import remembered_interrupt
     from gmfbo.cli.study_display import StudyDisplay
 
     display = StudyDisplay(console, study.file.budget.is1_runs)
-    with Tuner(study, resume=resume) as tuner, display:
-        result = tuner.run(display.show)
+    with Tuner(study, resume=resume) as tuner, display, remembered_interrupt() as pressed:
+
+        def show(step: Progress) -> None:
+            if pressed.is_set():
+                raise KeyboardInterrupt
+            display.show(step)
+
+        result = tuner.run(show)
     print_result(study, result)
     return result
 
