@@ -16,7 +16,7 @@ from gmfbo.cli.manual import Manual
 
 MANUAL = Manual(
     files={
-        "STUDY.compare/": "runs/ with a file a study, truth/ with the grid; table.txt, curves.txt "
+        "STUDY.compare/": "runs/ with a line a study, truth/ with the grid; table.txt, curves.txt "
         "and landscape.txt, which follow from them; with --keep-trials trials/",
     },
     examples={

@@ -1,4 +1,4 @@
-"""Where a comparison is kept: a text a run, and the tables that follow from them."""
+"""Where a comparison is kept: a line a run, and the tables that follow from them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gmfbo.reports.comparison_curves import Landscape
 from gmfbo.studies.comparison_table import Table
 from gmfbo.studies.curves import curves_of, curves_text
 from gmfbo.studies.landscape import landscape_text
-from gmfbo.studies.outcome import Outcome
+from gmfbo.studies.outcome import Outcome, read_outcomes, write_outcomes
 from gmfbo.tuning.methods import METHODS
 
 
@@ -25,8 +25,8 @@ from gmfbo.tuning.methods import METHODS
 class ComparisonFolder:
     """A folder `NAME.compare`.
 
-    `runs/METHOD-SEED.json` is what a finished run came to, `trials/METHOD-SEED.h5` all its trials
-    where they are kept, `truth/` holds the plant over the box; `table.txt`, `curves.txt` and
+    A line of `runs/METHOD.jsonl` is what a finished run came to, `trials/METHOD-SEED.h5` all its
+    trials where they are kept, `truth/` holds the plant over the box; `table.txt`, `curves.txt` and
     `landscape.txt` follow from them, and the figures from these three.
 
     Attributes
@@ -67,12 +67,14 @@ class ComparisonFolder:
         record : StudyRecord or None
             All trials, where they are to be kept.
         """
-        label = f"{outcome.method}-{outcome.seed}"
         if record is not None:
             (self.path / "trials").mkdir(exist_ok=True)
+            label = f"{outcome.method}-{outcome.seed}"
             pack_record(record, self.path / "trials" / f"{label}.h5")
         (self.path / "runs").mkdir(exist_ok=True)
-        outcome.save(self.path / "runs" / f"{label}.json")
+        path = self.path / "runs" / f"{outcome.method}.jsonl"
+        kept = read_outcomes(path) if path.exists() else []
+        write_outcomes(path, [*kept, outcome])
 
     def keep_truth(self, grids: Mapping[str, bytes]) -> None:
         """Keep grids of the plant.
@@ -87,9 +89,16 @@ class ComparisonFolder:
             write_whole(self.truth / name, content)
 
     @property
-    def finished_runs(self) -> list[Path]:
-        """What each finished run came to, a text each."""
-        return sorted((self.path / "runs").glob("*.json"))
+    def finished_runs(self) -> list[Outcome]:
+        """What each finished run came to.
+
+        Raises
+        ------
+        StoreError
+            One of them is damaged.
+        """
+        paths = sorted((self.path / "runs").glob("*.jsonl"))
+        return [outcome for path in paths for outcome in read_outcomes(path)]
 
     @contextlib.contextmanager
     def writing(self) -> Iterator[None]:
@@ -121,9 +130,9 @@ class ComparisonFolder:
         Raises
         ------
         StoreError
-            They are of another study.
+            They are of another study, or one of them is damaged.
         """
-        kept = [Outcome.read(path) for path in self.finished_runs]
+        kept = self.finished_runs
         if any(outcome.study != key for outcome in kept):
             raise StoreError(
                 f"{self.path}: holds runs of another study file, twin or grid, which must not be "

@@ -31,7 +31,7 @@ def review_comparison(folder: str | Path) -> ComparisonReview:
     """
     kept = ComparisonFolder(Path(folder))
     text = Comparison.read(kept.path).text
-    outcomes = by_method([Outcome.read(path) for path in kept.finished_runs])
+    outcomes = by_method(kept.finished_runs)
     return ComparisonReview(
         name=kept.path.resolve().name.removesuffix(".compare"),
         text=text,

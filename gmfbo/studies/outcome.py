@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Self
@@ -73,36 +74,72 @@ class Outcome:
         """What stands for n* where the method never arrived."""
         return self.most_real_runs + 1
 
-    def save(self, path: Path) -> None:
-        """Write it; there whole or not at all.
-
-        Parameters
-        ----------
-        path : Path
-            A `.json`.
-        """
-        write_whole(path, (json.dumps(asdict(self)) + "\n").encode())
+    @property
+    def line(self) -> str:
+        """As a line of text, without its end."""
+        return json.dumps(asdict(self))
 
     @classmethod
-    def read(cls, path: Path) -> Self:
-        """Read what `save` wrote.
+    def of_line(cls, line: str) -> Self:
+        """Read what `line` made.
 
         Parameters
         ----------
-        path : Path
-            A `.json`.
+        line : str
+            With or without its end.
 
         Raises
         ------
-        StoreError
+        ValueError
             It is none of these texts.
         """
         try:
-            raw = json.loads(path.read_text(encoding="utf-8"))
+            raw = json.loads(line)
             values = {field.name: raw[field.name] for field in fields(cls)}
-        except (OSError, ValueError, KeyError, TypeError):
-            raise StoreError(
-                f"{path}: expected the text of a finished run; remove it to have the run made again"
-            ) from None
+        except (KeyError, TypeError):
+            raise ValueError("a field is lacking") from None
         lists = {name: tuple(v) for name, v in values.items() if isinstance(v, list)}
         return cls(**{**values, **lists})
+
+
+def read_outcomes(path: Path) -> list[Outcome]:
+    """Read the finished runs of one method.
+
+    Parameters
+    ----------
+    path : Path
+        What `write_outcomes` wrote.
+
+    Raises
+    ------
+    StoreError
+        It cannot be read, or a line is no finished run.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        raise StoreError(f"{path}: cannot be read; remove it to have its runs made again") from None
+    outcomes = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            outcomes.append(Outcome.of_line(line))
+        except ValueError:
+            raise StoreError(
+                f"{path}: expected the text of a finished run in line {number}; remove the line "
+                "to have the run made again"
+            ) from None
+    return outcomes
+
+
+def write_outcomes(path: Path, outcomes: Iterable[Outcome]) -> None:
+    """Write the finished runs of one method, a line each by seed; there whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        A `.jsonl`.
+    outcomes : iterable of Outcome
+        Of one method.
+    """
+    ordered = sorted(outcomes, key=lambda outcome: outcome.seed)
+    write_whole(path, "".join(f"{one.line}\n" for one in ordered).encode())

@@ -28,7 +28,7 @@ def write_example_comparison(folder: Path, landscape: Landscape | None = LANDSCA
         None leaves it out.
     """
     kept = ComparisonFolder(folder / "joint.compare")
-    (kept.path / "runs").mkdir(parents=True)
+    kept.path.mkdir(parents=True)
     made = []
     for method, arrivals in ARRIVALS.items():
         for seed, n_star in enumerate(arrivals):
@@ -36,7 +36,7 @@ def write_example_comparison(folder: Path, landscape: Landscape | None = LANDSCA
             regret = np.where(np.arange(1, 6) >= (n_star or 9), 0.001 * seed, falling)
             one = outcome(method, seed, n_star, regret=tuple(map(float, regret)),
                           seconds=(0.5, 0.25, 0.25))  # fmt: skip
-            one.save(kept.path / "runs" / f"{method}-{seed}.json")
+            kept.keep(one, None)
             made.append(one)
     kept.write_tables(made, ["$ gmfbo compare joint.toml", "joint, gmfbo 0.1.0"], landscape)
     return kept.path

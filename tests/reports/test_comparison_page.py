@@ -44,7 +44,8 @@ def browser(tmp_path: Path) -> Browser:
 
 
 def test_every_seed_is_that_of_the_folder(folder: Path, content: Any) -> None:
-    kept = [json.loads(path.read_text()) for path in (folder / "runs").glob("*.json")]
+    paths = (folder / "runs").glob("*.jsonl")
+    kept = [json.loads(line) for path in paths for line in path.read_text().splitlines()]
     assert len(content["runs"]) == len(kept) == 9
     for run in content["runs"]:
         (own,) = [k for k in kept if (k["method"], k["seed"]) == (run["method"], run["seed"])]

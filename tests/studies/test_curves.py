@@ -11,7 +11,7 @@ from gmfbo.errors import StoreError
 from gmfbo.reports.comparison_curves import Landscape
 from gmfbo.studies.curves import curves_of, curves_text, read_curves
 from gmfbo.studies.landscape import landscape_text, read_landscape
-from gmfbo.studies.outcome import Outcome
+from gmfbo.studies.outcome import read_outcomes, write_outcomes
 from tests.studies.small_study import outcome
 
 PAIR = [
@@ -66,15 +66,22 @@ def test_landscape_comes_back_from_its_text(tmp_path: Path) -> None:
         np.testing.assert_allclose(getattr(again, field), getattr(made, field), rtol=1e-3)
 
 
-def test_outcome_comes_back_from_its_text(tmp_path: Path) -> None:
-    made = outcome("bo_ei", 3, 4, regret=(0.7, 0.01))
-    made.save(tmp_path / "kept.json")
-    assert Outcome.read(tmp_path / "kept.json") == made
+def test_outcomes_come_back_from_their_text_by_seed(tmp_path: Path) -> None:
+    made = [outcome("bo_ei", seed, 4, regret=(0.7, 0.01)) for seed in (3, 1)]
+    write_outcomes(tmp_path / "bo_ei.jsonl", made)
+    assert read_outcomes(tmp_path / "bo_ei.jsonl") == made[::-1]
 
 
-@pytest.mark.parametrize("content", ["", "{}", "[1]", '{"method": "random"}'])
+@pytest.mark.parametrize("content", ["", "{}", "[1]", '{"method": "random"}', "\xff"])
 def test_broken_text_of_a_run_is_named(tmp_path: Path, content: str) -> None:
-    path = tmp_path / "random-0.json"
-    path.write_text(content, encoding="utf-8")
-    with pytest.raises(StoreError, match=r"random-0\.json: expected the text of a finished run"):
-        Outcome.read(path)
+    path = tmp_path / "random.jsonl"
+    path.write_text(outcome("random", 0, 4).line + "\n" + content + "\n", encoding="utf-8")
+    with pytest.raises(StoreError, match=r"random\.jsonl: expected .* finished run in line 2"):
+        read_outcomes(path)
+
+
+def test_file_of_runs_that_is_no_text_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "random.jsonl"
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(StoreError, match=r"random\.jsonl: cannot be read"):
+        read_outcomes(path)
