@@ -15,6 +15,8 @@ from gmfbo.studies.outcome import Outcome
 BASELINES = ("bo_ei", "gmfbo")
 """Methods against which the others are held seed by seed, where they take part."""
 
+SEEDS_A_LINE = 25
+
 Column = dict[int, float]
 """A number by seed."""
 
@@ -37,7 +39,7 @@ class Table:
         return sorted({one.seed for column in self.by_method.values() for one in column})
 
     def text(self) -> str:
-        """All tables; only the last depends on the machine."""
+        """All tables, a row a method; only the last depends on the machine."""
         never = next(iter(self.by_method.values()))[0].never
         parts = [
             f"n*: real runs to the optimum, initial ones counted (never: {never})",
@@ -50,30 +52,30 @@ class Table:
             "means over seeds, at the end",
             *self._means(),
             "",
-            "time",
+            "n* of each seed",
+            *self._each_seed(),
+            "",
+            "time [s]",
             *self._times(),
         ]
         return "\n".join(parts) + "\n"
 
     def _arrivals(self, field: Callable[[Outcome], int | None]) -> list[str]:
-        columns = {name: _column(outcomes, field) for name, outcomes in self.by_method.items()}
-        lines = [self._row("seed", list(self.by_method))]
-        for seed in self.seeds:
-            lines.append(
-                self._row(str(seed), [_whole(column.get(seed)) for column in columns.values()])
-            )
-        samples = [np.array(list(column.values())) for column in columns.values()]
-        lines.append(self._row("median", [f"{np.median(sample):.1f}" for sample in samples]))
-        lines.append(self._row("  95 %", [_span(sample, np.median) for sample in samples]))
-        lines.append(self._row("mean", [f"{np.mean(sample):.2f}" for sample in samples]))
-        lines.append(self._row("  95 %", [_span(sample, np.mean) for sample in samples]))
-        lines.append(self._row("90 % within", [_late(sample) for sample in samples]))
-        missed = [
-            100.0 * np.mean([field(one) is None for one in outcomes])
-            for outcomes in self.by_method.values()
-        ]
-        lines.append(self._row("never", [f"{share:.0f} %" for share in missed]))
-        lines.append(self._row("seeds", [str(len(column)) for column in columns.values()]))
+        heads = ["median", "95 %", "mean", "95 %", "90 % within", "never", "seeds"]
+        lines = [self._row("", heads)]
+        for name, outcomes in self.by_method.items():
+            sample = np.array(list(_column(outcomes, field).values()))
+            missed = 100.0 * np.mean([field(one) is None for one in outcomes])
+            cells = [
+                f"{np.median(sample):.1f}",
+                _span(sample, np.median),
+                f"{np.mean(sample):.2f}",
+                _span(sample, np.mean),
+                _late(sample),
+                f"{missed:.0f} %",
+                str(len(sample)),
+            ]
+            lines.append(self._row(name, cells))
         return lines
 
     def _differences(self) -> list[str]:
@@ -100,7 +102,7 @@ class Table:
         return lines
 
     def _means(self) -> list[str]:
-        rows: tuple[tuple[str, Callable[[Outcome], float], str], ...] = (
+        fields: tuple[tuple[str, Callable[[Outcome], float], str], ...] = (
             ("queries", lambda one: one.queries, ".1f"),
             ("real runs", lambda one: len(one.regret), ".1f"),
             ("twin runs", lambda one: one.twin_runs, ".1f"),
@@ -108,36 +110,58 @@ class Table:
             ("cost", lambda one: one.cost[-1], ".1f"),
             ("regret", lambda one: one.regret[-1], ".4f"),
         )
-        return [
-            self._row("", list(self.by_method)),
-            *(self._row(label, self._each(field, np.mean, form)) for label, field, form in rows),
-        ]
+        return self._by_field([(label, field, np.mean, form) for label, field, form in fields])
+
+    def _each_seed(self) -> list[str]:
+        """A block of rows for so many seeds as a screen is wide."""
+        columns = {name: _column(outcomes, _n_star) for name, outcomes in self.by_method.items()}
+        lines = []
+        for first in range(0, len(self.seeds), SEEDS_A_LINE):
+            seeds = self.seeds[first : first + SEEDS_A_LINE]
+            wide = 1 + max(2, *(len(str(seed)) for seed in seeds))
+            for label, cells in [
+                ("seed", [str(seed) for seed in seeds]),
+                *(
+                    (name, [_whole(column.get(s)) for s in seeds])
+                    for name, column in columns.items()
+                ),
+            ]:
+                lines.append(self._labelled(label, cells, wide))
+        return lines
 
     def _times(self) -> list[str]:
         def iteration(one: Outcome) -> float:
             return float(np.median(one.seconds)) if one.seconds else np.nan
 
-        return [
-            self._row("", list(self.by_method)),
-            self._row("s a query", self._each(iteration, np.median, ".2f")),
-            self._row("s before", self._each(lambda one: one.seconds_before, np.median, ".1f")),
-            self._row("s in all", self._each(_all_seconds, np.mean, ".0f")),
-        ]
+        return self._by_field(
+            [
+                ("a query", iteration, np.median, ".2f"),
+                ("before", lambda one: one.seconds_before, np.median, ".1f"),
+                ("in all", _all_seconds, np.mean, ".0f"),
+            ]
+        )
 
-    def _each(
+    def _by_field(
         self,
-        field: Callable[[Outcome], float],
-        statistic: Callable[[list[float]], object],
-        form: str,
+        fields: Sequence[
+            tuple[str, Callable[[Outcome], float], Callable[[list[float]], object], str]
+        ],
     ) -> list[str]:
-        return [
-            format(statistic([field(one) for one in outcomes]), form)
-            for outcomes in self.by_method.values()
-        ]
+        lines = [self._row("", [label for label, *_ in fields])]
+        for name, outcomes in self.by_method.items():
+            cells = [
+                format(statistic([field(one) for one in outcomes]), form)
+                for _, field, statistic, form in fields
+            ]
+            lines.append(self._row(name, cells))
+        return lines
 
     def _row(self, label: str, cells: Sequence[str]) -> str:
-        wide = max(14, *(len(name) + 2 for name in self.by_method))
-        return (f"{label:>14}" + "".join(f"{cell:>{wide}}" for cell in cells)).rstrip()
+        return self._labelled(label, cells, 16)
+
+    def _labelled(self, label: str, cells: Sequence[str], wide: int) -> str:
+        longest = max(len(name) for name in self.by_method)
+        return (f"{label:<{longest}}" + "".join(f"{cell:>{wide}}" for cell in cells)).rstrip()
 
 
 def _n_star(one: Outcome) -> int | None:
