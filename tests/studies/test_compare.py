@@ -34,7 +34,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
 
 def tables(text: str) -> str:
     """What does not depend on the machine."""
-    return text.split("\n\n", 1)[1].split("\ntime\n")[0]
+    return text.split("\n\n", 1)[1].split("\ntime [s]\n")[0]
 
 
 def test_outcome_is_what_a_study_of_that_seed_and_method_comes_to(
