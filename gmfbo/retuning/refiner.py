@@ -34,8 +34,11 @@ UNEXPLAINED = 3.0
 SURPRISE = 1.5
 """Times the error so far that a new run's may be before the twin is estimated anew."""
 
-DIAGNOSED_AT = (2, 3, 4, 6, 8, 12, 16, 24, 32)
+DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
 """Real runs since the plant changed, at which it is worth asking the diagnosis."""
+
+MOST_DIAGNOSED = 4
+"""Real runs that the diagnosis is shown; its time grows with them, later ones resemble the best."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +190,7 @@ class PhysicsRefiner:
         found = self._completer(
             self._given,
             {name: value for name, value in values.items() if name in names},
-            plain_recordings(trials, self._given, history.experiment),
+            plain_recordings(_spread(trials), self._given, history.experiment),
             self._folder / f"{self._version.number + 1:05d}",
             seed=history.study.seed,
         )
@@ -261,6 +264,14 @@ def _carried_over(before: Estimate, unknowns: Unknowns, found: Completion) -> Es
 
 def _unexplained(estimate: Estimate, runs: Sequence[RealRun]) -> bool:
     return bool(np.any(estimate.errors > UNEXPLAINED * floors(runs)))
+
+
+def _spread(trials: Sequence[Trial]) -> list[Trial]:
+    """The first, the last, and some evenly between."""
+    if len(trials) <= MOST_DIAGNOSED:
+        return list(trials)
+    places = np.linspace(0, len(trials) - 1, MOST_DIAGNOSED).round().astype(int)
+    return [trials[place] for place in places]
 
 
 def _is_better(one: Estimate, other: Estimate) -> bool:
