@@ -9,21 +9,11 @@ Importing this package adds its methods to `gmfbo.tuning.methods.METHODS`.
 
 from __future__ import annotations
 
-from gmfbo.retuning.corrected_methods import (
-    GMFBO_CALIBRATED,
-    GMFBO_COMPOSITE,
-    GMFBO_PHYSICS,
-    GMFBO_SMOOTHED,
-)
+from gmfbo.retuning.corrected_methods import GMFBO_CALIBRATED, GMFBO_PHYSICS, GMFBO_SMOOTHED
 from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods import METHODS
 
-RETUNING: tuple[Method, ...] = (
-    GMFBO_PHYSICS,
-    GMFBO_COMPOSITE,
-    GMFBO_CALIBRATED,
-    GMFBO_SMOOTHED,
-)
+RETUNING: tuple[Method, ...] = (GMFBO_PHYSICS, GMFBO_CALIBRATED, GMFBO_SMOOTHED)
 """Methods that this package adds."""
 
 for _method in RETUNING:

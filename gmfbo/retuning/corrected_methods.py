@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.retuning.refiner import PhysicsRefiner
-from gmfbo.retuning.sampled_trajectories import SampledTrajectories
 from gmfbo.retuning.smoothing_refiner import SmoothingRefiner
 from gmfbo.sources.source import Source
 from gmfbo.sources.twin import FmuTwin
@@ -82,15 +81,6 @@ GMFBO_CALIBRATED = OnCorrectedTwin(
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
     refine=_calibrate,
-)
-
-GMFBO_COMPOSITE = OnCorrectedTwin(
-    name="gmfbo_composite",
-    summary="gmfbo_physics by expected improvement over sampled trajectories of the axis",
-    reference=_CALIBRATION + "as Astudillo and Frazier 2019, Bayesian optimization of composite "
-    "functions",
-    searching=SampledTrajectories(),
-    refine=PhysicsRefiner,
 )
 
 GMFBO_SMOOTHED = OnCorrectedTwin(

@@ -32,7 +32,6 @@ from scipy.linalg import cholesky, solve_triangular
 from gmfbo.correction.matern import matern52
 from gmfbo.correction.residual_process import ResidualProcess
 from gmfbo.errors import InputError
-from gmfbo.surrogate.trust import Trust, TrustOf, uniform_trust
 
 CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -113,20 +112,20 @@ class CorrectedTwinModel:
         From trajectories, shape (q, m), to g, shape (q,).
     residual : ResidualProcess
         Of measured minus simulated trajectories; zero while no run has both.
-    trust : callable
-        [g] Prior standard deviation of g - m at points of the unit cube, from predicting each run
-        by the others.
+    scale : float
+        [g] Prior standard deviation of g - m: the median error of predicting each run by the
+        others; the spread of the observed costs while there is none.
     """
 
     runs: AxisRuns
     cost_of: CostOf
     residual: ResidualProcess
-    trust: Trust
+    scale: float
     _factor: NDArray[np.float64]
     _white: NDArray[np.float64]
 
     @classmethod
-    def fit(cls, runs: AxisRuns, cost_of: CostOf, trust_of: TrustOf = uniform_trust) -> Self:
+    def fit(cls, runs: AxisRuns, cost_of: CostOf) -> Self:
         """Fit the residual, measure its error by leaving runs out, and condition on all runs.
 
         Parameters
@@ -135,8 +134,6 @@ class CorrectedTwinModel:
             At least one.
         cost_of : callable
             From trajectories, shape (q, m), to g, shape (q,).
-        trust_of : callable
-            How the errors of left-out runs become a trust.
         """
         paired = runs.paired
         points, residuals = runs.points[paired], (runs.measured - runs.simulated)[paired]
@@ -145,12 +142,14 @@ class CorrectedTwinModel:
         residual = ResidualProcess.fit(points, residuals, lengthscale=length, extra=extra)
         spread = float(np.ptp(runs.values)) or 1.0
         errors = _left_out_errors(runs, cost_of, length)
-        trust = trust_of(points, errors, spread, LEAST_SCALE * spread)
+        scale = max(
+            float(np.median(np.abs(errors))) if len(errors) else spread, LEAST_SCALE * spread
+        )
         everything = np.arange(len(runs.values))
         factor = cholesky(_covariance(runs.points, runs.extra_of(everything)), lower=True)
         departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
-        white = solve_triangular(factor, departures / trust(runs.points), lower=True)
-        return cls(runs, cost_of, residual, trust, factor, white)
+        white = solve_triangular(factor, departures / scale, lower=True)
+        return cls(runs, cost_of, residual, scale, factor, white)
 
     def trajectory(self, points: ArrayLike, simulated: ArrayLike) -> NDArray[np.float64]:
         """Expected trajectory of the axis [signal], shape (q, m); arguments as for `predict`."""
@@ -179,10 +178,9 @@ class CorrectedTwinModel:
         half = solve_triangular(
             self._factor, matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
         )
-        scale = self.trust(where)
         mean = _prior_mean(where, twin, self.residual, self.cost_of)
-        mean = mean + scale * (half.T @ self._white)
-        variance = scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
+        mean = mean + self.scale * (half.T @ self._white)
+        variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
         return mean, variance
 
 

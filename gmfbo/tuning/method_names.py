@@ -2,9 +2,7 @@
 
 METHOD_NAMES = (
     "gmfbo",
-    "gmfbo_local",
     "gmfbo_guarded",
-    "gmfbo_emulated",
     "gmfbo_kernel",
     "gmfbo_paper",
     "mfbo_adaptive",
@@ -16,7 +14,6 @@ METHOD_NAMES = (
     "twin_once",
     "random",
     "gmfbo_physics",
-    "gmfbo_composite",
     "gmfbo_calibrated",
     "gmfbo_smoothed",
 )

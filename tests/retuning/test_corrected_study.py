@@ -15,7 +15,6 @@ from gmfbo.recordings.store import StudyStore
 from gmfbo.recordings.trial import Trial
 from gmfbo.retuning.corrected_methods import (
     GMFBO_CALIBRATED,
-    GMFBO_COMPOSITE,
     GMFBO_SMOOTHED,
     OnCorrectedTwin,
 )
@@ -142,16 +141,6 @@ def test_smoothing_alone_changes_the_twin_once(tmp_path: Path) -> None:
     with Tuner(study, method=replace(GMFBO_SMOOTHED, correction=OPTIONS)) as tuner:
         result = tuner.run()
     assert result.twin_versions == ("its tables were smoothed",)
-
-
-def test_sampled_trajectories_propose_on_the_corrected_twin(tmp_path: Path) -> None:
-    study = study_in(tmp_path / "composite", runs=3, noise=0.0)
-    with Tuner(study, method=replace(GMFBO_COMPOSITE, correction=OPTIONS)) as tuner:
-        tuner.run()
-        point, mean, std = tuner.method.recommend(tuner.history.state({}))
-    assert np.all((point >= 0.0) & (point <= 1.0))
-    assert np.isfinite(mean)
-    assert std >= 0.0
 
 
 def test_a_diagnosis_is_not_told_what_the_plant_was_run_at(tmp_path: Path) -> None:

@@ -53,7 +53,7 @@ def test_posterior_passes_through_the_runs_and_widens_away_from_them(
     np.testing.assert_allclose(mean, seen.values, atol=1e-3 * np.ptp(seen.values) + 1e-3)
     asked = np.vstack([points[:1] + 0.01, points[:1] + 0.3]).clip(0.0, 1.0)
     _, spread = model.predict(asked, response(asked, gain=0.6))
-    assert variance.max() < spread[0] < spread[1] <= model.trust(CORNER)[0] ** 2
+    assert variance.max() < spread[0] < spread[1] <= model.scale**2
 
 
 def test_correction_beats_the_twin_at_gains_that_were_not_run() -> None:
@@ -76,7 +76,7 @@ def test_scale_is_the_measured_error_and_a_misleading_twin_is_not_trusted() -> N
     measured = response(points)
     mirrored = response(np.column_stack([1.0 - points[:, 0], points[:, 1]]))
     bad = CorrectedTwinModel.fit(AxisRuns(points, reach(measured), mirrored, measured), reach)
-    assert bad.trust(CORNER)[0] > 5.0 * good.trust(CORNER)[0]
+    assert bad.scale > 5.0 * good.scale
 
 
 def test_scale_does_not_collapse_where_runs_lie_close_together() -> None:
@@ -84,10 +84,8 @@ def test_scale_does_not_collapse_where_runs_lie_close_together() -> None:
     rng = np.random.default_rng(5)
     spread = rng.random((6, 2))
     cluster = 0.5 + 0.002 * rng.standard_normal((12, 2))
-    apart = CorrectedTwinModel.fit(runs(spread, gain=0.5), reach).trust(CORNER)[0]
-    crowded = CorrectedTwinModel.fit(runs(np.vstack([spread, cluster]), gain=0.5), reach).trust(
-        CORNER
-    )[0]
+    apart = CorrectedTwinModel.fit(runs(spread, gain=0.5), reach).scale
+    crowded = CorrectedTwinModel.fit(runs(np.vstack([spread, cluster]), gain=0.5), reach).scale
     # Undivided, the median error falls by a factor of 740.
     assert crowded > 0.03 * apart
 

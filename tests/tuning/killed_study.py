@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
-from gmfbo.tuning.method import Method
-from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis
-
-# The survey is one phase of the study whatever its length.
-QUICK: dict[str, Method] = {**METHODS, "gmfbo": Gmfbo(correction=replace(CORRECTION, survey=30))}
+from tests.tuning.quick_methods import QUICK
 
 
 def main(study_file: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,22 +14,10 @@ from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
-from tests.tuning.quick_methods import QUICK
+from tests.tuning.quick_methods import QUICK, SURVEY
 
 BUDGET = "iterations = 3\ninitial_is1 = 2\nis3_per_run = 1"
-SURVEY = 25
-"""Enough for the contract; the methods' own surveys take most of a test's time."""
-
 Runs = list[tuple[str, dict[str, float], float]]
-
-
-def small(method: Method) -> Method:
-    """The method with a smaller survey of the twin."""
-    options = method.correction
-    if options is None or not options.survey:
-        return method
-    changed: Method = replace(method, correction=replace(options, survey=SURVEY))  # type: ignore[type-var]
-    return changed
 
 
 def tuner_of(study: Study, method: Method) -> Tuner:
@@ -52,7 +40,7 @@ class Played:
 @pytest.fixture(scope="module", params=sorted(METHODS))
 def played(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Played:
     folder = tmp_path_factory.mktemp(request.param)
-    method = small(QUICK[request.param])
+    method = QUICK[request.param]
     study = write_study(folder / "whole", method=request.param, seed=4, budget=BUDGET)
     with tuner_of(study, method) as tuner:
         tuner.run()
@@ -106,7 +94,7 @@ def test_a_study_reopened_after_each_run_asks_for_the_same(played: Played) -> No
 
 def test_options_of_a_survey_alone_make_no_corrected_runs(tmp_path: Path) -> None:
     study = write_study(tmp_path, method="twin_once", budget=BUDGET)
-    with tuner_of(study, small(METHODS["twin_once"])) as tuner:
+    with tuner_of(study, QUICK["twin_once"]) as tuner:
         tuner.run()
     assert CorrectionOptions().around_real
     assert all(t.parent is None for t in study.trials)
@@ -115,7 +103,7 @@ def test_options_of_a_survey_alone_make_no_corrected_runs(tmp_path: Path) -> Non
 
 def test_twin_once_runs_the_best_of_the_twin(tmp_path: Path) -> None:
     study = write_study(tmp_path, method="twin_once", budget=BUDGET)
-    with tuner_of(study, small(METHODS["twin_once"])) as tuner:
+    with tuner_of(study, QUICK["twin_once"]) as tuner:
         result = tuner.run()
     twin = min((t for t in study.trials if t.source == "IS2"), key=lambda t: t.objective)
     last = [t for t in study.trials if t.source == "IS1"][-1]

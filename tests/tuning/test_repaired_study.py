@@ -12,7 +12,7 @@ from gmfbo.recordings.repair import repair_folder
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
-from tests.tuning.killed_study import QUICK
+from tests.tuning.quick_methods import QUICK
 
 
 def tune(study: Study, *, resume: bool) -> None:

@@ -13,6 +13,7 @@ from gmfbo.recordings.recording import Trajectory
 from gmfbo.sources.models import models_folder
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
+from tests.tuning.quick_methods import QUICK
 
 TWO = """
 [[reference]]
@@ -80,8 +81,8 @@ def test_a_limit_holds_for_each_reference_not_for_their_mean(tmp_path: Path) -> 
 
 
 def test_corrected_runs_cover_all_references(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, reference=TWO, method="gmfbo_emulated", iterations=1)
-    with Tuner(study) as tuner:
+    study = linear_study(tmp_path, reference=TWO, method="gmfbo", iterations=1)
+    with Tuner(study, method=QUICK["gmfbo"]) as tuner:
         tuner.run()
         times = tuner.experiment.scored_times(40)
     assert len(times) == 40

@@ -14,7 +14,6 @@ from __future__ import annotations
 from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods.bo_ei import SingleSourceImprovement
 from gmfbo.tuning.methods.gmfbo import Gmfbo
-from gmfbo.tuning.methods.gmfbo_emulated import EmulatedGmfbo
 from gmfbo.tuning.methods.gmfbo_guarded import GuardedGmfbo
 from gmfbo.tuning.methods.gmfbo_kernel import KernelGmfbo
 from gmfbo.tuning.methods.gmfbo_paper import PrintedGmfbo
@@ -27,19 +26,11 @@ from gmfbo.tuning.methods.registry import added_methods, method_named
 from gmfbo.tuning.methods.rmfbo import RobustMultiFidelity
 from gmfbo.tuning.methods.twin_once import TwinOnce
 
-GMFBO_LOCAL = Gmfbo(
-    name="gmfbo_local",
-    summary="gmfbo that trusts the twin as far as it did well at the gains nearby",
-    trust="local",
-)
-
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
         Gmfbo(),
-        GMFBO_LOCAL,
         GuardedGmfbo(),
-        EmulatedGmfbo(),
         KernelGmfbo(),
         PrintedGmfbo(),
         AdaptiveMultiFidelity(),

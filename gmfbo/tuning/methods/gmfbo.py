@@ -10,7 +10,7 @@ over the whole box once, and around each real run for the corrected runs (IS3).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,13 +38,7 @@ CORRECTION = CorrectionOptions(memory="latest", at_border="reflect", survey=SURV
 
 @dataclass(frozen=True)
 class Gmfbo:
-    """Cost of the corrected twin as prior mean; expected improvement on the real axis.
-
-    Attributes
-    ----------
-    trust : {"uniform", "local"}
-        Whether the twin is trusted alike at all gains, or as far as it did well nearby.
-    """
+    """Cost of the corrected twin as prior mean; expected improvement on the real axis."""
 
     name: str = "gmfbo"
     summary: str = "twin corrected trajectory by trajectory, its cost the surrogate's prior mean"
@@ -53,7 +47,6 @@ class Gmfbo:
         "and Frazier 2019, Bayesian optimization of composite functions"
     )
     correction: CorrectionOptions = CORRECTION
-    trust: Literal["uniform", "local"] = "uniform"
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the real axis where the corrected twin promises most."""
@@ -61,7 +54,7 @@ class Gmfbo:
         from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        points, mean, variance, log_weight = _belief(state, self.trust)
+        points, mean, variance, log_weight = _belief(state)
         new = is_new(points, state)
         if not new.any():
             blind = state.hold(rng.random(len(state.space)))
@@ -72,7 +65,7 @@ class Gmfbo:
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""
-        points, mean, variance, log_weight = _belief(state, self.trust)
+        points, mean, variance, log_weight = _belief(state)
         if not len(points):
             best = min(state.of("IS1"), key=lambda seen: seen.objective)
             return best.point, best.objective, 0.0
@@ -82,7 +75,7 @@ class Gmfbo:
 
 
 def _belief(
-    state: TuningState, trust: Literal["uniform", "local"]
+    state: TuningState,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Points where the twin was run, shape (q, d), and what is believed of the axis there.
 
@@ -92,7 +85,7 @@ def _belief(
     points, simulated = twin_at_points(state, times)
     if not len(points):
         return points, np.empty(0), np.empty(0), np.empty(0)
-    mean, variance = corrected_model(state, times, trust).predict(points, simulated)
+    mean, variance = corrected_model(state, times).predict(points, simulated)
     return points, mean, variance, log_limit_weight(state, times, points, simulated)
 
 
@@ -154,17 +147,12 @@ def sample_times(state: TuningState) -> NDArray[np.float64]:
     return state.experiment.scored_times(MOST_SAMPLES)
 
 
-def corrected_model(
-    state: TuningState,
-    times: NDArray[np.float64],
-    trust: Literal["uniform", "local"] = "uniform",
-) -> CorrectedTwinModel:
+def corrected_model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
     """Fit the corrected twin to all real runs."""
     from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
-    from gmfbo.surrogate.trust import local_trust, uniform_trust
 
     runs, cost_of = axis_runs(state, times)
-    return CorrectedTwinModel.fit(runs, cost_of, local_trust if trust == "local" else uniform_trust)
+    return CorrectedTwinModel.fit(runs, cost_of)
 
 
 def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns, CostOf]:
