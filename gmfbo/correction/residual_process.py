@@ -89,26 +89,6 @@ class ResidualProcess:
         """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
         return self._centre + self._solved(points).T @ self._whitened
 
-    def share(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Posterior standard deviation over the prior's, shape (q,), within [0, 1]."""
-        explained = np.sum(self._solved(points) ** 2, axis=0)
-        return np.sqrt(np.clip(1.0 - explained, 0.0, 1.0))
-
-    def deviations(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draws of the prior about its mean, shape (count, m); times `share` they are posterior.
-
-        Parameters
-        ----------
-        count : int
-            Number of draws.
-        rng : numpy.random.Generator
-            Source of randomness.
-        """
-        runs = len(self._whitened)
-        if not runs:
-            return np.zeros((count, self._centre.size))
-        return np.asarray(rng.standard_normal((count, runs)) @ self._whitened / np.sqrt(runs))
-
     def _solved(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         if not len(self.points):
             return np.zeros((0, len(points)))

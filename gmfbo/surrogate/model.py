@@ -189,17 +189,6 @@ class SourceModel(SingleTaskGP):
         numbers.update({f"noise.{n}": float(v) for n, v in zip(names, noise, strict=True)})
         return {**numbers, "source_correlation": kernel.source_correlation}
 
-    def observed_covariance(self) -> Tensor:
-        """Prior covariance of the standardised observations, noise included, shape (n, n)."""
-        train = self.train_inputs[0]
-        noise = self.likelihood.noise_covar(train).diagonal()
-        return self.covar_module.forward(train, train) + torch.diag(noise)
-
-    @property
-    def standard_deviation(self) -> float:
-        """Of the observations, by which they are standardised [g]."""
-        return float(self._scale()[1])
-
     def _scale(self) -> tuple[Tensor, Tensor]:
         transform: Any = self.outcome_transform
         return transform.means.flatten()[0], transform.stdvs.flatten()[0]
@@ -207,7 +196,9 @@ class SourceModel(SingleTaskGP):
     def _project(self, inputs: Tensor) -> tuple[Tensor, Tensor]:
         """Standardised mean at inputs, and L^-1 k(X, inputs) with L L^T = K + noise."""
         train = self.train_inputs[0]
-        factor = torch.linalg.cholesky(self.observed_covariance())
+        noise = self.likelihood.noise_covar(train).diagonal()
+        covariance = self.covar_module.forward(train, train) + torch.diag(noise)
+        factor = torch.linalg.cholesky(covariance)
         half = torch.linalg.solve_triangular(
             factor, self.covar_module.forward(train, inputs), upper=False
         )

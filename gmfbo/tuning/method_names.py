@@ -2,7 +2,6 @@
 
 METHOD_NAMES = (
     "gmfbo",
-    "gmfbo_guarded",
     "gmfbo_kernel",
     "gmfbo_paper",
     "mfbo_adaptive",

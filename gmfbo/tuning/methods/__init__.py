@@ -14,7 +14,6 @@ from __future__ import annotations
 from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods.bo_ei import SingleSourceImprovement
 from gmfbo.tuning.methods.gmfbo import Gmfbo
-from gmfbo.tuning.methods.gmfbo_guarded import GuardedGmfbo
 from gmfbo.tuning.methods.gmfbo_kernel import KernelGmfbo
 from gmfbo.tuning.methods.gmfbo_paper import PrintedGmfbo
 from gmfbo.tuning.methods.mfbo_adaptive import AdaptiveMultiFidelity
@@ -30,7 +29,6 @@ METHODS: dict[str, Method] = {
     method.name: method
     for method in (
         Gmfbo(),
-        GuardedGmfbo(),
         KernelGmfbo(),
         PrintedGmfbo(),
         AdaptiveMultiFidelity(),
