@@ -18,7 +18,9 @@ def methods() -> None:
     """
     import gmfbo.retuning  # noqa: F401 - adds its methods
     from gmfbo.tuning.methods import all_methods
+    from gmfbo.tuning.study_sections import DEFAULT_METHOD
 
     for name, method in all_methods().items():
-        console.print(f"{name:<16} {method.summary}")
+        chosen = " (default)" if name == DEFAULT_METHOD else ""
+        console.print(f"{name:<16} {method.summary}{chosen}")
         console.print(f"{'':<16} source: {method.reference}")

@@ -10,6 +10,7 @@ import pytest
 
 from gmfbo.errors import InputError
 from gmfbo.tuning.methods import METHODS, all_methods, find_method
+from gmfbo.tuning.study_sections import DEFAULT_METHOD
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
@@ -75,6 +76,8 @@ def test_the_program_lists_it_with_its_source(packages: Path) -> None:
     assert "corner           walks from the upper corner" in printed
     assert "source: a test, 2026" in printed
     assert all(name in printed for name in METHODS)
+    (default,) = [line for line in printed.splitlines() if line.endswith(" (default)")]
+    assert default.split()[0] == DEFAULT_METHOD
 
 
 def test_methods_of_gmfbo_come_first_and_cannot_be_replaced(packages: Path) -> None:
