@@ -15,7 +15,7 @@ from gmfbo.errors import InputError
 STUDY = """\
 name = "demo"
 seed = {seed}
-method = "gmfbo"
+method = "gmfbo_physics"
 
 [is1]
 twin = {twin}
@@ -63,7 +63,7 @@ def demo(
     ] = 0,
     runs: Annotated[
         int, typer.Option(min=3, metavar="N", help="Runs of the real axis while tuning.")
-    ] = 8,
+    ] = 5,
 ) -> None:
     """Tune an embedded drive, then find what is hidden in an axis.
 

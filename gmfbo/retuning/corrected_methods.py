@@ -13,6 +13,7 @@ from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.retuning.smoothing_refiner import SmoothingRefiner
 from gmfbo.sources.source import Source
 from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.closer_look import LookingMethod
 from gmfbo.tuning.method import CorrectionOptions, Method, Proposal
 from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
 from gmfbo.tuning.state import TuningState
@@ -45,6 +46,12 @@ class OnCorrectedTwin:
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
         """Ask the real axis where the corrected twin promises most."""
         return self.searching.propose(state, rng)
+
+    def promising(self, state: TuningState) -> NDArray[np.float64]:
+        """Gains around which a closer look pays; none where the method does not say."""
+        if isinstance(self.searching, LookingMethod):
+            return self.searching.promising(state)
+        return np.empty((0, len(state.space)))
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""

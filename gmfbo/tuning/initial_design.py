@@ -18,6 +18,7 @@ class Stream(IntEnum):
     IS3 = 2
     PROPOSAL = 3
     SURVEY = 4
+    CLOSER_LOOK = 5
 
 
 def stream(seed: int, purpose: Stream, *numbers: int) -> np.random.Generator:

@@ -66,12 +66,15 @@ class CorrectionOptions:
         Runs of the twin over the box, made once before the first query.
     around_real : bool
         Make corrected runs at all; otherwise the survey is all that is wanted.
+    closer : int
+        Runs of the twin around the promising gains before each query, in each of two stages.
     """
 
     memory: Literal["latest", "accumulate"] = "latest"
     at_border: Literal["project", "reflect"] = "project"
     survey: int = 0
     around_real: bool = True
+    closer: int = 0
 
 
 class Method(Protocol):

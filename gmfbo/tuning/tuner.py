@@ -15,6 +15,7 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.sources.plant_call import PlantFunction
 from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
+from gmfbo.tuning.closer_look import look_closer
 from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.earlier_runs import EarlierRuns
 from gmfbo.tuning.experiment_series import ExperimentSeries
@@ -319,6 +320,8 @@ class Tuner:
         self._twin = self._corrections.follow(self._watch)
         if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
             return None
+        if not held:
+            look_closer(self.method, self._twin)
         request = self._decide(held)
         if request is None:
             return None

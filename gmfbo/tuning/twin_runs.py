@@ -111,6 +111,19 @@ class TwinRuns:
         for trial in corrected.around(real[-1]):
             self.announce("correction", trial)
 
+    def beside_again(self, real: Trial, gains: Mapping[str, float]) -> None:
+        """Run the twin because of a real run, at other gains than that.
+
+        Parameters
+        ----------
+        real : Trial
+            The real run, with the twin's run at its gains in the history.
+        gains : mapping of str to float
+            All gains by name.
+        """
+        trial = self.history.write(self._run(gains, parent=real.number))
+        self.announce("correction", trial)
+
     def _beside(self, real: Trial) -> None:
         """Run the twin at the gains of a real run, unless it was."""
         if not self.history.children(real, "IS2"):

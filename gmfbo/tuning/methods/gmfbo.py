@@ -27,13 +27,16 @@ if TYPE_CHECKING:
 SURVEY = 400
 """Runs of the twin over the box; a region of one percent of two gains then holds about four."""
 
+CLOSER = 16
+"""Runs of the twin in each stage of a closer look; two stages before a query."""
+
 MOST_SAMPLES = 400
 """Samples of a trajectory that are compared; metrics interpolate between them."""
 
 REPEAT_RADIUS, FAILED_RADIUS = 0.002, 0.05
 """Distances in the unit cube that are kept from real runs, and from those that failed."""
 
-CORRECTION = CorrectionOptions(memory="latest", at_border="reflect", survey=SURVEY)
+CORRECTION = CorrectionOptions(memory="latest", at_border="reflect", survey=SURVEY, closer=CLOSER)
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,18 @@ class Gmfbo:
         # A repeat of a real run has no variance left, and is no candidate.
         score = log_improvement(mean[new], variance[new], state.incumbent()) + log_weight[new]
         return Proposal("IS1", points[new][int(np.argmax(score))], mismatch)
+
+    def promising(self, state: TuningState) -> NDArray[np.float64]:
+        """Gains with the largest expected improvement, and with the least expected cost."""
+        from gmfbo.acquisition.improvement import log_improvement
+
+        points, mean, variance, log_weight = _belief(state)
+        new = is_new(points, state)
+        if not new.any():
+            return np.empty((0, len(state.space)))
+        score = log_improvement(mean[new], variance[new], state.incumbent()) + log_weight[new]
+        least = np.where(log_weight >= min(np.log(0.5), float(log_weight.max())), mean, np.inf)
+        return np.stack([points[new][int(np.argmax(score))], points[int(np.argmin(least))]])
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""
@@ -168,11 +183,10 @@ def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns,
     from gmfbo.surrogate.corrected_twin import AxisRuns
 
     signal = state.experiment.signal
-    beside = {
-        trial.parent: trial
-        for trial in state.trials
-        if trial.source == "IS2" and trial.parent is not None
-    }
+    beside: dict[int, Trial] = {}
+    for trial in state.trials:
+        if trial.source == "IS2" and trial.parent is not None:
+            beside.setdefault(trial.parent, trial)  # later ones are a closer look
     real = [trial for trial in state.trials if trial.source == "IS1"]
     outdated = {seen.number: seen.outdated for seen in state.of("IS1")}
     runs = AxisRuns(
