@@ -11,7 +11,7 @@ from gmfbo.tuning.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.study_sections import BudgetSection
 
 Role = Literal[
-    "initial", "survey", "earlier", "query", "renewed", "beside", "corrected", "rejected"
+    "initial", "survey", "earlier", "query", "renewed", "beside", "closer", "corrected", "rejected"
 ]
 
 ROLES: Mapping[Role, str] = {
@@ -21,6 +21,7 @@ ROLES: Mapping[Role, str] = {
     "query": "asked for by the method",
     "renewed": "made again by a corrected twin",
     "beside": "beside a real run",
+    "closer": "a closer look where it is promising",
     "corrected": "corrected, around a real run",
     "rejected": "corrected, but too uncertain",
 }
@@ -68,6 +69,7 @@ def placed_runs(
     earlier_runs = len(begun[-1]["trials"]) if begun else 0
     first_twin = next((t.twin for t in trials if t.source == "IS2" and t.parent is None), "")
     real, twin, query, cost = 0, 0, 0, 0.0
+    gains_of = {trial.number: trial.gains for trial in trials if trial.source == "IS1"}
     placed = []
     for trial in trials:
         if trial.source == "IS1":
@@ -80,6 +82,8 @@ def placed_runs(
         else:
             cost += TWIN_COST
             role = _twin_role(trial, asked, twin < budget.initial_is2, trial.twin != first_twin)
+            if role == "beside" and trial.gains != gains_of.get(trial.parent or 0):
+                role = "closer"
             twin += trial.source == "IS2"
         query += role == "query"
         placed.append(Run(trial, role, query, cost))

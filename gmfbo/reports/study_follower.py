@@ -25,6 +25,7 @@ _PHASES: Mapping[Role, Phase] = {
     "query": "query",
     "renewed": "correction",
     "beside": "correction",
+    "closer": "correction",
     "corrected": "correction",
     "rejected": "correction",
 }

@@ -8,15 +8,16 @@ from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.methods.mfbo_takg import MultiFidelityKnowledgeGradient
 
-SURVEY = 25
-"""Runs of the twin over the box; the methods' own surveys take most of a test's time."""
+SURVEY, CLOSER = 25, 2
+"""Runs of the twin over the box, and in a stage of a closer look: most of a test's time."""
 
 
 def _quick(method: Method) -> Method:
     options = method.correction
     if options is None or not options.survey:
         return method
-    changed: Method = replace(method, correction=replace(options, survey=SURVEY))  # type: ignore[type-var]
+    small = replace(options, survey=SURVEY, closer=min(options.closer, CLOSER))
+    changed: Method = replace(method, correction=small)  # type: ignore[type-var]
     return changed
 
 

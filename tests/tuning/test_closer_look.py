@@ -1,0 +1,88 @@
+"""The twin is run around the promising gains before each query."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gmfbo.recordings.memory_store import MemoryStore
+from gmfbo.recordings.trial import Trial
+from gmfbo.tuning.closer_look import RADII
+from gmfbo.tuning.history import History
+from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
+from gmfbo.tuning.tuner import Tuner
+from tests.tuning.analytic_axis import AnalyticAxis, write_study
+
+COUNT = 6
+
+
+def played(folder: Path, closer: int, iterations: int = 2) -> tuple[list[Trial], History]:
+    method = Gmfbo(correction=replace(CORRECTION, survey=25, closer=closer))
+    study = write_study(folder, method="gmfbo", budget=f"iterations = {iterations}")
+    store = MemoryStore(study.location, study.text)
+    twin = AnalyticAxis(inertia=0.2)
+    with Tuner(study, is1=AnalyticAxis(), is2=twin, method=method, store=store) as tuner:
+        tuner.run()
+        return store.trials(), tuner.history
+
+
+def looks(trials: list[Trial]) -> list[list[Trial]]:
+    """Runs of the twin that belong to each real run, but the one at its gains."""
+    real = [trial for trial in trials if trial.source == "IS1"]
+    return [
+        [t for t in trials if (t.source, t.parent) == ("IS2", one.number) and t.gains != one.gains]
+        for one in real
+    ]
+
+
+def test_each_query_is_preceded_by_two_stages_around_few_places(tmp_path: Path) -> None:
+    trials, history = played(tmp_path, COUNT)
+    # The first initial run asks for nothing, and after the last query there is none to prepare.
+    assert [len(look) for look in looks(trials)] == [0, 2 * COUNT, 2 * COUNT, 0]
+    for look in looks(trials)[1:3]:
+        points = np.array([history.unit_point(trial.gains) for trial in look])
+        assert points.min() >= 0.0
+        assert points.max() <= 1.0
+        for stage, radius in enumerate(RADII):
+            # Turn about, the draws lie around one promising place and the other.
+            for centre in range(2):
+                near = points[stage * COUNT + centre : (stage + 1) * COUNT : 2]
+                spread = np.linalg.norm(near - np.median(near, axis=0), axis=1)
+                assert spread.max() < 8.0 * radius
+
+
+def test_what_a_closer_look_found_may_be_asked_for(tmp_path: Path) -> None:
+    trials, _ = played(tmp_path, COUNT, iterations=6)
+    looked_at = [tuple(trial.gains.values()) for look in looks(trials) for trial in look]
+    asked = [tuple(trial.gains.values()) for trial in trials if trial.source == "IS1"]
+    assert set(asked[2:]) & set(looked_at)
+
+
+def test_negative_control_without_it_there_are_no_such_runs(tmp_path: Path) -> None:
+    trials, _ = played(tmp_path, 0)
+    assert [len(look) for look in looks(trials)] == [0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("kept", [1, COUNT, COUNT + 2])
+def test_a_look_that_was_broken_off_goes_on_to_the_same_runs(tmp_path: Path, kept: int) -> None:
+    method = Gmfbo(correction=replace(CORRECTION, survey=25, closer=COUNT))
+    whole, _ = played(tmp_path / "whole", COUNT)
+    first = looks(whole)[1][kept - 1].number  # the last run that survived
+    study = write_study(tmp_path / "broken", method="gmfbo", budget="iterations = 2")
+    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=method) as tuner:
+        tuner.run()
+    for path in (study.location / "trials").glob("*.h5"):
+        if int(path.stem) > first:
+            path.unlink()
+    log = study.location / "events.jsonl"
+    lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
+    asked = [k for k, line in enumerate(lines) if '"ask"' in line]
+    log.write_text("".join(lines[: asked[2]]), encoding="utf-8")  # two initial runs were asked for
+    with Tuner(
+        study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=method, resume=True
+    ) as tuner:
+        tuner.run()
+    assert [(t.source, t.gains) for t in study.trials] == [(t.source, t.gains) for t in whole]
