@@ -170,3 +170,9 @@ class GainSpace:
     def _warped_bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         low, high = self._warp(self.bounds)
         return low, high
+
+
+def folded(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Bring points of shape (..., d) into the unit cube, by reflection at its faces."""
+    inside = np.mod(points, 2.0)
+    return np.minimum(inside, 2.0 - inside)

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gmfbo.correction.trajectory_gp import TrajectoryCorrection
 from gmfbo.errors import InputError
+from gmfbo.space import folded
 
 Simulate = Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]] | None]
 
@@ -118,10 +119,7 @@ def reference_size(reference: ArrayLike) -> float:
 
 def into_box(point: NDArray[np.float64], at_border: str) -> NDArray[np.float64]:
     """Bring a point of shape (d,) into the unit cube, by projection or by reflection."""
-    if at_border == "project":
-        return np.clip(point, 0.0, 1.0)
-    folded = np.mod(point, 2.0)
-    return np.minimum(folded, 2.0 - folded)
+    return np.clip(point, 0.0, 1.0) if at_border == "project" else folded(point)
 
 
 def draw_local_samples(

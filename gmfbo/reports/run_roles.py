@@ -81,22 +81,29 @@ def placed_runs(
             cost += 0.0 if earlier else IS1_COST
         else:
             cost += TWIN_COST
-            role = _twin_role(trial, asked, twin < budget.initial_is2, trial.twin != first_twin)
-            if role == "beside" and trial.gains != gains_of.get(trial.parent or 0):
-                role = "closer"
+            role = _twin_role(
+                trial,
+                real=gains_of.get(trial.parent or 0),
+                asked=trial.number in asked,
+                initial=twin < budget.initial_is2,
+                renewed=trial.twin != first_twin,
+            )
             twin += trial.source == "IS2"
         query += role == "query"
         placed.append(Run(trial, role, query, cost))
     return tuple(placed)
 
 
-def _twin_role(trial: Trial, asked: set[int], initial: bool, other_twin: bool) -> Role:
+def _twin_role(
+    trial: Trial, *, real: Mapping[str, float] | None, asked: bool, initial: bool, renewed: bool
+) -> Role:
+    """Role of a run of the twin, by the gains of the real run it belongs to and what it was."""
     if trial.source == "IS3":
         return "rejected" if trial.accepted is False else "corrected"
     if trial.parent is not None:
-        return "beside"
-    if trial.number in asked:
+        return "beside" if trial.gains == real else "closer"
+    if asked:
         return "query"
-    if other_twin:
+    if renewed:
         return "renewed"
     return "initial" if initial else "survey"

@@ -246,8 +246,11 @@ class StudyReview:
         real : Trial
             A real run.
         """
-        beside = [run.trial for run in self.of("IS2") if run.role == "beside"]
-        beside = [trial for trial in beside if trial.parent == real.number]
+        beside = [
+            run.trial
+            for run in self.of("IS2")
+            if run.role == "beside" and run.trial.parent == real.number
+        ]
         return beside[-1] if beside else None
 
     @property

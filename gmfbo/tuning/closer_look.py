@@ -12,6 +12,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.space import folded
 from gmfbo.tuning.history import History
 from gmfbo.tuning.initial_design import Stream, stream
 from gmfbo.tuning.method import Method
@@ -68,8 +69,7 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
             return
         rng = stream(seed, Stream.CLOSER_LOOK, real[-1].number, stage)
         draws = rng.normal(0.0, radius, (count, len(history.gains.space)))
-        points = np.abs(centres[np.arange(count) % len(centres)] + draws)
-        points = 1.0 - np.abs(1.0 - points)  # what falls outside the box is folded back
+        points = folded(centres[np.arange(count) % len(centres)] + draws)
         for point in points[made - known :]:
             runs.beside_again(real[-1], history.gains_at(point))
 

@@ -63,7 +63,6 @@ def _as_words(value: object) -> object:
 
 Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
 
-
 DEFAULT_METHOD = "gmfbo_physics"
 """Fewest real runs of all methods on the project's studies: `tests/benchmarks/results`."""
 

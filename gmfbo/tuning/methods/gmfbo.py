@@ -53,55 +53,78 @@ class Gmfbo:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the real axis where the corrected twin promises most."""
-        from gmfbo.acquisition.improvement import log_improvement
         from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        points, mean, variance, log_weight = _belief(state)
-        new = is_new(points, state)
-        if not new.any():
+        point = _Belief.of(state).most_promising(state)
+        if point is None:
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere new")
-        # A repeat of a real run has no variance left, and is no candidate.
-        score = log_improvement(mean[new], variance[new], state.incumbent()) + log_weight[new]
-        return Proposal("IS1", points[new][int(np.argmax(score))], mismatch)
+        return Proposal("IS1", point, mismatch)
 
     def promising(self, state: TuningState) -> NDArray[np.float64]:
         """Gains with the largest expected improvement, and with the least expected cost."""
-        from gmfbo.acquisition.improvement import log_improvement
-
-        points, mean, variance, log_weight = _belief(state)
-        new = is_new(points, state)
-        if not new.any():
+        belief = _Belief.of(state)
+        point = belief.most_promising(state)
+        if point is None:
             return np.empty((0, len(state.space)))
-        score = log_improvement(mean[new], variance[new], state.incumbent()) + log_weight[new]
-        least = np.where(log_weight >= min(np.log(0.5), float(log_weight.max())), mean, np.inf)
-        return np.stack([points[new][int(np.argmax(score))], points[int(np.argmin(least))]])
+        return np.stack([point, belief.points[belief.least_expected()]])
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""
-        points, mean, variance, log_weight = _belief(state)
-        if not len(points):
+        belief = _Belief.of(state)
+        if not len(belief.points):
             best = min(state.of("IS1"), key=lambda seen: seen.objective)
             return best.point, best.objective, 0.0
-        probable = log_weight >= min(np.log(0.5), float(log_weight.max()))
-        row = int(np.argmin(np.where(probable, mean, np.inf)))
-        return points[row], float(mean[row]), float(np.sqrt(variance[row]))
+        row = belief.least_expected()
+        return belief.points[row], float(belief.mean[row]), float(np.sqrt(belief.variance[row]))
 
 
-def _belief(
-    state: TuningState,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Points where the twin was run, shape (q, d), and what is believed of the axis there.
+@dataclass(frozen=True, eq=False)
+class _Belief:
+    """What is believed of the axis at the q points where the twin was run.
 
-    Mean and variance of the cost, and the log probability that the limits are met.
+    Attributes
+    ----------
+    points : ndarray, shape (q, d)
+        In the unit cube.
+    mean, variance : ndarray, shape (q,)
+        Of the cost.
+    log_weight : ndarray, shape (q,)
+        Log probability that the limits are met.
     """
-    times = sample_times(state)
-    points, simulated = twin_at_points(state, times)
-    if not len(points):
-        return points, np.empty(0), np.empty(0), np.empty(0)
-    mean, variance = corrected_model(state, times).predict(points, simulated)
-    return points, mean, variance, log_limit_weight(state, times, points, simulated)
+
+    points: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    variance: NDArray[np.float64]
+    log_weight: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, state: TuningState) -> _Belief:
+        """Fit the corrected twin to all that was observed."""
+        times = sample_times(state)
+        points, simulated = twin_at_points(state, times)
+        if not len(points):
+            return cls(points, np.empty(0), np.empty(0), np.empty(0))
+        mean, variance = corrected_model(state, times).predict(points, simulated)
+        return cls(points, mean, variance, log_limit_weight(state, times, points, simulated))
+
+    def most_promising(self, state: TuningState) -> NDArray[np.float64] | None:
+        """Point (d,) of the largest expected improvement among the new ones; None without any."""
+        from gmfbo.acquisition.improvement import log_improvement
+
+        # A repeat of a real run has no variance left, and is no candidate.
+        new = is_new(self.points, state)
+        if not new.any():
+            return None
+        gain = log_improvement(self.mean[new], self.variance[new], state.incumbent())
+        found: NDArray[np.float64] = self.points[new][int(np.argmax(gain + self.log_weight[new]))]
+        return found
+
+    def least_expected(self) -> int:
+        """Row of the least expected cost where the limits are probably met."""
+        probable = self.log_weight >= min(np.log(0.5), float(self.log_weight.max()))
+        return int(np.argmin(np.where(probable, self.mean, np.inf)))
 
 
 def twin_at_points(
