@@ -57,6 +57,8 @@ class _Version:
         None before the first.
     first : int
         Number of the last real run that the first correction knew.
+    since : int
+        Number of the last real run before the plant changed, as it was known then.
     effects : tuple of str
         Named by the diagnosis.
     """
@@ -66,6 +68,7 @@ class _Version:
     unknowns: Unknowns
     estimate: Estimate | None = None
     first: int = 0
+    since: int = 0
     effects: tuple[str, ...] = ()
 
     @property
@@ -133,7 +136,8 @@ class PhysicsRefiner:
         if not signals:
             return None
         runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
-        if version.estimate is not None and self._expected(runs[-1], version.estimate):
+        changed = history.changed_after != version.since
+        if not changed and version.estimate and self._expected(runs[-1], version.estimate):
             return None
         begun = version.estimate or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
@@ -142,8 +146,16 @@ class PhysicsRefiner:
             completed = self._completed(history, trials, signals, estimate)
             if completed is not None and _is_better(completed[1], estimate):
                 version, estimate, reason = completed
-        first = version.first or history.of("IS1")[-1].number
-        self._newest = replace(version, number=version.number + 1, estimate=estimate, first=first)
+        # What was known before a change says nothing of how good this version is.
+        first = 0 if changed else version.first
+        first = first or history.of("IS1")[-1].number
+        self._newest = replace(
+            version,
+            number=version.number + 1,
+            estimate=estimate,
+            first=first,
+            since=history.changed_after,
+        )
         return self._told(reason, signals)
 
     def restore(self, event: Mapping[str, Any]) -> TwinVersion:
@@ -157,7 +169,13 @@ class PhysicsRefiner:
         if not event["given_up"]:
             estimate = read_estimate(self._folder / _estimate_file(event["version"]))
         self._newest = _Version(
-            event["version"], model, unknowns, estimate, event["first"], tuple(event["effects"])
+            number=event["version"],
+            model=model,
+            unknowns=unknowns,
+            estimate=estimate,
+            first=event["first"],
+            since=event.get("since", 0),  # an older log lacks it: a change counts as news
+            effects=tuple(event["effects"]),
         )
         return self._as_version(event["reason"], {})
 
@@ -225,6 +243,7 @@ class PhysicsRefiner:
         version, estimate = self._version, self._version.estimate
         details: dict[str, Any] = {
             "first": version.first,
+            "since": version.since,
             "effects": list(version.effects),
             "given_up": version.given_up,
             "augmented": None,

@@ -15,6 +15,9 @@ from gmfbo.tuning.incumbent import best_run
 from gmfbo.tuning.run_values import values_of_runs
 from gmfbo.tuning.state import TuningState
 
+NEXT_TO = 0.02
+"""Distance in the unit cube within which a run says what a repeat would."""
+
 
 @dataclass(frozen=True)
 class Repeat:
@@ -76,10 +79,10 @@ class DriftWatch:
     def repeat(self, state: TuningState) -> Repeat | None:
         """A real run whose gains are to be run again next; usually None.
 
-        After a change this is the best run from before it, once: whether its gains are still good
-        decides what the search starts from. Where the study wants it, every n-th real run repeats
-        the best of the first ones, always the same: the same gains with another result are the
-        surest sign of a change.
+        After a change this is the best run from before it, once, unless a run since was next to
+        it: whether its gains are still good decides what the search starts from. Where the study
+        wants it, every n-th real run repeats the best of the first ones, always the same: the
+        same gains with another result are the surest sign of a change.
 
         Parameters
         ----------
@@ -90,8 +93,7 @@ class DriftWatch:
         newest = history.drifts[-1] if history.drifts else None
         every, best, why = self.section.repeat_every, None, ""
         if newest is not None and newest.found_at == made:
-            before = [trial for trial in history.trials if trial.number <= newest.last_before]
-            best = best_run(before, history.limits)
+            best = self._best_before(newest)
             why = "repeats the best run from before the plant changed"
         elif every and (made + 1) % every == 0:
             since = [t for t in history.of("IS1") if t.number > history.changed_after]
@@ -101,6 +103,22 @@ class DriftWatch:
             return None
         point = history.unit_point(best.gains)
         return Repeat(dict(best.gains), why) if state.keep_out.admits(point[None, :])[0] else None
+
+    def _best_before(self, drift: Drift) -> Trial | None:
+        """Best run from before a change; None where a run since was made next to it already."""
+        history = self.history
+        before = [trial for trial in history.trials if trial.number <= drift.last_before]
+        best = best_run(before, history.limits)
+        made = [trial for trial in history.of("IS1") if trial.status == "ok"]
+        since = [trial for trial in made if trial.number > drift.last_before]
+        if best is None or not since:
+            return best
+        distances = np.linalg.norm(
+            np.stack([history.unit_point(trial.gains) for trial in since])
+            - history.unit_point(best.gains),
+            axis=1,
+        )
+        return None if distances.min() <= NEXT_TO else best
 
     def _weighed(self, real: list[Trial]) -> int:
         """Real runs that were weighed before."""

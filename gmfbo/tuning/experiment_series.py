@@ -127,13 +127,29 @@ class ExperimentSeries:
         ndarray, shape (m,)
             [s] Increasing; m is at most `count`, evenly spaced within each horizon.
         """
+        starts = self.offsets + [part.step_time for part in self.parts]
+        since, _ = self.after_step(count)
+        return np.repeat(starts, since.size // len(self.parts)) + since
+
+    def after_step(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What `scored_times` are to the step of their reference.
+
+        Parameters
+        ----------
+        count : int
+            As for `scored_times`.
+
+        Returns
+        -------
+        since : ndarray, shape (m,)
+            [s] Time since the step.
+        target : ndarray, shape (m,)
+            [unit of the signal] Value that was stepped to.
+        """
         each = max(count // len(self.parts), 2)
-        return np.concatenate(
-            [
-                offset + part.step_time + np.linspace(0.0, part.horizon, each)
-                for part, offset in zip(self.parts, self.offsets, strict=True)
-            ]
-        )
+        since = [np.linspace(0.0, part.horizon, each) for part in self.parts]
+        targets = [np.full(each, part.initial + part.step_size) for part in self.parts]
+        return np.concatenate(since), np.concatenate(targets)
 
     def join(self, runs: Sequence[Recording]) -> Recording:
         """Join the runs of one query, the first ones of all references.

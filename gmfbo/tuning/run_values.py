@@ -38,12 +38,15 @@ class RunValues:
 def values_of_runs(
     real: Sequence[Trial], beside: Sequence[Trial | None], experiment: ExperimentSeries
 ) -> list[RunValues]:
-    """Cost and mean position of each run, and how far it lags behind the twin.
+    """Mean, spread and error of the scored signal, and how it differs from the twin's.
 
-    The cost is what is tuned, but it jumps where a response just enters the settling band; the
-    mean of the trajectory does not, and moves by a late response. The lag of y behind the twin's
-    x is the shift in time that explains most of the difference, sum((x - y) x') / sum(x'^2): most
-    of what the gains do to a response they do to the twin's, too, and it drops out.
+    Not the cost, which jumps where a response just enters the settling band and then looks like
+    a change: these move smoothly with the gains. The error is weighted by the time since the
+    step, as in ITAE (Graham and Lathrop 1953), and its logarithm taken, since gains change it by
+    factors. The lag of y behind the twin's x is the shift in time that explains most of the
+    difference, sum((x - y) x') / sum(x'^2), and the mean of a signal beyond the twin's shows a
+    force that came or went: most of what the gains do to a response they do to the twin's, too,
+    and it drops out.
 
     Parameters
     ----------
@@ -52,21 +55,26 @@ def values_of_runs(
     beside : sequence of Trial or None
         The twin's run at the same gains, where there is one.
     experiment : ExperimentSeries
-        Names the signal and the times.
+        Names the scored signal and the times.
     """
     times, signal = experiment.scored_times(MOST_SAMPLES), experiment.signal
-    found: dict[str, list[tuple[int, float]]] = {"cost": [], f"mean {signal}": []}
-    lags: list[tuple[int, float]] = []
+    since, target = experiment.after_step(MOST_SAMPLES)
+    found: dict[str, list[tuple[int, float]]] = {}
     for row, (trial, twin) in enumerate(zip(real, beside, strict=True)):
         if trial.status != "ok":
             continue
         measured = sampled(trial, times, signal)
-        found["cost"].append((row, trial.objective))
-        found[f"mean {signal}"].append((row, float(measured.mean())))
+        values = {f"mean {signal}": float(measured.mean())}
+        values[f"spread of {signal}"] = float(measured.std())
+        late = float(np.mean(since * np.abs(measured - target)))
+        values["lasting error"] = np.log(max(late, np.finfo(float).tiny))
         if twin is not None and twin.status == "ok":
-            lags.append((row, _lag(times, sampled(twin, times, signal), measured)))
-    if lags:
-        found["lag behind the twin"] = lags
+            values["lag behind the twin"] = _lag(times, sampled(twin, times, signal), measured)
+            for name in _answers(trial, twin, experiment):
+                beyond = _mean(trial, times, name) - _mean(twin, times, name)
+                values[f"mean {name} beyond the twin"] = beyond
+        for name, value in values.items():
+            found.setdefault(name, []).append((row, value))
     return [
         RunValues(name, np.array([r for r, _ in pairs], dtype=int), np.array([v for _, v in pairs]))
         for name, pairs in found.items()
@@ -84,6 +92,21 @@ def at_times(
     """Values on the rows of a recording at given times, shape (m,); NaN was not sampled."""
     known = np.isfinite(values)
     return np.interp(times, recording.time[known], values[known])
+
+
+def _mean(trial: Trial, times: NDArray[np.float64], signal: str) -> float:
+    return float(sampled(trial, times, signal).mean())
+
+
+def _answers(trial: Trial, twin: Trial, experiment: ExperimentSeries) -> list[str]:
+    """Signals of both runs, sampled often enough to be compared, that were not given to them."""
+    played = {name for reference in experiment.references for name in reference.signals}
+    one, other = trial.recording.signals, twin.recording.signals
+    return sorted(
+        name
+        for name in (one.keys() & other.keys()) - played
+        if min(np.isfinite(one[name]).sum(), np.isfinite(other[name]).sum()) >= 2
+    )
 
 
 def _lag(

@@ -19,10 +19,12 @@ from gmfbo.retuning.corrected_methods import (
     OnCorrectedTwin,
 )
 from gmfbo.retuning.real_runs import plain_recordings
+from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.twin_guard import misleads
 from gmfbo.sources.models import models_folder
 from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.drift import Drift
 from gmfbo.tuning.history import History
 from gmfbo.tuning.method import CorrectionOptions
 from gmfbo.tuning.twin_version import TwinVersion
@@ -134,6 +136,28 @@ def test_a_study_that_is_opened_anew_for_each_run_goes_on_the_same(
     assert [(t.source, t.twin, t.objective) for t in study.trials] == [
         (t.source, t.twin, t.objective) for t in whole.trials
     ]
+
+
+def test_after_a_change_of_the_plant_the_twin_is_estimated_from_the_runs_since(
+    whole: Study, tmp_path: Path
+) -> None:
+    given = FmuTwin(
+        models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
+    )
+    with given, Tuner(whole, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
+        refiner, history = PhysicsRefiner(given, tmp_path, completer=None), tuner.history
+        first = refiner.revise(history)
+        assert first is not None
+        assert first.reason == "estimated from 4 real runs"
+        # Negative control: nothing is new.
+        assert refiner.revise(history) is None
+        history.drifts.append(
+            Drift(4, 2, history.of("IS1")[1].number, evidence=1e3, sign="lag", share=1.0)
+        )
+        since = refiner.revise(history)
+        assert since is not None
+        assert since.reason == "estimated from 2 real runs"
+        assert refiner.revise(history) is None
 
 
 def test_smoothing_alone_changes_the_twin_once(tmp_path: Path) -> None:

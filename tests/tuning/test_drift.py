@@ -17,6 +17,7 @@ from gmfbo.recordings.memory_store import MemoryStore
 from gmfbo.recordings.pack import pack_study
 from gmfbo.recordings.recording import Recording
 from gmfbo.tuning.drift import Drift
+from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.request import TuningResult
 from gmfbo.tuning.state import TuningState
@@ -107,11 +108,40 @@ def test_a_study_that_is_resumed_sees_the_same_changes_and_proposes_the_same(
 
 
 def test_after_a_change_the_former_best_is_run_again(tmp_path: Path) -> None:
-    study = study_at(tmp_path, 13)
-    (drift,) = tuned(study, 2.0).drifts
-    real = [trial for trial in study.trials if trial.source == "IS1"]
-    former = min(real[: drift.after_runs], key=lambda trial: trial.objective)
-    assert real[drift.found_at].gains == former.gains
+    tuned(study_at(tmp_path, 4, "is1_runs = {runs}\n"), 1.0)
+    longer = study_at(tmp_path, 5, "is1_runs = {runs}\n")
+    with Tuner(longer, is1=AnalyticAxis(), is2=AnalyticAxis()) as tuner:
+        real = tuner.history.of("IS1")
+        former = min(real[:3], key=lambda trial: trial.objective)
+        tuner.history.drifts.append(
+            replace(FOUND, found_at=4, after_runs=3, last_before=real[2].number)
+        )
+        request = tuner.ask()
+    assert request is not None
+    assert request.gains == dict(former.gains)
+
+
+@pytest.mark.parametrize(
+    ("distance", "repeated"), [(0.01, False), (0.1, True)], ids=["next to it", "elsewhere"]
+)
+def test_the_former_best_is_not_run_again_where_a_run_since_was_next_to_it(
+    tmp_path: Path, distance: float, repeated: bool
+) -> None:
+    study = study_at(tmp_path, 6, "is1_runs = {runs}\n")
+    tuned(study, 1.0)
+    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis()) as tuner:
+        history, state = tuner.history, tuner.history.state({})
+        real = history.of("IS1")
+        best = min(real[:4], key=lambda trial: trial.objective)
+        # The last run as if it had been made so far from the best one.
+        place = history.unit_point(best.gains)
+        moved = place + np.where(place < 0.5, distance, -distance) / np.sqrt(place.size)
+        history.trials = [trial for trial in history.trials if trial is not real[-1]]
+        history.trials.append(replace(real[-1], gains=history.gains_at(moved)))
+        history.drifts.append(replace(FOUND, found_at=6, after_runs=4, last_before=real[3].number))
+        repeat = DriftWatch(history, study.file.drift).repeat(state)
+    assert (repeat is not None) is repeated
+    assert repeat is None or repeat.gains == dict(best.gains)
 
 
 @pytest.mark.parametrize("method", ["bo_ei", "gmfbo", "mfbo_caei"])
