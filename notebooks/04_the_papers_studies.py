@@ -66,7 +66,7 @@ def study_file(level: int) -> Path:
     text = path.read_text(encoding="utf-8")
     for given, small in (
         ("is1_runs = 22", "is1_runs = 4"),
-        ("iterations = 100", "iterations = 10"),
+        ("iterations = 100", "iterations = 5"),
         ('"../../../models/', f'"{models_folder().as_posix()}/'),
     ):
         assert given in text

@@ -92,7 +92,7 @@ trusting = real_costs(by_twin)[-1]
 # parameters; so the diagnosis is asked, and what it names is wired into the twin.
 
 # %%
-by_physics, result = tuned("gmfbo_physics", 5)
+by_physics, result = tuned("gmfbo_physics", 4)
 for number, reason in enumerate(result.twin_versions, start=1):
     print(f"twin version {number}: {reason}")
 costs = real_costs(by_physics)

@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 # Before NumPy and torch load: see gmfbo/__init__.py.
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
+import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402
 
 import gmfbo.retuning  # noqa: E402, F401 - all methods are listed before tests are collected
 
 settings.register_profile("gmfbo", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("gmfbo")
+
+TESTS = Path(__file__).parent
+LONGEST = (TESTS / "notebooks", TESTS / "test_demo_command.py", TESTS / "tuning")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes longest, so that no process waits for another's last file."""
+
+    def place(item: pytest.Item) -> int:
+        among = [item.path.is_relative_to(path) for path in LONGEST]
+        return among.index(True) if any(among) else len(among)
+
+    items.sort(key=place)

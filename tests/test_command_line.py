@@ -211,8 +211,7 @@ def test_an_interrupt_that_python_drops_ends_the_study_all_the_same(study_file: 
     study_file.write_text(study_file.read_text() + 'metrics = "mine.py:lost"\n')
     program = [sys.executable, "-m", "gmfbo", "tune", str(study_file)]
     tuned = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
-    assert "Exception ignored in" in tuned.stderr
-    assert tuned.stderr.strip().endswith("gmfbo: interrupted; all finished work is kept")
+    assert tuned.stderr.strip() == "gmfbo: interrupted; all finished work is kept"
     assert tuned.returncode == 130
     assert list((study_file.with_name("small.study") / "trials").glob("*.h5"))
 

@@ -1,8 +1,12 @@
-"""Ctrl-C that is not lost: Python drops it where it lands in a weak reference's callback."""
+"""Ctrl-C that is not lost: Python drops it where it lands in a weak reference's callback.
+
+It then prints a traceback of its own on standard error, which nobody who pressed the keys wants.
+"""
 
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,8 +31,16 @@ def remembered_interrupt() -> Iterator[threading.Event]:
         pressed.set()
         raise KeyboardInterrupt
 
+    tell = sys.unraisablehook
+
+    def tell_others(dropped: sys.UnraisableHookArgs) -> None:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+            tell(dropped)
+
     signal.signal(signal.SIGINT, note)
+    sys.unraisablehook = tell_others
     try:
         yield pressed
     finally:
+        sys.unraisablehook = tell
         signal.signal(signal.SIGINT, before)

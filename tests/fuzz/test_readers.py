@@ -25,7 +25,7 @@ def test_only_our_own_errors_come_out_of_a_hostile_file(
         package = _PACKAGES[name]
         pytest.importorskip(package, reason=f"needs {package}: pip install 'gmfbo[{name.lower()}]'")
     target, tally = TARGETS[name], Tally()
-    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 2.0)
+    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 5.0)
 
     @settings(
         max_examples=_EXAMPLES,

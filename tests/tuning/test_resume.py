@@ -73,12 +73,12 @@ def asked(study: Study) -> dict[int, dict[str, float]]:
 
 
 @pytest.mark.parametrize(
-    ("method", "most_runs", "latest"), [("random", 4, 0.02), ("bo_ei", 5, 0.2), ("gmfbo", 30, 0.3)]
+    ("method", "most_runs", "latest"), [("random", 6, 0.02), ("bo_ei", 7, 0.2), ("gmfbo", 40, 0.3)]
 )
 def test_stopped_and_resumed_equals_uninterrupted(
     tmp_path: Path, method: str, most_runs: int, latest: float
 ) -> None:
-    budget = "iterations = 5"
+    budget = "iterations = 4"
     whole = write_study(tmp_path / "whole", method=method, seed=2, budget=budget)
     assert run_until(whole.origin / "axis.toml", 10_000, 60.0)
     stopped = write_study(tmp_path / "stopped", method=method, seed=2, budget=budget)
