@@ -137,18 +137,19 @@ class PhysicsRefiner:
             return None
         runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
         changed = history.changed_after != version.since
-        if not changed and version.estimate and self._expected(runs[-1], version.estimate):
+        known = version.estimate
+        if known is not None and not changed and self._expected(runs[-1], known):
             return None
-        begun = version.estimate or Estimate.begin(version.unknowns, len(signals))
+        begun = known or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
         reason = f"estimated from {_runs(len(runs))}"
         if _unexplained(estimate, runs) and len(runs) in DIAGNOSED_AT:
             completed = self._completed(history, trials, signals, estimate)
             if completed is not None and _is_better(completed[1], estimate):
                 version, estimate, reason = completed
-        # What was known before a change says nothing of how good this version is.
-        first = 0 if changed else version.first
-        first = first or history.of("IS1")[-1].number
+        # Predictions from before a change say nothing of how good this version is.
+        begins = changed or not version.first
+        first = history.of("IS1")[-1].number if begins else version.first
         self._newest = replace(
             version,
             number=version.number + 1,
