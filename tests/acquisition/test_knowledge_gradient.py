@@ -9,6 +9,7 @@ from botorch.models.transforms.outcome import Standardize
 from botorch.posteriors.gpytorch import GPyTorchPosterior
 from botorch.sampling.normal import SobolQMCNormalSampler
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from gmfbo.acquisition.knowledge_gradient import (
     KnowledgeGradientSettings,
@@ -71,34 +72,56 @@ def test_held_and_rounded_gains_are_respected() -> None:
     assert point[0] * 20.0 == pytest.approx(round(point[0] * 20.0))
 
 
-def test_value_is_the_closed_form_of_the_linear_gaussian_case() -> None:
-    """A run moves the posterior mean by c(k, .) / sqrt(c(k, k) + noise) times a normal draw."""
+def learned_at(
+    model: TruncatedModel, here: torch.Tensor, inputs: torch.Tensor, draws: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Mean over `inputs`, a row for each outcome of a run: it moves by a normal draw times
+    c(k, .) / sqrt(c(k, k) + noise)."""
+    with exact_algebra(), torch.no_grad():
+        joint = model.posterior(torch.cat([here, inputs]))
+    assert isinstance(joint, GPyTorchPosterior)
+    covariance = joint.distribution.covariance_matrix.numpy()
+    transform = model.outcome_transform
+    assert isinstance(transform, Standardize)
+    noise = float(model.likelihood.noise.detach()) * float(transform.stdvs.item()) ** 2
+    slope = covariance[0, 1:] / np.sqrt(covariance[0, 0] + noise)
+    moved: NDArray[np.float64] = joint.mean.numpy()[1:, 0] + slope * draws[:, None]
+    return moved
+
+
+@pytest.mark.parametrize("source", BOTH)
+def test_value_is_the_closed_form_of_the_linear_gaussian_case(source: str) -> None:
     data, search = observed(8), Search(2)
     model = TruncatedModel.fit(data)
     acquisition, sampler = (
         knowledge_gradient(model, search, 64, seed=1),
         SobolQMCNormalSampler(torch.Size([64]), seed=1),
     )
-    here = with_source(np.array([0.4, 0.6]), "IS1")
-    inputs = with_source(search.pool()[::16], "IS1")
+    here = with_source(np.array([0.4, 0.6]), source)
+    inputs = with_source(search.pool(), "IS1")
     _, least = recommend(model, search)
     with exact_algebra(), torch.no_grad():
         sampler(model.posterior(here, observation_noise=True))
-        normal = sampler.base_samples
-        assert isinstance(normal, torch.Tensor)
-        draws = normal.numpy().reshape(-1, 1)
-        joint = model.posterior(torch.cat([here, inputs]))
-        assert isinstance(joint, GPyTorchPosterior)
-        covariance = joint.distribution.covariance_matrix.numpy()
-        transform = model.outcome_transform
-        assert isinstance(transform, Standardize)
-        noise = float(model.likelihood.noise) * float(transform.stdvs.item()) ** 2
-        slope = covariance[0, 1:] / np.sqrt(covariance[0, 0] + noise)
-        learned = joint.mean.numpy()[1:, 0] + slope * draws
-        gained = least - learned.min(axis=1).mean()
+    normal = sampler.base_samples
+    assert isinstance(normal, torch.Tensor)
+    learned = learned_at(model, here, inputs, normal.numpy().ravel())
+    gained = least - learned.min(axis=1).mean()
+    with exact_algebra(), torch.no_grad():
         value = float(acquisition(torch.cat([here, inputs[learned.argmin(axis=1)]])[None]))
-    assert gained > 0.0
     assert value == pytest.approx(gained, rel=1e-4)
+
+
+def test_what_is_weighed_against_the_axis_is_the_expected_gain_over_the_cost() -> None:
+    """Not the gains alone over the cost: a cheap run would seem worth twice what it is."""
+    data, search = observed(8), Search(2)
+    model = TruncatedModel.fit(data)
+    found = asked(data)
+    assert found.source == "IS2"
+    draws = norm.ppf((np.arange(256) + 0.5) / 256)
+    inputs = with_source(search.pool(), "IS1")
+    learned = learned_at(model, with_source(found.point, found.source), inputs, draws)
+    _, least = recommend(model, search)
+    assert found.value == pytest.approx((least - learned.min(axis=1).mean()) / 0.1, rel=0.25)
 
 
 def test_nothing_is_left_to_ask_when_every_gain_was_run() -> None:
