@@ -1,29 +1,23 @@
-"""Whom the knowledge gradient asks, and that it does so repeatably and within what is allowed."""
+"""Whom the knowledge gradient asks, what that is worth, and what it leaves alone."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 import torch
-from botorch.models.transforms.outcome import Standardize
-from botorch.posteriors.gpytorch import GPyTorchPosterior
+from botorch.acquisition.knowledge_gradient import qMultiFidelityKnowledgeGradient
+from botorch.acquisition.objective import ScalarizedPosteriorTransform
 from botorch.sampling.normal import SobolQMCNormalSampler
 from numpy.typing import NDArray
-from scipy.stats import norm
 
-from gmfbo.acquisition.knowledge_gradient import (
-    KnowledgeGradientSettings,
-    best_query,
-    knowledge_gradient,
-)
-from gmfbo.acquisition.maximise import Proposal, Search, recommend
+from gmfbo.acquisition.knowledge_gradient import KnowledgeGradient
+from gmfbo.acquisition.maximise import Proposal, Search, maximise, recommend
 from gmfbo.acquisition.relevance import information_per_cost
-from gmfbo.correction.torch_setup import exact_algebra
+from gmfbo.correction.torch_setup import DTYPE, exact_algebra
 from gmfbo.errors import InputError
 from gmfbo.surrogate.observations import Observations, with_source
 from gmfbo.surrogate.truncated import TruncatedModel
 
-QUICK = KnowledgeGradientSettings(fantasies=8, restarts=2, raw_samples=16, iterations=20)
 BOTH = ("IS1", "IS2")
 
 
@@ -44,9 +38,9 @@ def observed(twin_runs: int, *, useless: bool = False) -> Observations:
     return Observations(points, ("IS1",) * 3 + ("IS2",) * twin_runs, values)
 
 
-def asked(data: Observations, search: Search | None = None, seed: int = 5) -> Proposal:
-    model = TruncatedModel.fit(data)
-    return best_query(model, search or Search(2), BOTH, data, QUICK, seed)
+def asked(data: Observations, search: Search | None = None) -> Proposal:
+    search = search or Search(2)
+    return maximise(KnowledgeGradient(TruncatedModel.fit(data), search), search, BOTH, data)
 
 
 def test_the_cheap_source_is_asked_while_the_sources_agree() -> None:
@@ -57,12 +51,21 @@ def test_the_axis_is_asked_where_the_twin_was_run_all_over_and_is_useless() -> N
     assert asked(observed(45, useless=True)).source == "IS1"
 
 
-def test_same_seed_gives_the_same_query_and_another_may_not() -> None:
-    data = observed(8)
-    first, second = asked(data), asked(data)
-    np.testing.assert_array_equal(first.point, second.point)
-    assert first.value == second.value
-    assert not np.array_equal(first.point, asked(data, seed=6).point)
+def test_limits_and_what_is_kept_out_are_respected() -> None:
+    def left(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        return points[:, 0] < 0.5
+
+    def log_weight(points: torch.Tensor) -> torch.Tensor:
+        return torch.where(points[..., 1] > 0.6, 0.0, -30.0).to(DTYPE)
+
+    data = observed(45, useless=True)
+    free = asked(data)
+    assert free.source == "IS1"
+    assert not left(free.point[None, :])[0] or free.point[1] < 0.6
+    kept = asked(data, Search(2, admits=left, log_weight=log_weight))
+    assert kept.point[1] > 0.6
+    if kept.source == "IS1":
+        assert left(kept.point[None, :])[0]
 
 
 def test_held_and_rounded_gains_are_respected() -> None:
@@ -72,56 +75,33 @@ def test_held_and_rounded_gains_are_respected() -> None:
     assert point[0] * 20.0 == pytest.approx(round(point[0] * 20.0))
 
 
-def learned_at(
-    model: TruncatedModel, here: torch.Tensor, inputs: torch.Tensor, draws: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Mean over `inputs`, a row for each outcome of a run: it moves by a normal draw times
-    c(k, .) / sqrt(c(k, k) + noise)."""
-    with exact_algebra(), torch.no_grad():
-        joint = model.posterior(torch.cat([here, inputs]))
-    assert isinstance(joint, GPyTorchPosterior)
-    covariance = joint.distribution.covariance_matrix.numpy()
-    transform = model.outcome_transform
-    assert isinstance(transform, Standardize)
-    noise = float(model.likelihood.noise.detach()) * float(transform.stdvs.item()) ** 2
-    slope = covariance[0, 1:] / np.sqrt(covariance[0, 0] + noise)
-    moved: NDArray[np.float64] = joint.mean.numpy()[1:, 0] + slope * draws[:, None]
-    return moved
-
-
-@pytest.mark.parametrize("source", BOTH)
-def test_value_is_the_closed_form_of_the_linear_gaussian_case(source: str) -> None:
+@pytest.mark.parametrize(("source", "cost"), [("IS1", 1.0), ("IS2", 0.1)])
+@pytest.mark.parametrize("gains", [(0.68, 0.35), (0.1, 0.9)])
+def test_value_is_that_of_botorchs_fantasies_over_the_cost(
+    source: str, cost: float, gains: tuple[float, float]
+) -> None:
+    """The one-shot form, told for each of many outcomes where the least mean is."""
     data, search = observed(8), Search(2)
     model = TruncatedModel.fit(data)
-    acquisition, sampler = (
-        knowledge_gradient(model, search, 64, seed=1),
-        SobolQMCNormalSampler(torch.Size([64]), seed=1),
-    )
-    here = with_source(np.array([0.4, 0.6]), source)
-    inputs = with_source(search.pool(), "IS1")
-    _, least = recommend(model, search)
-    with exact_algebra(), torch.no_grad():
-        sampler(model.posterior(here, observation_noise=True))
-    normal = sampler.base_samples
-    assert isinstance(normal, torch.Tensor)
-    learned = learned_at(model, here, inputs, normal.numpy().ravel())
-    gained = least - learned.min(axis=1).mean()
-    with exact_algebra(), torch.no_grad():
-        value = float(acquisition(torch.cat([here, inputs[learned.argmin(axis=1)]])[None]))
-    assert value == pytest.approx(gained, rel=1e-4)
-
-
-def test_what_is_weighed_against_the_axis_is_the_expected_gain_over_the_cost() -> None:
-    """Not the gains alone over the cost: a cheap run would seem worth twice what it is."""
-    data, search = observed(8), Search(2)
-    model = TruncatedModel.fit(data)
-    found = asked(data)
-    assert found.source == "IS2"
-    draws = norm.ppf((np.arange(256) + 0.5) / 256)
-    inputs = with_source(search.pool(), "IS1")
-    learned = learned_at(model, with_source(found.point, found.source), inputs, draws)
-    _, least = recommend(model, search)
-    assert found.value == pytest.approx((least - learned.min(axis=1).mean()) / 0.1, rel=0.25)
+    here = with_source(np.array(gains), source)
+    with exact_algebra():
+        least, mean = recommend(model, search)
+        ends = with_source(np.vstack([search.pool(), data.points, least]), "IS1")
+        with torch.no_grad():
+            fantasies = SobolQMCNormalSampler(torch.Size([256]), seed=1)
+            one_shot = qMultiFidelityKnowledgeGradient(
+                model,
+                num_fantasies=256,
+                sampler=fantasies,
+                posterior_transform=ScalarizedPosteriorTransform(torch.tensor([-1.0], dtype=DTYPE)),
+                current_value=torch.tensor([-mean], dtype=DTYPE),
+            )
+            informed = model.fantasize(here, fantasies)
+            means = [informed.posterior(some).mean[..., 0] for some in torch.split(ends, 50)]
+            told = torch.cat(means, dim=-1)
+            gained = float(one_shot(torch.cat([here, ends[told.argmin(dim=-1)]])[None]))
+            value = float(KnowledgeGradient(model, search)(here[None]).exp())
+    assert value == pytest.approx(gained / cost, rel=0.03)
 
 
 def test_nothing_is_left_to_ask_when_every_gain_was_run() -> None:

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.methods.mfbo_takg import MultiFidelityKnowledgeGradient
 
 SURVEY, CLOSER = 25, 2
 """Runs of the twin over the box, and in a stage of a closer look: most of a test's time."""
@@ -21,9 +20,4 @@ def _quick(method: Method) -> Method:
     return changed
 
 
-QUICK: dict[str, Method] = {
-    **{name: _quick(method) for name, method in METHODS.items()},
-    "mfbo_takg": replace(
-        MultiFidelityKnowledgeGradient(), fantasies=4, restarts=1, raw_samples=8, iterations=10
-    ),
-}
+QUICK: dict[str, Method] = {name: _quick(method) for name, method in METHODS.items()}

@@ -14,43 +14,25 @@ from gmfbo.tuning.state import TuningState
 
 @dataclass(frozen=True)
 class MultiFidelityKnowledgeGradient:
-    """BoTorch's multi-fidelity surrogate and knowledge gradient, cost 0.1 + 0.9 s.
-
-    Attributes
-    ----------
-    fantasies, restarts, raw_samples, iterations : int
-        Effort of the search; see `KnowledgeGradientSettings`.
-    """
+    """BoTorch's multi-fidelity surrogate and the knowledge gradient, cost 0.1 + 0.9 s."""
 
     name: str = "mfbo_takg"
     summary: str = "stock multi-fidelity surrogate, knowledge gradient over cost 0.1 + 0.9 s"
     reference: str = (
         "Wu, Toscano-Palmerin, Frazier and Wilson 2019, Practical multi-fidelity Bayesian "
-        "optimization; BoTorch, Balandat et al. 2020"
+        "optimization; closed form of Frazier, Powell and Dayanik 2009"
     )
     correction: None = None
-    fantasies: int = 64
-    restarts: int = 4
-    raw_samples: int = 64
-    iterations: int = 100
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise the knowledge gradient for its cost over gains and source."""
-        from gmfbo.acquisition.knowledge_gradient import KnowledgeGradientSettings, best_query
+        from gmfbo.acquisition.knowledge_gradient import KnowledgeGradient
+        from gmfbo.acquisition.maximise import maximise
         from gmfbo.surrogate.truncated import TruncatedModel
 
-        data = observations_of(state, "IS1", "IS2")
-        settings = KnowledgeGradientSettings(
-            self.fantasies, self.restarts, self.raw_samples, self.iterations
-        )
-        found = best_query(
-            TruncatedModel.fit(data),
-            search_of(state),
-            ("IS1", "IS2"),
-            data,
-            settings,
-            seed=int(rng.integers(2**31)),
-        )
+        data, search = observations_of(state, "IS1", "IS2"), search_of(state)
+        acquisition = KnowledgeGradient(TruncatedModel.fit(data), search)
+        found = maximise(acquisition, search, ("IS1", "IS2"), data)
         return Proposal(source_of(found), found.point)
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
