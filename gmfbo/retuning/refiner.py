@@ -98,7 +98,7 @@ class PhysicsRefiner:
     and tables are estimated from all real runs since the plant changed. Where a signal is still
     not explained, the diagnosis decides whether physics is missing, and that is estimated along
     from then on. A corrected twin that predicts the next real runs worse than the twin as given
-    is taken back.
+    is taken back, and the twin is left as given until the plant changes.
 
     Parameters
     ----------
@@ -127,16 +127,17 @@ class PhysicsRefiner:
 
     def revise(self, history: History) -> TwinVersion | None:
         """Look at the newest real run; see `TwinRefiner`."""
-        version = self._version
-        if version.given_up or not (trials := usable_trials(history)):
+        version, changed = self._version, history.changed_after != self._version.since
+        if (version.given_up and not changed) or not (trials := usable_trials(history)):
             return None
-        if version.number and misleads(history, self._given, version.first):
+        # What was predicted before a change says nothing of a twin that is estimated after it.
+        predicted = version.estimate is not None and not changed
+        if predicted and misleads(history, self._given, version.first):
             return self._take_back(history)
         signals = compared_signals(trials, self._given)
         if not signals:
             return None
         runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
-        changed = history.changed_after != version.since
         known = version.estimate
         if known is not None and not changed and self._expected(runs[-1], known):
             return None
@@ -147,7 +148,6 @@ class PhysicsRefiner:
             completed = self._completed(history, trials, signals, estimate)
             if completed is not None and _is_better(completed[1], estimate):
                 version, estimate, reason = completed
-        # Predictions from before a change say nothing of how good this version is.
         begins = changed or not version.first
         first = history.of("IS1")[-1].number if begins else version.first
         self._newest = replace(
@@ -231,6 +231,7 @@ class PhysicsRefiner:
             self._version,
             number=self._version.number + 1,
             model=self._given,
+            unknowns=self._uncertain,
             estimate=None,
             effects=(),
         )

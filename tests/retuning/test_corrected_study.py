@@ -160,6 +160,29 @@ def test_after_a_change_of_the_plant_the_twin_is_estimated_from_the_runs_since(
         assert refiner.revise(history) is None
 
 
+def test_a_twin_that_was_taken_back_is_estimated_again_after_a_change_of_the_plant(
+    whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = FmuTwin(
+        models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
+    )
+    with given, Tuner(whole, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
+        refiner, history = PhysicsRefiner(given, tmp_path, completer=None), tuner.history
+        assert refiner.revise(history) is not None
+        monkeypatch.setattr("gmfbo.retuning.refiner.misleads", lambda *_: True)
+        back = refiner.revise(history)
+        assert back is not None
+        assert back.source is given
+        # Negative control: the plant has not changed.
+        assert refiner.revise(history) is None
+        history.drifts.append(
+            Drift(4, 2, history.of("IS1")[1].number, evidence=1e3, sign="lag", share=1.0)
+        )
+        since = refiner.revise(history)
+        assert since is not None
+        assert since.reason == "estimated from 2 real runs"
+
+
 def test_smoothing_alone_changes_the_twin_once(tmp_path: Path) -> None:
     study = study_in(tmp_path / "smooth", runs=3)
     with Tuner(study, method=replace(GMFBO_SMOOTHED, correction=OPTIONS)) as tuner:
