@@ -25,6 +25,7 @@ from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.twin_guard import misleads
 from gmfbo.retuning.unknowns import Scalar, Unknowns
 from gmfbo.sources.twin import FmuTwin
+from gmfbo.tuning.change_point import LEAST_BEFORE
 from gmfbo.tuning.history import History
 from gmfbo.tuning.twin_version import TwinVersion
 
@@ -34,8 +35,12 @@ UNEXPLAINED = 3.0
 SURPRISE = 1.5
 """Times the error so far that a new run's may be before the twin is estimated anew."""
 
+STRANGE = 3.0
+"""Times the error so far from which one new run may be that of a changed plant. The next one tells:
+a twin estimated from runs before and after a change hides it from the watch."""
+
 DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
-"""Real runs since the plant changed, at which it is worth asking the diagnosis."""
+"""Real runs since the plant changed, from which on it is worth asking the diagnosis again."""
 
 MOST_DIAGNOSED = 4
 """Real runs that the diagnosis is shown; its time grows with them, later ones resemble the best."""
@@ -57,6 +62,8 @@ class _Version:
         None before the first.
     first : int
         Number of the last real run that the first correction knew.
+    last : int
+        Number of the last real run that the estimate knows.
     since : int
         Number of the last real run before the plant changed, as it was known then.
     effects : tuple of str
@@ -68,6 +75,7 @@ class _Version:
     unknowns: Unknowns
     estimate: Estimate | None = None
     first: int = 0
+    last: int = 0
     since: int = 0
     effects: tuple[str, ...] = ()
 
@@ -95,10 +103,11 @@ class PhysicsRefiner:
     """Estimates what the twin file calls uncertain; where that does not do, asks for physics.
 
     After the initial real runs, and after each one that surprises it, the uncertain parameters
-    and tables are estimated from all real runs since the plant changed. Where a signal is still
-    not explained, the diagnosis decides whether physics is missing, and that is estimated along
-    from then on. A corrected twin that predicts the next real runs worse than the twin as given
-    is taken back, and the twin is left as given until the plant changes.
+    and tables are estimated from all real runs since the plant changed. Where the surprise is so
+    large that the plant may have changed with this run, the next one is awaited first. Where a
+    signal is still not explained, the diagnosis decides whether physics is missing, and that is
+    estimated along from then on. A corrected twin that predicts the next real runs worse than the
+    twin as given is taken back, and the twin is left as given until the plant changes.
 
     Parameters
     ----------
@@ -139,12 +148,14 @@ class PhysicsRefiner:
             return None
         runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
         known = version.estimate
-        if known is not None and not changed and self._expected(runs[-1], known):
+        seen = 0 if changed else sum(trial.number <= version.last for trial in trials)
+        if known is not None and not changed and not self._is_news(runs, seen, known):
             return None
         begun = known or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
         reason = f"estimated from {_runs(len(runs))}"
-        if _unexplained(estimate, runs) and len(runs) in DIAGNOSED_AT:
+        asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
+        if asks and _unexplained(estimate, runs):
             completed = self._completed(history, trials, signals, estimate)
             if completed is not None and _is_better(completed[1], estimate):
                 version, estimate, reason = completed
@@ -155,6 +166,7 @@ class PhysicsRefiner:
             number=version.number + 1,
             estimate=estimate,
             first=first,
+            last=trials[-1].number,
             since=history.changed_after,
         )
         return self._told(reason, signals)
@@ -175,6 +187,7 @@ class PhysicsRefiner:
             unknowns=unknowns,
             estimate=estimate,
             first=event["first"],
+            last=event["after"],
             since=event.get("since", 0),  # an older log lacks it: a change counts as news
             effects=tuple(event["effects"]),
         )
@@ -185,13 +198,23 @@ class PhysicsRefiner:
         for twin in self._opened:
             twin.close()
 
-    def _expected(self, newest: RealRun, estimate: Estimate) -> bool:
-        """Whether the newest real run is no surprise, so that there is nothing to learn."""
-        simulated = newest.simulate(self._version.unknowns.settings(estimate.x))
-        if simulated is None or len(estimate.errors) != len(simulated):
+    def _is_news(self, runs: Sequence[RealRun], seen: int, estimate: Estimate) -> bool:
+        """Whether a real run beyond the first ones, which the estimate knows, teaches something."""
+        surprises = [self._surprise(run, estimate) for run in runs[seen:]]
+        if not surprises:
             return False
-        errors = np.sqrt(np.mean((simulated - newest.measured) ** 2, axis=1))
-        return bool(np.all(errors <= SURPRISE * estimate.errors))
+        strange = surprises[-1] > STRANGE and max(surprises[:-1], default=0.0) <= SURPRISE
+        if strange and len(runs) > LEAST_BEFORE:
+            return False
+        return max(surprises) > SURPRISE
+
+    def _surprise(self, run: RealRun, estimate: Estimate) -> float:
+        """Error of a real run over the error so far, of the signal that is worst."""
+        simulated = run.simulate(self._version.unknowns.settings(estimate.x))
+        if simulated is None or len(estimate.errors) != len(simulated):
+            return np.inf
+        errors = np.sqrt(np.mean((simulated - run.measured) ** 2, axis=1))
+        return float(np.max(errors / estimate.errors))
 
     def _completed(
         self,

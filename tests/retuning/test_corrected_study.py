@@ -160,6 +160,22 @@ def test_after_a_change_of_the_plant_the_twin_is_estimated_from_the_runs_since(
         assert refiner.revise(history) is None
 
 
+def test_a_run_that_may_be_of_a_changed_plant_is_not_mixed_with_those_before_it(
+    tmp_path: Path,
+) -> None:
+    after = {}
+    for name, scale in (("changed", 4.0), ("negative control", 1.0)):
+        change = f'change = {{ after_runs = 3, parameters = {{ "friction.scale" = {scale} }} }}'
+        study = study_in(tmp_path / name, runs=5, plant=change)
+        with Tuner(study, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
+            tuner.run()
+            place = {trial.number: k for k, trial in enumerate(tuner.history.of("IS1"), 1)}
+        after[name] = [place[event["after"]] for event in events(study, "twin_version")]
+    assert 4 not in after["changed"]
+    assert 5 in after["changed"]
+    assert 4 in after["negative control"]
+
+
 def test_a_twin_that_was_taken_back_is_estimated_again_after_a_change_of_the_plant(
     whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
