@@ -45,14 +45,10 @@ class ExtraNoise(Noise):
         if not params:
             return common
         inputs = params[0] if torch.is_tensor(params[0]) else params[0][0]
-        rows = len(self.extra)
-        if inputs.shape[-2] < rows or not torch.equal(
-            inputs[..., :rows, :], self.inputs.expand(*inputs.shape[:-2], *self.inputs.shape)
-        ):
+        fitted = self.inputs.expand(*inputs.shape[:-2], *self.inputs.shape)
+        if not torch.equal(inputs, fitted):
             return common
-        # Fantasies of a knowledge gradient come after the rows that were fitted.
-        extra = torch.nn.functional.pad(self.extra, (0, inputs.shape[-2] - rows))
-        return DiagLinearOperator(common.diagonal(dim1=-1, dim2=-2) + extra)
+        return DiagLinearOperator(common.diagonal(dim1=-1, dim2=-2) + self.extra)
 
 
 def believe_less(model: GPyTorchModel, observations: Observations) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -138,22 +139,32 @@ def test_a_study_that_is_opened_anew_for_each_run_goes_on_the_same(
     ]
 
 
-def test_after_a_change_of_the_plant_the_twin_is_estimated_from_the_runs_since(
-    whole: Study, tmp_path: Path
-) -> None:
+@contextmanager
+def refining(study: Study, folder: Path) -> Iterator[tuple[FmuTwin, PhysicsRefiner, History]]:
+    """The twin as a study is given it, and what corrects it anew from all of the study's runs."""
     given = FmuTwin(
         models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
     )
-    with given, Tuner(whole, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
-        refiner, history = PhysicsRefiner(given, tmp_path, completer=None), tuner.history
+    with given, Tuner(study, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
+        yield given, PhysicsRefiner(given, folder, completer=None), tuner.history
+
+
+def change_after_two_runs(history: History) -> None:
+    """As if the watch had found it at the fourth."""
+    last = history.of("IS1")[1].number
+    history.drifts.append(Drift(4, 2, last, evidence=1e3, sign="lag", share=1.0))
+
+
+def test_after_a_change_of_the_plant_the_twin_is_estimated_from_the_runs_since(
+    whole: Study, tmp_path: Path
+) -> None:
+    with refining(whole, tmp_path) as (_, refiner, history):
         first = refiner.revise(history)
         assert first is not None
         assert first.reason == "estimated from 4 real runs"
         # Negative control: nothing is new.
         assert refiner.revise(history) is None
-        history.drifts.append(
-            Drift(4, 2, history.of("IS1")[1].number, evidence=1e3, sign="lag", share=1.0)
-        )
+        change_after_two_runs(history)
         since = refiner.revise(history)
         assert since is not None
         assert since.reason == "estimated from 2 real runs"
@@ -179,11 +190,7 @@ def test_a_run_that_may_be_of_a_changed_plant_is_not_mixed_with_those_before_it(
 def test_a_twin_that_was_taken_back_is_estimated_again_after_a_change_of_the_plant(
     whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    given = FmuTwin(
-        models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
-    )
-    with given, Tuner(whole, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
-        refiner, history = PhysicsRefiner(given, tmp_path, completer=None), tuner.history
+    with refining(whole, tmp_path) as (given, refiner, history):
         assert refiner.revise(history) is not None
         monkeypatch.setattr("gmfbo.retuning.refiner.misleads", lambda *_: True)
         back = refiner.revise(history)
@@ -191,9 +198,7 @@ def test_a_twin_that_was_taken_back_is_estimated_again_after_a_change_of_the_pla
         assert back.source is given
         # Negative control: the plant has not changed.
         assert refiner.revise(history) is None
-        history.drifts.append(
-            Drift(4, 2, history.of("IS1")[1].number, evidence=1e3, sign="lag", share=1.0)
-        )
+        change_after_two_runs(history)
         since = refiner.revise(history)
         assert since is not None
         assert since.reason == "estimated from 2 real runs"
