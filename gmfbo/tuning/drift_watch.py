@@ -76,33 +76,48 @@ class DriftWatch:
                 found = drift
         return found
 
-    def repeat(self, state: TuningState) -> Repeat | None:
-        """A real run whose gains are to be run again next; usually None.
+    def former_best(self, state: TuningState) -> Repeat | None:
+        """The best run from before a change that was just found, to be run once more.
 
-        After a change this is the best run from before it, once, unless a run since was next to
-        it: whether its gains are still good decides what the search starts from. Where the study
-        wants it, every n-th real run repeats the best of the first ones, always the same: the
-        same gains with another result are the surest sign of a change.
+        Whether its gains are still good decides what the search starts from. None without such a
+        change, or where a run since was next to it.
 
         Parameters
         ----------
         state : TuningState
             Knows the gains that the axis must not be run at; they are not repeated.
         """
-        history, made = self.history, len(self.history.of("IS1"))
-        newest = history.drifts[-1] if history.drifts else None
-        every, best, why = self.section.repeat_every, None, ""
-        if newest is not None and newest.found_at == made:
-            best = self._best_before(newest)
-            why = "repeats the best run from before the plant changed"
-        elif every and (made + 1) % every == 0:
-            since = [t for t in history.of("IS1") if t.number > history.changed_after]
-            best = best_run(since[: every - 1], history.limits)
-            why = "repeats an early run, to see whether the plant has changed"
-        if best is None:
+        newest = self.history.drifts[-1] if self.history.drifts else None
+        if newest is None or newest.found_at != len(self.history.of("IS1")):
             return None
-        point = history.unit_point(best.gains)
-        return Repeat(dict(best.gains), why) if state.keep_out.admits(point[None, :])[0] else None
+        why = "repeats the best run from before the plant changed"
+        return self._again(self._best_before(newest), why, state)
+
+    def regular(self, state: TuningState) -> Repeat | None:
+        """The best of the first runs, where it is its turn.
+
+        Where the study wants it, every n-th real run repeats it, always the same: the same gains
+        with another result are the surest sign of a change.
+
+        Parameters
+        ----------
+        state : TuningState
+            Knows the gains that the axis must not be run at; they are not repeated.
+        """
+        history, every = self.history, self.section.repeat_every
+        real = history.of("IS1")
+        if not every or (len(real) + 1) % every:
+            return None
+        since = [trial for trial in real if trial.number > history.changed_after]
+        why = "repeats an early run, to see whether the plant has changed"
+        return self._again(best_run(since[: every - 1], history.limits), why, state)
+
+    def _again(self, trial: Trial | None, why: str, state: TuningState) -> Repeat | None:
+        if trial is None:
+            return None
+        point = self.history.unit_point(trial.gains)
+        admitted = state.keep_out.admits(point[None, :])[0]
+        return Repeat(dict(trial.gains), why) if admitted else None
 
     def _best_before(self, drift: Drift) -> Trial | None:
         """Best run from before a change; None where a run since was made next to it already."""

@@ -16,7 +16,7 @@ from gmfbo.sources.plant_call import PlantFunction
 from gmfbo.sources.recorded_grid import RecordedGrid
 from gmfbo.sources.source import Source
 from gmfbo.tuning.closer_look import look_closer
-from gmfbo.tuning.drift_watch import DriftWatch
+from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.earlier_runs import EarlierRuns
 from gmfbo.tuning.experiment_series import ExperimentSeries
 from gmfbo.tuning.gain_choice import GainChoice
@@ -356,7 +356,7 @@ class Tuner:
             return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
         if len(held) == len(self.gains.space):
             return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
-        repeat = None if self._recorded or held else self._drift.repeat(state)
+        repeat = None if self._recorded or held else self._repeat(state)
         if repeat is not None:
             return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
@@ -368,6 +368,15 @@ class Tuner:
             note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
             gains = allowed
         return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+
+    def _repeat(self, state: TuningState) -> Repeat | None:
+        """Gains that are to be run again next; usually None.
+
+        A twin that was just estimated from the runs since a change tells what the gains that were
+        best before it are worth now.
+        """
+        former = None if self._corrections.just_made else self._drift.former_best(state)
+        return former or self._drift.regular(state)
 
     def _allowed(self, state: TuningState, point: NDArray[np.float64]) -> dict[str, float]:
         """Gains at a point, or the nearest that are not beside unsafe ones; for all methods."""

@@ -58,6 +58,12 @@ class TwinCorrections:
         """Why the twin was corrected, each time."""
         return tuple(event["reason"] for event in self._logged())
 
+    @property
+    def just_made(self) -> bool:
+        """Whether the newest real run led to a version of the twin."""
+        logged, real = self._logged(), self.runs.history.of("IS1")
+        return bool(logged and real and logged[-1]["after"] == real[-1].number)
+
     def follow(self, watch: Watch) -> TwinRuns:
         """Show the newest real run to the refiner; after a correction make the runs again.
 

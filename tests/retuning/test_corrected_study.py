@@ -171,6 +171,34 @@ def test_after_a_change_of_the_plant_the_twin_is_estimated_from_the_runs_since(
         assert refiner.revise(history) is None
 
 
+def asked_after_a_change(
+    whole: Study, folder: Path, method: OnCorrectedTwin
+) -> tuple[dict[str, float], dict[str, float]]:
+    """What is asked when the plant is found to have changed, and the best gains of before."""
+    with Tuner(study_in(folder, runs=5), method=method) as tuner:
+        for made in [t for t in whole.trials if t.source == "IS1"]:
+            request = tuner.ask()
+            assert request is not None
+            tuner.tell(request, made.recording, gains=request.gains, anyway=True)
+        change_after_two_runs(tuner.history)
+        request = tuner.ask()
+        former = min(tuner.history.of("IS1")[:2], key=lambda trial: trial.objective)
+    assert request is not None
+    return dict(request.gains), dict(former.gains)
+
+
+def test_after_a_change_a_twin_of_the_changed_plant_spares_the_former_best_gains_a_run(
+    whole: Study, tmp_path: Path
+) -> None:
+    estimates = replace(GMFBO_CALIBRATED, correction=OPTIONS)
+    asked, former = asked_after_a_change(whole, tmp_path / "estimates", estimates)
+    assert asked != former
+    # Negative control: smoothing a table learns nothing from real runs.
+    smooths = replace(GMFBO_SMOOTHED, correction=OPTIONS)
+    asked, former = asked_after_a_change(whole, tmp_path / "smooths", smooths)
+    assert asked == former
+
+
 def test_a_run_that_may_be_of_a_changed_plant_is_not_mixed_with_those_before_it(
     tmp_path: Path,
 ) -> None:

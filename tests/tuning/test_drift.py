@@ -139,7 +139,7 @@ def test_the_former_best_is_not_run_again_where_a_run_since_was_next_to_it(
         history.trials = [trial for trial in history.trials if trial is not real[-1]]
         history.trials.append(replace(real[-1], gains=history.gains_at(moved)))
         history.drifts.append(replace(FOUND, found_at=6, after_runs=4, last_before=real[3].number))
-        repeat = DriftWatch(history, study.file.drift).repeat(state)
+        repeat = DriftWatch(history, study.file.drift).former_best(state)
     assert (repeat is not None) is repeated
     assert repeat is None or repeat.gains == dict(best.gains)
 
