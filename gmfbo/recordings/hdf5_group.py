@@ -19,6 +19,8 @@ DIGEST = "digest"
 
 LAYOUT = 1  # version of the layout below, attribute `layout`
 
+_NUMBER = h5py.h5t.py_create(np.dtype(np.float64))
+
 _names_in_memory = itertools.count()
 
 
@@ -30,11 +32,11 @@ def file_image(fill: Callable[[Any], None]) -> bytes:
     Parameters
     ----------
     fill : callable
-        Gets the open `h5py.File`, which is its root group too.
+        Gets the root group.
     """
     name = f"in memory {next(_names_in_memory)}"
     with h5py.File(name, "w", driver="core", backing_store=False) as file:
-        fill(file)
+        fill(file["/"])  # each look at `file.attrs` would open it anew
         file.flush()
         return bytes(file.id.get_file_image())
 
@@ -151,8 +153,12 @@ def is_recording_group(group: Any) -> bool:
 
 def write_values(group: Any, prefix: str, values: Mapping[str, float]) -> None:
     """Write each value as the attribute `<prefix>.<name>`."""
+    scalar = h5py.h5s.create_simple(())
     for name, value in values.items():
-        group.attrs[f"{prefix}.{name}"] = float(value)
+        # What `group.attrs` does, at a fifth of its time: a trial has a hundred of these.
+        text = f"{prefix}.{name}".encode("utf-8", "surrogateescape")
+        attribute = h5py.h5a.create(group.id, text, _NUMBER, scalar)
+        attribute.write(np.array(value, dtype=np.float64))
 
 
 def with_prefix(attributes: Mapping[str, Any], prefix: str) -> dict[str, Any]:
@@ -181,8 +187,9 @@ def group_digest(group: Any) -> str:
 
     def add(name: str, item: Any) -> None:
         digest.update(f"{name}\n".encode("utf-8", "surrogatepass"))
-        for key in sorted(set(item.attrs) - {DIGEST} if item == group else item.attrs):
-            value = np.asarray(item.attrs[key]).tolist()
+        attributes = item.attrs
+        for key in sorted(set(attributes) - {DIGEST} if item == group else attributes):
+            value = np.asarray(attributes[key]).tolist()
             digest.update(f"{key} = {value!r}\n".encode("utf-8", "surrogatepass"))
         if isinstance(item, h5py.Dataset):
             digest.update(np.ascontiguousarray(item[()]).tobytes())
