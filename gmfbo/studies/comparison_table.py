@@ -52,6 +52,7 @@ class Table:
             "means over seeds, at the end",
             *self._means(),
             "",
+            *self._alarms(),
             "n* of each seed",
             *self._each_seed(),
             "",
@@ -111,6 +112,25 @@ class Table:
             ("regret", lambda one: one.regret[-1], ".4f"),
         )
         return self._by_field([(label, field, np.mean, form) for label, field, form in fields])
+
+    def _alarms(self) -> list[str]:
+        """When a change of the plant was noticed: false alarms where the plant does not change."""
+        lines = [
+            "changes of the plant that were noticed",
+            self._row("", ["studies", "of", "first at", "changes"]),
+        ]
+        for name, outcomes in self.by_method.items():
+            noticed = [one.alarms for one in outcomes if one.alarms is not None]
+            first = [alarms[0] for alarms in noticed if alarms]
+            cells = [
+                str(len(first)),
+                str(len(noticed)),
+                f"{np.median(first):.1f}" if first else "-",
+                str(sum(map(len, noticed))),
+            ]
+            if noticed:
+                lines.append(self._row(name, cells))
+        return [*lines, ""] if len(lines) > 2 else []
 
     def _each_seed(self) -> list[str]:
         """A block of rows for so many seeds as a screen is wide."""

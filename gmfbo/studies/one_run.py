@@ -97,6 +97,7 @@ class OneRun:
             twin_runs=len(history.of("IS2")),
             corrected_runs=len(history.of("IS3")),
             version=__version__,
+            alarms=tuple(drift.found_at for drift in history.drifts),
         )
 
 

@@ -45,6 +45,8 @@ class Outcome:
         Runs of IS2 and IS3 in all, initial ones and surveys counted.
     version : str
         Of gmfbo.
+    alarms : tuple of int or None
+        Real runs at which a change of the plant was noticed; None in a run of an early version.
     """
 
     study: str
@@ -63,6 +65,7 @@ class Outcome:
     twin_runs: int
     corrected_runs: int
     version: str
+    alarms: tuple[int, ...] | None = None
 
     @property
     def queries(self) -> int:
@@ -95,8 +98,11 @@ class Outcome:
         """
         try:
             raw = json.loads(line)
-            values = {field.name: raw[field.name] for field in fields(cls)}
-        except (KeyError, TypeError):
+            values = {
+                field.name: raw[field.name] for field in fields(cls) if field.name != "alarms"
+            }
+            values["alarms"] = raw.get("alarms")
+        except (KeyError, TypeError, AttributeError):
             raise ValueError("a field is lacking") from None
         lists = {name: tuple(v) for name, v in values.items() if isinstance(v, list)}
         return cls(**{**values, **lists})

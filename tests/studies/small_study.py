@@ -54,6 +54,7 @@ def outcome(
     n_star_paper: int | None = None,
     regret: tuple[float, ...] = (1.0, 0.5),
     seconds: tuple[float, ...] = (0.5,),
+    alarms: tuple[int, ...] | None = None,
 ) -> Outcome:
     """An outcome as a study of five real runs might leave it."""
     return Outcome(
@@ -73,4 +74,5 @@ def outcome(
         twin_runs=4,
         corrected_runs=0,
         version="0.1.0",
+        alarms=alarms,
     )

@@ -162,6 +162,25 @@ def test_goal_is_that_of_the_changed_plant(tmp_path: Path) -> None:
     assert one.best[3] == one.best[4] != one.best[2]
 
 
+@pytest.mark.parametrize(
+    ("change", "noticed"),
+    [
+        ('change = { after_runs = 6, parameters = { "viscous_friction" = 900.0 } }', True),
+        ("", False),
+    ],
+    ids=["changed", "unchanged"],
+)
+def test_changes_of_the_plant_that_were_noticed_are_kept(
+    tmp_path: Path, change: str, noticed: bool
+) -> None:
+    path = write_small_study(tmp_path, change=change)
+    path.write_text(path.read_text(encoding="utf-8").replace("is1_runs = 5", "is1_runs = 12"))
+    (one,) = compare(path, [Corner()], 1, grid=GRID, out=tmp_path / "o").outcomes
+    assert one.alarms is not None
+    assert (len(one.alarms) == 1) is noticed
+    assert all(8 <= run <= 12 for run in one.alarms)
+
+
 def test_budget_of_the_publication_holds_where_the_file_has_none(tmp_path: Path) -> None:
     path = write_small_study(tmp_path)
     path.write_text(path.read_text(encoding="utf-8").replace("is1_runs = 5\n", ""))

@@ -74,3 +74,11 @@ def test_methods_without_a_common_seed_are_said_to_have_none() -> None:
 def test_order_in_which_runs_finished_does_not_show() -> None:
     turned = Table(by_method(OUTCOMES[::-1])).text()
     assert turned == Table(by_method(OUTCOMES)).text()
+
+
+def test_changes_that_were_noticed_are_counted_where_the_runs_know_them(text: str) -> None:
+    assert "noticed" not in text
+    known = [outcome("bo_ei", seed, 3, alarms=at) for seed, at in enumerate([(), (6, 9), (8,)])]
+    below = Table(by_method([*known, *OUTCOMES])).text().split("that were noticed")[1]
+    assert cells(below, "bo_ei") == ["2", "3", "7.0", "3"]
+    assert "random" not in below.split("n* of each seed")[0]

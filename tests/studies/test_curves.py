@@ -11,7 +11,7 @@ from gmfbo.errors import StoreError
 from gmfbo.reports.comparison_curves import Landscape
 from gmfbo.studies.curves import curves_of, curves_text, read_curves
 from gmfbo.studies.landscape import landscape_text, read_landscape
-from gmfbo.studies.outcome import read_outcomes, write_outcomes
+from gmfbo.studies.outcome import Outcome, read_outcomes, write_outcomes
 from tests.studies.small_study import outcome
 
 PAIR = [
@@ -67,9 +67,16 @@ def test_landscape_comes_back_from_its_text(tmp_path: Path) -> None:
 
 
 def test_outcomes_come_back_from_their_text_by_seed(tmp_path: Path) -> None:
-    made = [outcome("bo_ei", seed, 4, regret=(0.7, 0.01)) for seed in (3, 1)]
+    made = [outcome("bo_ei", seed, 4, regret=(0.7, 0.01), alarms=(6,)) for seed in (3, 1)]
     write_outcomes(tmp_path / "bo_ei.jsonl", made)
     assert read_outcomes(tmp_path / "bo_ei.jsonl") == made[::-1]
+
+
+def test_run_of_a_version_that_kept_no_alarms_is_read() -> None:
+    early = outcome("bo_ei", 1, 4)
+    line = early.line.replace(', "alarms": null', "")
+    assert "alarms" not in line
+    assert Outcome.of_line(line) == early
 
 
 @pytest.mark.parametrize("content", ["", "{}", "[1]", '{"method": "random"}', "\xff"])
