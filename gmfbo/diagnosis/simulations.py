@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Protocol, Self, TypeVar
 
 import numpy as np
@@ -16,6 +17,11 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.records import Record
 from gmfbo.errors import SimulationError
 from gmfbo.sources.augmented import AugmentedTwin, Columns, Response, RunPlan
+
+REMEMBERED = 256 * 2**20
+"""[B] Responses that are kept: screening, starts and fits come to the same points."""
+
+_COLUMNS = 12  # about as many as a response has
 
 Task = TypeVar("Task")
 Made = TypeVar("Made")
@@ -131,11 +137,23 @@ class Tracking:
     measured: tuple[NDArray[np.float64], ...]
 
 
+@dataclass(frozen=True)
+class _Run:
+    """All that decides what a recording answers, as long as nothing is added to what drove it."""
+
+    plan: RunPlan
+    record: int
+    values: tuple[tuple[str, float], ...]
+    physics: tuple[tuple[str, float], ...]
+    tracking: Tracking | None
+
+
 class Simulations:
     """Simulators of one twin and the recordings that they follow.
 
     Each of `jobs` simulators has a process of its own, in which the FMUs run; this process only
-    hands out orders, so that its threads spend their time waiting.
+    hands out orders, so that its threads spend their time waiting. What was simulated of late is
+    not simulated again.
 
     Parameters
     ----------
@@ -161,6 +179,8 @@ class Simulations:
             self._simulators.put(simulator)
         self._threads = ThreadPoolExecutor(jobs)
         self._lock = threading.Lock()
+        rows = max(record.plan.grid.size for record in self.records)
+        self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
         self.runs = 0
         self.on_run: Callable[[], None] = lambda: None
 
@@ -251,20 +271,36 @@ class Simulations:
         excitation: Columns | None,
         measured_noise: NDArray[np.float64] | None,
     ) -> Simulated:
-        physics = point.physics_in(record)
-        measured = None
-        if self.tracking is not None:
-            physics = {**self.tracking.settings, **physics}
-            measured = self.tracking.measured[record]
-            if measured_noise is not None:
-                measured = measured + measured_noise
-        plan = self.records[record].plan
-        with self._simulator() as simulator:
-            response = simulator.run(
-                plan, point.parameters, physics, excitation=excitation, measured=measured
-            )
+        run = _Run(
+            self.records[record].plan,
+            record,
+            tuple(point.parameters.items()),
+            tuple(point.physics_in(record).items()),
+            self.tracking,
+        )
+        if excitation is None and measured_noise is None:
+            response = self._remembered(run)
+        else:
+            response = self._simulate(run, excitation, measured_noise)
         response = self._logged(response)
         return Simulated(self.read(response, record), response)
+
+    def _simulate(
+        self,
+        run: _Run,
+        excitation: Columns | None = None,
+        measured_noise: NDArray[np.float64] | None = None,
+    ) -> Response:
+        physics, measured = dict(run.physics), None
+        if run.tracking is not None:
+            physics = {**run.tracking.settings, **physics}
+            measured = run.tracking.measured[run.record]
+            if measured_noise is not None:
+                measured = measured + measured_noise
+        with self._simulator() as simulator:
+            return simulator.run(
+                run.plan, dict(run.values), physics, excitation=excitation, measured=measured
+            )
 
     def run_parity(
         self,
@@ -326,6 +362,7 @@ class Simulations:
     def close(self) -> None:
         """End all processes."""
         self._threads.shutdown(wait=True, cancel_futures=True)
+        self._remembered.cache_clear()
         for simulator in self._all:
             simulator.close()
 

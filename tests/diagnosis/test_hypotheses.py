@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -110,13 +110,40 @@ def test_two_simulators_give_the_bits_of_one(simulations: tuple[Simulations, Sim
                 np.testing.assert_array_equal(own, other)
 
 
+def counted(simulations: Simulations, points: Sequence[Point]) -> int:
+    """Simulations that these points take."""
+    before = simulations.runs
+    simulations.run(points)
+    return simulations.runs - before
+
+
 def test_each_run_is_counted(simulations: tuple[Simulations, Simulations]) -> None:
     two, told = simulations[1], []
-    before = two.runs
     two.on_run = lambda: told.append(1)
-    two.run([Point(), Point()])
+    made = counted(two, [Point({"inertia": 0.0101}), Point({"inertia": 0.0102})])
     two.on_run = lambda: None
-    assert two.runs - before == len(told) == 4
+    assert made == len(told) == 4
+
+
+def test_what_was_simulated_of_late_is_not_simulated_again(
+    simulations: tuple[Simulations, Simulations],
+) -> None:
+    one = simulations[0]
+    point = Point({"inertia": 0.0103}, COULOMB)
+    first = one.run_here(point)
+    assert counted(one, [point]) == 0
+    for run, again in zip(first, one.run_here(Point({"inertia": 0.0103}, COULOMB)), strict=True):
+        assert again.response is run.response
+    # In the second recording alone: the first is the twin without physics.
+    assert counted(one, [replace(point, only={"coulomb_friction": 1})]) == 1
+    # Negative controls: other physics, another parameter, something added to what drives it.
+    assert counted(one, [replace(point, physics={"coulomb_friction.level": 0.21})]) == 2
+    assert counted(one, [replace(point, parameters={"inertia": 0.0104})]) == 2
+    before = one.runs
+    torque = np.zeros(one.records[0].plan.grid.size)
+    for _ in range(2):
+        one.run_one(point, 0, excitation={"torque": torque})
+    assert one.runs - before == 2
 
 
 def test_an_effect_of_one_recording_changes_that_one_alone(
