@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from gmfbo.diagnosis.records import Record, ScoredSignal
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.diagnosis.whitening import Spectrum, Window
 
 TOLERANCE = 5e-3

@@ -16,7 +16,8 @@ from gmfbo.diagnosis.hypothesis import Setting
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.nuisances import Direction
 from gmfbo.diagnosis.rig import Rig
-from gmfbo.diagnosis.simulations import Simulated, Simulations
+from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
 from gmfbo.sources.twin import FmuTwin
 

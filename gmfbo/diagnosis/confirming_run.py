@@ -18,7 +18,7 @@ from gmfbo.diagnosis.nuisances import Direction, actuator_directions, record_dir
 from gmfbo.diagnosis.opening import open_case
 from gmfbo.diagnosis.predictions import Explanation, Predictions
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import Point, Simulated
+from gmfbo.diagnosis.simulated import Point, Simulated
 from gmfbo.diagnosis.whitening import Spectrum, Whitener, Window
 from gmfbo.errors import InputError, SimulationError
 from gmfbo.recordings.recording import Recording

@@ -11,7 +11,7 @@ from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.predictions import Explanation
 from gmfbo.diagnosis.remaining_explanations import as_candidate
-from gmfbo.diagnosis.simulations import Point
+from gmfbo.diagnosis.simulated import Point
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin import FmuTwin

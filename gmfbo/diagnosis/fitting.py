@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 
 _ITERATIONS = 10
 _TOLERANCE = 3e-4  # of chi2: far below what separates two hypotheses

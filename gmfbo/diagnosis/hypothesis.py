@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.simulations import PlayedNoise, Point
+from gmfbo.diagnosis.simulated import PlayedNoise, Point
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 from gmfbo.physics.effect import EffectParameter
 from gmfbo.sources.uncertain import Uncertain

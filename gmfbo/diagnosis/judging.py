@@ -6,7 +6,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case import Case, is_more_than_noise, times_noise
 from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.simulations import Point
+from gmfbo.diagnosis.simulated import Point
 
 LEAST_PROBABILITY = 0.3
 """Below it an effect is not named: it is more likely wrong than right."""

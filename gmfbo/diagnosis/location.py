@@ -15,7 +15,7 @@ from gmfbo.diagnosis.latent_state import StateFit, rank_states
 from gmfbo.diagnosis.parities import Parities
 from gmfbo.diagnosis.parity import FAILS_ABOVE, Parity, block_rows
 from gmfbo.diagnosis.ranges import states_of
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.diagnosis.time_windows import (
     MOST_WINDOWS,
     Column,

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.simulations import Simulated, Simulations
+from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin import FmuTwin
 

@@ -15,7 +15,8 @@ from gmfbo.diagnosis.budget import (
 )
 from gmfbo.diagnosis.nuisances import Direction
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
+from gmfbo.diagnosis.simulated import Point, Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.sources.augmented import Response
 
 NOISE_RUNS = 4

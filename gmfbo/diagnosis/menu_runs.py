@@ -17,7 +17,7 @@ from gmfbo.diagnosis.nuisances import record_directions
 from gmfbo.diagnosis.recorded_noise import without_noise
 from gmfbo.diagnosis.records import Record, ScoredSignal
 from gmfbo.diagnosis.reference_menu import MenuEntry, RecordedLimits, reference_menu
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.diagnosis.whitening import Whitener, make_window
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin

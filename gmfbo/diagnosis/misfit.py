@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.hypothesis import Hypothesis
-from gmfbo.diagnosis.simulations import Simulated, Simulations
+from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.diagnosis.whitening import Whitener
 
 Blocks = tuple[NDArray[np.float64], ...]

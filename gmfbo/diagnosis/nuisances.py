@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.records import Record, ScoredSignal
-from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
+from gmfbo.diagnosis.simulated import Point, Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.sources.twin_entries import OutputEntry
 
 Direction = tuple[NDArray[np.float64], ...]

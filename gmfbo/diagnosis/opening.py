@@ -26,7 +26,8 @@ from gmfbo.diagnosis.ranges import (
 )
 from gmfbo.diagnosis.records import Record, scored_record
 from gmfbo.diagnosis.rig import Rig, describe_rig
-from gmfbo.diagnosis.simulations import Point, Reading, Simulated, Simulations, require_run
+from gmfbo.diagnosis.simulated import Point, Reading, Simulated, require_run
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.diagnosis.torque_sizes import moving_torque, torque_guess
 from gmfbo.diagnosis.twin_steps import reads_back, steps_finely
 from gmfbo.diagnosis.whitening import Window

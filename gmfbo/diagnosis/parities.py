@@ -19,7 +19,7 @@ from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.held_twin import DISTURBANCE, HeldTwin, hold, mean_effort
 from gmfbo.diagnosis.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
 from gmfbo.diagnosis.parity import Parity, block_rows, block_spread, fast_noise
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.sources.augmented import Response
 
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation

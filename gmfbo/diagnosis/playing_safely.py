@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.play_limits import PlayLimits, largest_rates
 from gmfbo.diagnosis.played_input import PlayedInput, effort_for, imposed_velocity
-from gmfbo.diagnosis.simulations import Point
+from gmfbo.diagnosis.simulated import Point
 from gmfbo.errors import InputError, SimulationError
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.augmented import AugmentedTwin, Response

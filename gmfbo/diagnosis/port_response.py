@@ -23,7 +23,8 @@ from gmfbo.diagnosis.impulse_response import (
     sampling,
 )
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import Simulated, Simulations
+from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.errors import SimulationError
 
 Array = NDArray[np.float64]

@@ -28,7 +28,7 @@ from gmfbo.diagnosis.proposed_experiment import ProposedExperiment
 from gmfbo.diagnosis.records import scored_record
 from gmfbo.diagnosis.reference_menu import MenuEntry
 from gmfbo.diagnosis.showable_sizes import Excited, showable_sizes
-from gmfbo.diagnosis.simulations import Point
+from gmfbo.diagnosis.simulated import Point
 from gmfbo.diagnosis.threshold import LEAST_THRESHOLD
 from gmfbo.diagnosis.whitening import Whitener
 from gmfbo.errors import InputError, SimulationError

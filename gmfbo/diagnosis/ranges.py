@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.signal import bilinear, lfilter
 
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import Point, Simulated, Simulations, Tracking
+from gmfbo.diagnosis.simulated import Point, Simulated, Tracking
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
 _UNSEEN_STEP = 1e-3  # of the stroke: finer steps than this do not count where none was recorded

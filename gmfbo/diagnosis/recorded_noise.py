@@ -21,7 +21,8 @@ from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.leaving_out import square_after_refit
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulations import Point, Simulations
+from gmfbo.diagnosis.simulated import Point
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.sources.augmented import Response
 
 Array = NDArray[np.float64]

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gmfbo.diagnosis.simulations import Simulated, Simulations
+from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.sources.twin import FmuTwin
 
 

@@ -15,7 +15,7 @@ from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.recorded_noise import without_noise
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from gmfbo.diagnosis.records import LEAST_ROWS, Record
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.diagnosis.whitening import Window, make_window
 from gmfbo.errors import RecordingError
 

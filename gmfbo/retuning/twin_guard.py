@@ -10,6 +10,7 @@ from gmfbo.retuning.real_runs import MOST_SAMPLES, rows_of, usable_trials
 from gmfbo.sources.source import Source
 from gmfbo.tuning.history import History
 from gmfbo.tuning.playing import play
+from gmfbo.tuning.runs_beside import runs_beside
 
 LEAST_RUNS = 2
 """Real runs that were predicted; one alone may be an accident."""
@@ -34,9 +35,7 @@ def misleads(history: History, given: Source, first: int) -> bool:
     first : int
         Number of the last real run that the first correction knew.
     """
-    beside: dict[int | None, Trial] = {}
-    for twin in history.of("IS2"):
-        beside.setdefault(twin.parent, twin)
+    beside = runs_beside(history.trials)
     unseen = [
         trial for trial in usable_trials(history) if trial.number > first and trial.number in beside
     ][-NEWEST_RUNS:]

@@ -16,7 +16,8 @@ from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.ranges import measure_ranges
 from gmfbo.diagnosis.records import Record, scored_record
-from gmfbo.diagnosis.simulations import Point, Simulated, Simulations
+from gmfbo.diagnosis.simulated import Point, Simulated
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.diagnosis.whitening import Whitener, make_window
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording

@@ -14,7 +14,8 @@ from gmfbo.diagnosis.fitting import fit
 from gmfbo.diagnosis.holding_out import split_of
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
 from gmfbo.diagnosis.records import scored_record
-from gmfbo.diagnosis.simulations import Point, Simulations
+from gmfbo.diagnosis.simulated import Point
+from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.augmented import AugmentedTwin
 from gmfbo.sources.uncertain import Uncertain

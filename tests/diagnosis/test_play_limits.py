@@ -16,7 +16,7 @@ from gmfbo.diagnosis.play_limits import PlayLimits, largest_rates
 from gmfbo.diagnosis.play_patterns import PARTS, play_patterns
 from gmfbo.diagnosis.played_input import effort_for, imposed_velocity, played_input
 from gmfbo.diagnosis.playing_safely import SafePlayer
-from gmfbo.diagnosis.simulations import Point
+from gmfbo.diagnosis.simulated import Point
 from gmfbo.errors import InputError
 from gmfbo.recordings.reader import read_recording
 from gmfbo.recordings.writer import write_recording

@@ -20,7 +20,7 @@ from gmfbo.diagnosis.recorded_noise import (
     settled,
     under_noise,
 )
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from tests.diagnosis.planted_noise import (
     SPLIT,
     STEP,

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.loop_noise import sensor_noise
-from gmfbo.diagnosis.simulations import Simulated
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.sources.augmented import Response
 from gmfbo.sources.job import Outcome
 

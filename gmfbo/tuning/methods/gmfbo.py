@@ -19,6 +19,7 @@ from gmfbo.recordings.trial import Trial
 from gmfbo.tuning.method import CorrectionOptions, Proposal
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
 from gmfbo.tuning.run_values import at_times
+from gmfbo.tuning.runs_beside import runs_beside
 from gmfbo.tuning.state import TuningState
 
 if TYPE_CHECKING:
@@ -206,10 +207,7 @@ def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns,
     from gmfbo.surrogate.corrected_twin import AxisRuns
 
     signal = state.experiment.signal
-    beside: dict[int, Trial] = {}
-    for trial in state.trials:
-        if trial.source == "IS2" and trial.parent is not None:
-            beside.setdefault(trial.parent, trial)  # later ones are a closer look
+    beside = runs_beside(state.trials)
     real = [trial for trial in state.trials if trial.source == "IS1"]
     outdated = {seen.number: seen.outdated for seen in state.of("IS1")}
     runs = AxisRuns(
