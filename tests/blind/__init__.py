@@ -10,6 +10,7 @@ Commands, each of which can be stopped and called again:
     python -m tests.blind.run --out FOLDER [--jobs 2] [--only 003 007] [--keep]
     python -m tests.blind.baselines --out FOLDER [--brute 48]
     python -m tests.blind.placebo exclude --out FOLDER --to PLACEBO [--count 24]   # then run it
+    python -m tests.blind.outcomes keep FILE --out FOLDER   # and `take` elsewhere
     python -m tests.blind.score --out FOLDER [--placebos PLACEBO ...] [--text FILE]
 
 and without baselines and placebos in a row: `python -m tests.blind --seed 1 --out FOLDER`. Chunks
