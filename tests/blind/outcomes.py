@@ -18,6 +18,7 @@ from typing import Any
 
 from tests.blind.baselines import baseline_path
 from tests.blind.generate import check_hashes
+from tests.blind.run import outcome_path
 
 SCORED = ("verdict", "effects", "parameters", "location", "fit", "cost")
 """Of diagnosis.json, what a score is made of."""
@@ -43,12 +44,13 @@ def keep(out: Path, file: Path) -> int:
     """
     lines = [json.dumps({"benchmark": _read(out / "benchmark.json")})]
     for case in check_hashes(out):
-        folder = out / "results" / case
-        if not (folder / "outcome.json").exists():
+        ended = outcome_path(out, case)
+        if not ended.exists():
             continue
-        line: dict[str, Any] = {"case": case, "outcome": _read(folder / "outcome.json")}
-        if (folder / "diagnosis.json").exists():
-            line["diagnosis"] = _scored(_read(folder / "diagnosis.json"))
+        line: dict[str, Any] = {"case": case, "outcome": _read(ended)}
+        diagnosis = ended.with_name("diagnosis.json")
+        if diagnosis.exists():
+            line["diagnosis"] = _scored(_read(diagnosis))
         if baseline_path(out, case).exists():
             line["baselines"] = _read(baseline_path(out, case))
         lines.append(json.dumps(line))
@@ -80,15 +82,15 @@ def take(out: Path, file: Path) -> int:
     taken = 0
     for line in lines:
         case = line["case"]
-        folder = out / "results" / case
-        if case not in known or (folder / "outcome.json").exists():
+        ended = outcome_path(out, case)
+        if case not in known or ended.exists():
             continue
-        folder.mkdir(parents=True, exist_ok=True)
+        ended.parent.mkdir(parents=True, exist_ok=True)
         if "diagnosis" in line:
-            _write(folder / "diagnosis.json", line["diagnosis"])
+            _write(ended.with_name("diagnosis.json"), line["diagnosis"])
         if "baselines" in line:
             _write(baseline_path(out, case), line["baselines"])
-        _write(folder / "outcome.json", line["outcome"])  # last: it says that the case is done
+        _write(ended, line["outcome"])  # last: it says that the case is done
         taken += 1
     return taken
 

@@ -50,7 +50,7 @@ def run_all(
     chosen = [
         out / "cases" / case
         for case in hashed
-        if (case in only if only else not _outcome_path(out, case).exists())
+        if (case in only if only else not outcome_path(out, case).exists())
     ]
     with ThreadPoolExecutor(jobs) as pool:
         futures = [pool.submit(run_case, folder, out, limit, keep) for folder in chosen]
@@ -99,11 +99,12 @@ def run_case(folder: Path, out: Path, limit: float, keep: bool = False) -> str:
         for left in ("augmented.fmu", "augmented.toml", "report.html"):
             (results / left).unlink(missing_ok=True)
     outcome = {"status": status, "seconds": round(seconds, 2), "note": note}
-    _outcome_path(out, folder.name).write_text(json.dumps(outcome), encoding="utf-8")
+    outcome_path(out, folder.name).write_text(json.dumps(outcome), encoding="utf-8")
     return f"{folder.name} {seconds:6.1f} s {note or 'done'}"
 
 
-def _outcome_path(out: Path, case: str) -> Path:
+def outcome_path(out: Path, case: str) -> Path:
+    """How the command ended on a case; there once it has."""
     return out / "results" / case / "outcome.json"
 
 

@@ -20,6 +20,7 @@ from typing import Any, Literal
 from tests.blind.generate import check_hashes
 from tests.blind.hidden import FRICTION
 from tests.blind.numbers_said import Numbers, judge_numbers
+from tests.blind.run import outcome_path
 
 Outcome = Literal["right", "partial", "set", "wrong", "missed", "nearest", "failed"]
 
@@ -263,12 +264,12 @@ def read_scores(out: Path) -> list[Scored]:
     check_hashes(out)
     scores = []
     for path in sorted((out / "answers").glob("*.json")):
-        folder = out / "results" / path.stem
-        if not (folder / "outcome.json").exists():
+        ended = outcome_path(out, path.stem)
+        if not ended.exists():
             continue
-        outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
+        outcome = json.loads(ended.read_text(encoding="utf-8"))
         answer = json.loads(path.read_text(encoding="utf-8"))
-        written = folder / "diagnosis.json"
+        written = ended.with_name("diagnosis.json")
         diagnosis = None
         if outcome["status"] == 0 and written.exists():
             diagnosis = json.loads(written.read_text(encoding="utf-8"))
