@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from gmfbo.diagnosis.leaving_out import square_after_refit
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.recorded_noise import under_noise
 from gmfbo.diagnosis.screening import Probe, Screened
+from gmfbo.physics import CATALOGUE
 from gmfbo.physics.harmonic import strongest_first
 
 MOST = 6
@@ -21,8 +22,13 @@ MOST = 6
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
 _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
 _NEAR = 0.5  # of the best gain, from which the same is asked
+_MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
+_LAGS = {name for name, law in CATALOGUE.items() if law.family == "timing"}
 _AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
+
+MISLED = (*_ROUGH, "timing")
+"""Families that refitted parameters hide where they have swallowed part of them."""
 
 
 def shortlist(screened: Sequence[Screened], least_gain: float) -> list[Candidate]:
@@ -172,7 +178,11 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
 
 
 def rough_worth_fitting(
-    misfit: Misfit, base: Fitted, tried: Sequence[Probe], *, gross: bool
+    misfit: Misfit,
+    base: Fitted,
+    tried: Sequence[Probe],
+    families: Collection[str],
+    beside: Collection[str],
 ) -> list[Candidate]:
     """Effects that explain more under other parameters than those refitted without them.
 
@@ -183,11 +193,12 @@ def rough_worth_fitting(
     base : Fitted
         The model so far.
     tried : sequence of Probe
-        The library; of it, the families with many minima are tried.
-    gross : bool
-        The misfit is so large that refitted parameters mislead; else limits alone are tried.
+        The library.
+    families : collection of str
+        Which families of it are tried.
+    beside : collection of str
+        Effects that are fitted in any case.
     """
-    families = (*_ROUGH, "timing") if gross else ("limit",)
     shapes = [p.candidate for p in tried if p.candidate.law.family in families]
 
     def one(candidate: Candidate) -> tuple[float, Candidate]:
@@ -196,6 +207,12 @@ def rough_worth_fitting(
 
     best: dict[str, tuple[float, Candidate]] = {}
     for square, candidate in misfit.simulations.map_outer(one, shapes):
-        if square < min(base.chi2, best.get(candidate.effect, (np.inf,))[0]):
+        if square < best.get(candidate.effect, (np.inf,))[0]:
             best[candidate.effect] = square, candidate
-    return [candidate for _, candidate in sorted(best.values(), key=lambda entry: entry[0])]
+    ranked = sorted(best.values(), key=lambda entry: entry[0])
+    others = [(square, c) for square, c in ranked if c.effect not in beside]
+    chosen = [candidate for square, candidate in others if square < base.chi2][:_MOST_ROUGH]
+    # Lags are each other's rivals: where one is fitted, none of them may be left out.
+    if _LAGS & {*beside, *(c.effect for c in chosen)}:
+        chosen += [c for _, c in others if c.effect in _LAGS and c not in chosen]
+    return chosen

@@ -17,7 +17,7 @@ from gmfbo.diagnosis.acceptance import (
     slack_of,
 )
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
-from gmfbo.diagnosis.confirming import confirm, rough_worth_fitting, shortlist
+from gmfbo.diagnosis.confirming import MISLED, confirm, rough_worth_fitting, shortlist
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
@@ -197,11 +197,9 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if first:
         decision.screened = screened
     chosen = shortlist(screened, _WORTH_FITTING)
-    gross = chi2_per_dof(decision.model, case.misfit) > _GROSS
-    if gross or _is_uneven(decision.model):
-        rough = rough_worth_fitting(case.misfit, decision.model, tried, gross=gross)
-        known = {c.effect for c in chosen}
-        chosen += [c for c in rough if c.effect not in known][:3]
+    families = _to_try(case, decision.model)
+    known = {c.effect for c in chosen}
+    chosen += rough_worth_fitting(case.misfit, decision.model, tried, families, known)
     chosen = _with_limits_scanned(case, decision, tried, chosen, rng)
     fits = confirm(case.misfit, decision.model, chosen)
     if first:
@@ -252,6 +250,15 @@ def _with_limits_scanned(
     found = [candidate for _, candidate in scanned]
     known = {candidate.effect for candidate in found}
     return [*(c for c in chosen if c.effect not in known), *found]
+
+
+def _to_try(case: Case, model: Fitted) -> set[str]:
+    """Families that are simulated at each start, as their slope about the model says little."""
+    if chi2_per_dof(model, case.misfit) > _GROSS:
+        return set(MISLED)
+    families = {"limit"} if _is_uneven(model) else set()
+    # A lag that inertia has made up for: from there its slope may point below zero.
+    return families | {"timing"} if is_more_than_noise(case, model) else families
 
 
 def _is_uneven(model: Fitted) -> bool:

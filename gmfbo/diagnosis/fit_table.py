@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+
+LEAST_REMOVED = 0.05
+"""Share of the explainable error on held-out recordings, below which nothing is named."""
+
+_BEYOND_NOISE, _WORSE = 1.5, 1.1  # times the noise floor; times the error without the physics
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,28 @@ class Fit:
     held_out: tuple[str, ...]
     signals: Mapping[str, SignalFit]
     explainable_error_removed: float | None = None
+
+    @property
+    def contradicts_names(self) -> bool:
+        """Whether the twin is clearly worse with the physics on recordings that no fit has seen.
+
+        Errors are in units of the noise floor, over all signals alike. A law that holds leaves
+        little more than noise; one that merely bent to the fitted recordings misses these by more
+        than no law at all.
+        """
+        pairs = [
+            (fit.parameters_only / fit.noise_floor, fit.augmented / fit.noise_floor)
+            for fit in self.signals.values()
+            if fit.noise_floor > 0.0
+        ]
+        if not self.held_out or not pairs:
+            return False
+        before, after = (
+            math.sqrt(sum(x**2 for x in column) / len(pairs)) for column in zip(*pairs, strict=True)
+        )
+        removed = self.explainable_error_removed
+        removes_nothing = removed is not None and removed < LEAST_REMOVED
+        return after > _BEYOND_NOISE and (after > _WORSE * before or removes_nothing)
 
     @property
     def most_improved(self) -> str | None:

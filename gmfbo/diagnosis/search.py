@@ -15,7 +15,7 @@ from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.deciding import decide
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
-from gmfbo.diagnosis.fit_table import Fit
+from gmfbo.diagnosis.fit_table import LEAST_REMOVED, Fit
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -55,9 +55,6 @@ from gmfbo.diagnosis.whereabouts import Location, Shape
 from gmfbo.physics import CATALOGUE, Excitation
 
 Progress = Callable[[str, float], None]
-
-_LEAST_REMOVED = 0.05
-"""Share of the explainable error on held-out recordings, below which nothing is named."""
 
 
 class Search:
@@ -142,8 +139,13 @@ class Search:
         self.progress("validating", 0.85)
         result = self._validated(decision, outside, unseen)
         removed = result.fit.explainable_error_removed
-        if removed is not None and removed < _LEAST_REMOVED and is_weak(decision):
+        why = None
+        if removed is not None and removed < LEAST_REMOVED and is_weak(decision):
             why = f"removes {removed:.0%} of the explainable error on the others"
+        elif decision.rounds and result.fit.contradicts_names:
+            why = "the others contradict it"
+            decision.contradicted = not is_weak(decision)
+        if why is not None:
             self._take_names_back(decision, why)
             result = self._validated(decision, outside, unseen)
         augmented = result.augmented
@@ -331,7 +333,9 @@ class Search:
         errors = {name: signal.parameters_only for name, signal in fit.signals.items()}
         left = unexplained(case, case.base)
         if not is_known(decision) and (
-            is_mismatch(left, tests, errors) or is_uneven(case, case.base, self.rng)
+            decision.contradicted
+            or is_mismatch(left, tests, errors)
+            or is_uneven(case, case.base, self.rng)
         ):
             return "outside_library"
         return "parameters" if parameters_matter(case, decision) else "none"

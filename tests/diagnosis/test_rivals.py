@@ -75,14 +75,21 @@ def test_a_law_that_contains_the_winner_is_no_rival_but_its_limit_is_one() -> No
     assert rivals_of(stribeck, [coulomb]) == [coulomb]
 
 
+@pytest.mark.parametrize(
+    "pair", [("actuator_lag", "sensor_lag"), ("actuator_gain_loss", "sensor_scale")]
+)
 @pytest.mark.parametrize(("share", "is_listed"), [(0.95, True), (0.85, False)])
 def test_an_effect_at_the_other_end_of_the_loop_is_a_rival_if_it_gains_nine_tenths(
-    share: float, is_listed: bool
+    share: float, is_listed: bool, pair: tuple[str, str]
 ) -> None:
     """How physics is stepped sets the two further apart than noise does."""
     before = 100.0 * direction(4)
-    left = {"actuator_lag": 0.0 * before, "sensor_lag": np.sqrt(1.0 - share) * before}
-    winner, other = (evidence_of(name, left[name], before) for name in left)
-    assert "sensor_lag" in CATALOGUE["actuator_lag"].same_loop
+    left = (0.0 * before, np.sqrt(1.0 - share) * before)
+    winner, other = (evidence_of(n, after, before) for n, after in zip(pair, left, strict=True))
     assert other.gain == pytest.approx(share * winner.gain)
     assert rivals_of(winner, [winner, other]) == ([other] if is_listed else [])
+
+
+@given(st.sampled_from(sorted(CATALOGUE)))
+def test_two_ends_of_a_loop_name_each_other(name: str) -> None:
+    assert all(name in CATALOGUE[other].same_loop for other in CATALOGUE[name].same_loop)

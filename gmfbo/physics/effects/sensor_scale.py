@@ -30,7 +30,9 @@ sensor_scale = Effect(
             scale=lambda e: 0.02,
         ),
     ),
-    starts=lambda e: [{"share": 0.03}],
+    # In a loop a tenth shifts a resonance by several times what one percent does, and as far off
+    # the slope says nothing: both ways are tried.
+    starts=lambda e: [{"share": 0.03}, {"share": 0.1}, {"share": -0.1}],
     size=lambda p, e: abs(p["share"]),
     size_name="share",
     size_unit="1",
@@ -48,5 +50,6 @@ sensor_scale = Effect(
         "sensor_eccentricity": "a whole turn: eccentricity comes back, a scale error does not",
         "elastic_return": "standstill away from zero: a spring asks for a holding torque",
     },
+    same_loop=("actuator_gain_loss",),
     parameter_like=("sensor_scale",),
 )

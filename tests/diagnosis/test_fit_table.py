@@ -1,0 +1,55 @@
+"""When recordings that no fit has seen contradict the names."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gmfbo.diagnosis.fit_table import Fit, SignalFit
+
+FLOOR = 1e-4
+TIMES = st.floats(0.1, 100.0)
+
+
+def fit_of(
+    before: float, after: float, *, removed: float | None = None, held_out: bool = True
+) -> Fit:
+    """One signal's errors without and with the physics, times the noise floor."""
+    signal = SignalFit(50.0 * FLOOR, before * FLOOR, after * FLOOR, math.nan, FLOOR)
+    return Fit(("a.csv",), ("b.csv",) if held_out else (), {"position": signal}, removed)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "removed", "contradicts"),
+    [
+        (3.0, 5.0, 0.9, True),
+        (3.0, 3.2, 0.9, False),  # no clearer than chance
+        (1.0, 1.4, 0.9, False),  # little more than noise either way
+        (25.0, 11.0, 0.03, True),  # nothing of what physics could explain
+        (25.0, 11.0, 0.3, False),
+        (25.0, 11.0, None, False),
+        (8.0, 1.0, 0.99, False),
+    ],
+)
+def test_names_fall_where_unseen_recordings_are_clearly_worse_with_them(
+    before: float, after: float, removed: float | None, contradicts: bool
+) -> None:
+    assert fit_of(before, after, removed=removed).contradicts_names is contradicts
+
+
+@given(TIMES, TIMES)
+def test_what_comes_near_to_noise_or_improves_is_never_contradicted(a: float, b: float) -> None:
+    before, after = max(a, b), min(a, b)
+    assert not fit_of(before, after).contradicts_names
+    assert not fit_of(a, min(b, 1.5)).contradicts_names
+
+
+def test_without_a_held_out_recording_nothing_contradicts() -> None:
+    assert not fit_of(3.0, 50.0, held_out=False).contradicts_names
+
+
+def test_where_nothing_was_named_nothing_is_contradicted() -> None:
+    assert not fit_of(3.0, math.nan).contradicts_names

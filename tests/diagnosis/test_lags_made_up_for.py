@@ -1,0 +1,30 @@
+"""A lag that the refitted inertia has made up for is found all the same."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from gmfbo.diagnosis.deciding import decide, groups_of
+from gmfbo.diagnosis.library import candidates
+from gmfbo.diagnosis.screening import probes, screen
+from tests.diagnosis.servo_recordings import HIDDEN, opened
+
+DELAY = 2e-3
+LAGS = ("transport_delay", "actuator_lag", "sensor_lag")
+
+
+def test_a_delay_is_named_where_its_slope_about_the_refitted_twin_points_below_zero() -> None:
+    with closing((case := opened({"transport_delay.delay": DELAY})).simulations):
+        library = candidates(LAGS, case.setting.excitation)
+        tried = probes(case.misfit, case.base, library)
+        screened = screen(case.misfit, case.base, tried, groups_of(case))
+        assert case.base.parameters["inertia"] > 1.1 * HIDDEN["inertia"]  # it makes up for it
+        assert max(entry.gain for entry in screened) < 1.0  # and hides it from a slope
+        decision = decide(case, library, np.random.default_rng(0), lambda stage, share: None)
+    assert [entry.winner.name for entry in decision.rounds] == ["transport_delay"]
+    found = decision.rounds[0].winner
+    assert found.effect.values["delay"] == pytest.approx(DELAY, rel=0.02)
+    assert found.fitted.parameters["inertia"] == pytest.approx(HIDDEN["inertia"], rel=0.01)
