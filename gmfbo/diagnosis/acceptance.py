@@ -21,7 +21,7 @@ _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a f
 _PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
 _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
-_CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of the floor will do
+_CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of a floor will do
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 
@@ -109,8 +109,12 @@ def is_large(case: Case, evidence: Evidence, needed: float) -> bool:
     """
     law, excitation = evidence.effect.law, case.setting.excitation
     values = {**evidence.effect.more, **evidence.effect.values}
-    share = _SMALL if evidence.gain > _CLEAR * needed else 1.0
-    return law.size(values, excitation) >= share * law.floor(excitation)
+    return law.size(values, excitation) >= _asked(evidence, needed) * law.floor(excitation)
+
+
+def _asked(evidence: Evidence, needed: float) -> float:
+    """Share of the least size and of the least time that will do."""
+    return _SMALL if evidence.gain > _CLEAR * needed else 1.0
 
 
 def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
@@ -134,7 +138,7 @@ def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float)
         return False
     if not _holds_between_recordings(case, evidence, decision):
         return False
-    return _acts_long_enough(case, evidence)
+    return _acts_long_enough(case, evidence, needed)
 
 
 def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision) -> bool:
@@ -155,8 +159,8 @@ def _freedom(effect: Candidate) -> float:
     return _EACH_PARAMETER * (len(effect.parameters) - 1) + _SEARCHED * effect.searched
 
 
-def _acts_long_enough(case: Case, evidence: Evidence) -> bool:
-    least = evidence.effect.law.least_time
+def _acts_long_enough(case: Case, evidence: Evidence, needed: float) -> bool:
+    least = _asked(evidence, needed) * evidence.effect.law.least_time
     if not least:
         return True
     total = 0.0
