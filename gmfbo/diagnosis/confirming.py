@@ -23,11 +23,13 @@ _LEAST_SHARE = 0.02  # of the best gain: less is no rival
 _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
-_LAGS = {name for name, law in CATALOGUE.items() if law.family == "timing"}
 _AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
-MISLED = (*_ROUGH, "timing")
+LAGS = "timing"
+"""Family of delay, actuator lag and sensor lag."""
+
+MISLED = (*_ROUGH, LAGS)
 """Families that refitted parameters hide where they have swallowed part of them."""
 
 
@@ -212,7 +214,8 @@ def rough_worth_fitting(
     ranked = sorted(best.values(), key=lambda entry: entry[0])
     others = [(square, c) for square, c in ranked if c.effect not in beside]
     chosen = [candidate for square, candidate in others if square < base.chi2][:_MOST_ROUGH]
+    fitted = {*beside, *(c.effect for c in chosen)}
     # Lags are each other's rivals: where one is fitted, none of them may be left out.
-    if _LAGS & {*beside, *(c.effect for c in chosen)}:
-        chosen += [c for _, c in others if c.effect in _LAGS and c not in chosen]
+    if any(CATALOGUE[name].family == LAGS for name in fitted):
+        chosen += [c for _, c in others if c.law.family == LAGS and c.effect not in fitted]
     return chosen

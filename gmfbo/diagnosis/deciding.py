@@ -17,7 +17,7 @@ from gmfbo.diagnosis.acceptance import (
     slack_of,
 )
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
-from gmfbo.diagnosis.confirming import MISLED, confirm, rough_worth_fitting, shortlist
+from gmfbo.diagnosis.confirming import LAGS, MISLED, confirm, rough_worth_fitting, shortlist
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
@@ -258,7 +258,7 @@ def _to_try(case: Case, model: Fitted) -> set[str]:
         return set(MISLED)
     families = {"limit"} if _is_uneven(model) else set()
     # A lag that inertia has made up for: from there its slope may point below zero.
-    return families | {"timing"} if is_more_than_noise(case, model) else families
+    return families | {LAGS} if is_more_than_noise(case, model) else families
 
 
 def _is_uneven(model: Fitted) -> bool:

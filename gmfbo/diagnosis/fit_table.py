@@ -6,9 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-LEAST_REMOVED = 0.05
-"""Share of the explainable error on held-out recordings, below which nothing is named."""
-
+_LEAST_REMOVED = 0.05  # of the explainable error on held-out recordings
 _BEYOND_NOISE, _WORSE = 1.5, 1.1  # times the noise floor; times the error without the physics
 
 
@@ -62,6 +60,12 @@ class Fit:
     explainable_error_removed: float | None = None
 
     @property
+    def removes_nothing(self) -> bool:
+        """Whether the physics removes next to nothing of an error that physics could explain."""
+        removed = self.explainable_error_removed
+        return removed is not None and removed < _LEAST_REMOVED
+
+    @property
     def contradicts_names(self) -> bool:
         """Whether the twin is clearly worse with the physics on recordings that no fit has seen.
 
@@ -79,9 +83,7 @@ class Fit:
         before, after = (
             math.sqrt(sum(x**2 for x in column) / len(pairs)) for column in zip(*pairs, strict=True)
         )
-        removed = self.explainable_error_removed
-        removes_nothing = removed is not None and removed < LEAST_REMOVED
-        return after > _BEYOND_NOISE and (after > _WORSE * before or removes_nothing)
+        return after > _BEYOND_NOISE and (after > _WORSE * before or self.removes_nothing)
 
     @property
     def most_improved(self) -> str | None:

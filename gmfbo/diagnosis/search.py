@@ -15,7 +15,7 @@ from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.deciding import decide
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
-from gmfbo.diagnosis.fit_table import LEAST_REMOVED, Fit
+from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.holding_out import Split, split_of
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -138,9 +138,9 @@ class Search:
             self._take_names_back(decision, "leaves most of what is beyond noise")
         self.progress("validating", 0.85)
         result = self._validated(decision, outside, unseen)
-        removed = result.fit.explainable_error_removed
         why = None
-        if removed is not None and removed < LEAST_REMOVED and is_weak(decision):
+        if result.fit.removes_nothing and is_weak(decision):
+            removed = result.fit.explainable_error_removed
             why = f"removes {removed:.0%} of the explainable error on the others"
         elif decision.rounds and result.fit.contradicts_names:
             why = "the others contradict it"

@@ -13,6 +13,8 @@ from gmfbo.diagnosis.library import candidates
 from tests.diagnosis import servo_recordings
 from tests.diagnosis.servo_recordings import opened
 
+JUMP_RAD, LIMIT = 0.1, 2.5  # [rad], [N.m]
+
 
 def kicks() -> tuple[NDArray[np.float64], list[NDArray[np.float64]]]:
     """Three slow motions; in the third the reference jumps for one row."""
@@ -20,9 +22,6 @@ def kicks() -> tuple[NDArray[np.float64], list[NDArray[np.float64]]]:
     slow = [0.3 * column for column in columns]
     slow[2][1000] += JUMP_RAD
     return time, slow
-
-
-JUMP_RAD, LIMIT = 0.1, 2.5  # [rad], [N.m]
 
 
 @pytest.mark.parametrize("physics", [{"actuator_saturation.limit": LIMIT}, {}])
