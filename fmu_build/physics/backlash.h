@@ -2,12 +2,13 @@
 #ifndef GMFBO_PHYSICS_BACKLASH_H
 #define GMFBO_PHYSICS_BACKLASH_H
 
+#include "joint.h"
 #include "load.h"
 
 #define BACKLASH_STEP 20e-6    /* [s] touch and release are looked for this often */
 #define BACKLASH_BISECTIONS 12 /* and found to a part of it: 5 ns */
 
-/* By the load's inertia. */
+/* By the inertia that they move. */
 typedef struct {
     double half_gap, stiffness, damping;
 } Flanks;
@@ -49,19 +50,59 @@ static inline double flank_step(const Flanks *f, double step) {
     return fmax(longest, 1e-3 * step);
 }
 
-static inline double backlash(Load *load, const double *v, const Signals *s) {
-    double inertia = v[V_backlash_load_inertia], stiffness = v[V_backlash_stiffness];
-    if (inertia == 0.0 || stiffness == 0.0) return load->running = 0, 0.0;
-    Flanks flanks = {0.5 * v[V_backlash_gap], stiffness / inertia, v[V_backlash_damping] / inertia};
-    Motion d = load_deflection(load, s);
-    double left = s->step, longest = flank_step(&flanks, s->step);
-    while (left > 1e-12 * s->step) {
-        int side = flank_pressing(&flanks, d);
-        double time = flank_duration(&flanks, side, d, s->acceleration, fmin(longest, left));
-        d = flank_motion(&flanks, side, d, s->acceleration, time);
-        left -= time;
+/* The deflection after `time`; `touched` tells whether a flank pressed meanwhile. */
+static inline Motion flank_passage(const Flanks *f, Motion d, double acceleration, double time, int *touched) {
+    double left = time, longest = flank_step(f, time);
+    while (left > 1e-12 * time) {
+        int side = flank_pressing(f, d);
+        double part = flank_duration(f, side, d, acceleration, fmin(longest, left));
+        d = flank_motion(f, side, d, acceleration, part);
+        *touched |= side != 0;
+        left -= part;
     }
+    return d;
+}
+
+/* Free play, by whether the inertia of the twin's shaft is known. */
+typedef struct {
+    Load load;
+    Joint joint;
+    int touched;                           /* in the step before */
+    double position, velocity, mean, step; /* of the shaft in the step before */
+} Gap;
+
+/* The load alone, behind a shaft that moves as it did in the step before: flanks are as soft as
+ * the step is long. */
+static inline double backlash_behind(Load *load, const Flanks *f, double inertia, const Signals *s) {
+    int touched = 0;
+    Motion d = flank_passage(f, load_deflection(load, s), s->acceleration, s->step, &touched);
     return load_reaction(load, inertia, s, d);
+}
+
+/* Flanks may be hard. In the gap, the deflection follows the shaft's own position. */
+static inline double backlash_between(Gap *g, const Flanks *f, double load, double shaft, const Signals *s) {
+    Joint *j = &g->joint;
+    if (j->running && !g->touched)
+        j->deflection.x += s->position - g->position - (g->velocity + 0.5 * g->mean * g->step) * g->step;
+    joint_step_begins(j, shaft, s);
+    g->touched = 0;
+    Motion end = flank_passage(f, j->deflection, j->push, s->step, &g->touched);
+    double torque = joint_step_ends(j, end, load, shaft, s);
+    g->position = s->position;
+    g->velocity = s->velocity;
+    g->mean = j->push + torque / shaft;
+    g->step = s->step;
+    return torque;
+}
+
+static inline double backlash(Gap *g, const double *v, const Signals *s) {
+    double load = v[V_backlash_load_inertia], shaft = v[V_backlash_shaft_inertia];
+    double stiffness = v[V_backlash_stiffness];
+    if (load == 0.0 || stiffness == 0.0) return *g = (Gap){0}, 0.0;
+    double inertia = shaft > 0.0 ? joint_inertia(load, shaft) : load;
+    Flanks flanks = {0.5 * v[V_backlash_gap], stiffness / inertia, v[V_backlash_damping] / inertia};
+    return shaft > 0.0 ? backlash_between(g, &flanks, load, shaft, s)
+                       : backlash_behind(&g->load, &flanks, load, s);
 }
 
 #endif

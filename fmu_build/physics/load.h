@@ -2,6 +2,7 @@
 #ifndef GMFBO_PHYSICS_LOAD_H
 #define GMFBO_PHYSICS_LOAD_H
 
+#include "joint.h"
 #include "oscillator.h"
 #include "signals.h"
 
@@ -27,14 +28,27 @@ static inline double load_reaction(Load *load, double inertia, const Signals *s,
     return -inertia * (load->velocity - before) / s->step;
 }
 
-/* Load behind a spring and a damper. */
-static inline double torsional_compliance(Load *load, const double *v, const Signals *s) {
-    double inertia = v[V_torsional_compliance_load_inertia];
+/* Load behind a spring and a damper, by whether the inertia of the twin's shaft is known. */
+typedef struct {
+    Load load;
+    Joint joint;
+} Spring;
+
+static inline double torsional_compliance(Spring *m, const double *v, const Signals *s) {
+    double load = v[V_torsional_compliance_load_inertia], shaft = v[V_torsional_compliance_shaft_inertia];
     double stiffness = v[V_torsional_compliance_stiffness];
-    if (inertia == 0.0 || stiffness == 0.0) return load->running = 0, 0.0;
-    Motion end = oscillator_after(load_deflection(load, s), s->acceleration, stiffness / inertia,
-                                  v[V_torsional_compliance_damping] / inertia, s->step);
-    return load_reaction(load, inertia, s, end);
+    if (load == 0.0 || stiffness == 0.0) return *m = (Spring){0}, 0.0;
+    double damping = v[V_torsional_compliance_damping];
+    if (shaft > 0.0) {
+        double inertia = joint_inertia(load, shaft);
+        Joint *j = &m->joint;
+        joint_step_begins(j, shaft, s);
+        Motion end = oscillator_after(j->deflection, j->push, stiffness / inertia, damping / inertia, s->step);
+        return joint_step_ends(j, end, load, shaft, s);
+    }
+    Motion end = oscillator_after(load_deflection(&m->load, s), s->acceleration, stiffness / load,
+                                  damping / load, s->step);
+    return load_reaction(&m->load, load, s, end);
 }
 
 /* First-order mean of the acceleration over the last steps. */

@@ -19,7 +19,8 @@ struct Model {
     double v[N_VARIABLES];
     LastStep last;
     Bristle coulomb, stribeck, presliding, asymmetric, load_dependent, position_dependent;
-    Load behind_gap, behind_spring;
+    Gap gap;
+    Spring spring;
     Hysteresis hysteresis;
     Inertia inertia;
     Warming motor;
@@ -43,8 +44,8 @@ static double torque_effects(Model *m, const Signals *s) {
     torque += position_dependent_friction(&m->position_dependent, v, s);
     torque += viscous_friction(v, s);
     torque += quadratic_drag(v, s);
-    torque += backlash(&m->behind_gap, v, s);
-    torque += torsional_compliance(&m->behind_spring, v, s);
+    torque += backlash(&m->gap, v, s);
+    torque += torsional_compliance(&m->spring, v, s);
     torque += load_inertia(&m->inertia, v, s);
     torque += hysteresis(&m->hysteresis, v, s);
     torque += cogging_torque(v, s);

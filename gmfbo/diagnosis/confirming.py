@@ -21,6 +21,7 @@ MOST = 6
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
 _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
+_WORTH_OTHERS = 15.0  # gain from which other values of what is not fitted are tried
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
 _AGAIN = 4  # points that are tried after that
@@ -97,7 +98,8 @@ def confirm(
 
     def one(candidate: Candidate) -> Fitted | None:
         hypothesis, parameters = _best_start(misfit, base, candidate)
-        return fit(misfit, hypothesis, parameters)
+        found = fit(misfit, hypothesis, parameters)
+        return None if found is None else _otherwise(misfit, base, found)
 
     def again(found: Fitted) -> Fitted:
         if base.chi2 - found.chi2 < least:
@@ -127,6 +129,22 @@ def _best_start(
     if best is None:
         return _joined(base.hypothesis, candidate), base.parameters
     return best.hypothesis, best.parameters
+
+
+def _otherwise(misfit: Misfit, base: Fitted, found: Fitted) -> Fitted:
+    """The same with other values of what is not fitted, as long as they explain more."""
+    if base.chi2 - found.chi2 < _WORTH_OTHERS:
+        return found
+    law, excitation = found.hypothesis.effects[-1].law, found.hypothesis.setting.excitation
+    for values in law.fixed_otherwise(excitation):
+        *others, candidate = found.hypothesis.effects
+        changed = replace(candidate, more={**candidate.more, **values})
+        hypothesis = replace(found.hypothesis, effects=(*others, changed))
+        moved = fit(misfit, hypothesis, found.parameters, iterations=_AGAIN)
+        if moved is None or moved.chi2 > found.chi2:
+            break
+        found = moved
+    return found
 
 
 def _joined(base: Hypothesis, candidate: Candidate) -> Hypothesis:

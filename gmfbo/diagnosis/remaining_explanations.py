@@ -73,12 +73,13 @@ def _rivals(case: Case, decision: Decision) -> list[Fitted]:
 
 
 def _explanation(name: str, fitted: Fitted, misfit: float) -> Explanation:
-    hypothesis = fitted.hypothesis.at(fitted.x)
-    excitation = hypothesis.setting.excitation
-    physics: dict[str, float] = {}
-    for candidate in hypothesis.effects:
-        if candidate.only is None:
-            physics |= candidate.law.variables({**candidate.more, **candidate.values}, excitation)
+    hypothesis = fitted.hypothesis
+    passing = {candidate.effect for candidate in hypothesis.effects if candidate.only is not None}
+    physics = {
+        variable: value
+        for variable, value in hypothesis.point(fitted.x).physics.items()
+        if variable.partition(".")[0] not in passing
+    }
     effects = tuple(candidate.effect for candidate in hypothesis.effects)
     return Explanation(name, effects, fitted.parameters, physics, misfit)
 

@@ -9,6 +9,8 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units
 
+_LEAST_KEPT = 1e-3  # of the shaft's inertia, when a load is taken out of it
+
 Values = Mapping[str, float]
 Range = Callable[[Excitation], float]
 
@@ -94,6 +96,10 @@ def _nothing_fixed(excitation: Excitation) -> Values:
     return {}
 
 
+def _nothing_else(excitation: Excitation) -> Sequence[Values]:
+    return ()
+
+
 def _always_excited(excitation: Excitation) -> str | None:
     return None
 
@@ -132,6 +138,9 @@ class Effect:
         The law in ASCII, and who stated it.
     fixed : callable (Excitation) -> mapping
         Parameters of `physics.fmu` that are set, not fitted.
+    fixed_otherwise : callable (Excitation) -> sequence of dict of str to float
+        Other values of those, tried in this order once the parameters are fitted, as long as they
+        explain more.
     signal : callable (States, parameters) -> ndarray (n,) or None
         What the effect adds to its port on a given trajectory, without feedback; None where it
         has motion of its own and must be simulated.
@@ -143,7 +152,8 @@ class Effect:
         States it needs beyond position and command; a velocity can be differentiated and a
         command stands for an unknown current, so these are not listed.
     inertia_share : bool
-        Its `load_inertia` is taken out of the twin's inertia.
+        Its `load_inertia` is taken out of the twin's inertia; what is left it gets as
+        `shaft_inertia`, since a hard joint moves both within a step.
     least_time : float
         Seconds for which `acts` must hold before the effect is claimed.
     contains : tuple of str
@@ -175,6 +185,7 @@ class Effect:
     equation: str
     source: str
     fixed: Callable[[Excitation], Values] = _nothing_fixed
+    fixed_otherwise: Callable[[Excitation], Sequence[Values]] = _nothing_else
     signal: Callable[[States, Values], Array] | None = None
     feature: Callable[[States], Array] | None = None
     not_excited: Callable[[Excitation], str | None] = _always_excited
@@ -231,7 +242,10 @@ class Effect:
         Returns
         -------
         dict of str to float
-            `effect.parameter` = value.
+            `effect.parameter` = value; a `shaft_inertia` by the twin's nominal one.
         """
         together = {**self.fixed(excitation), **parameters}
+        if self.inertia_share:
+            left = excitation.shaft_inertia - together["load_inertia"]
+            together.setdefault("shaft_inertia", max(left, _LEAST_KEPT * excitation.shaft_inertia))
         return {f"{self.name}.{name}": float(value) for name, value in together.items()}

@@ -63,6 +63,7 @@ def test_a_load_behind_a_gap_or_shaft_is_taken_out_of_the_twins_inertia(name: st
     moved = point.physics[f"{name}.load_inertia"]
     assert moved > 0.0
     assert point.parameters["inertia"] + moved == pytest.approx(0.15)
+    assert point.physics[f"{name}.shaft_inertia"] == point.parameters["inertia"]
 
 
 def test_a_load_is_taken_out_of_the_nominal_inertia_where_that_is_certain() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -10,10 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from tests.fmu_build.shaft import ShaftRun, run_shaft
+from tests.fmu_build.shaft import Drive, ShaftRun, run_shaft
 
 if TYPE_CHECKING:
     from tests.fmu_build.conftest import NewInstance
+    from tests.fmu_build.fmu_instance import FmuInstance
 
 SHAFT, LOAD, STIFFNESS, DAMPING, GAP, END = 1e-3, 5e-4, 200.0, 0.01, 0.01, 0.15
 JOINTS = {"backlash": GAP, "torsional_compliance": 0.0}
@@ -53,7 +55,7 @@ def with_load(new_instance: NewInstance, joint: str, step: float) -> ShaftRun:
     values = {"stiffness": STIFFNESS, "damping": DAMPING, "load_inertia": LOAD}
     effects = new_instance("physics").start(**{f"{joint}.{k}": v for k, v in values.items()})
     effects.set(backlash__gap=GAP)
-    return run_shaft(effects, SHAFT, step, END, drive=lambda t, q, v: push(t + 0.5 * step))
+    return run_shaft(effects, SHAFT, step, END, drive=pushed(step))
 
 
 @pytest.mark.parametrize("joint", JOINTS)
@@ -84,6 +86,90 @@ def test_a_load_creates_no_energy(
     kinetic = SHAFT * run.v**2 + load * load_velocity**2
     assert kinetic.max() < 1.001 * SHAFT
     assert kinetic[-500:].max() > 0.99 * SHAFT / (1.0 + ratio)  # what the momentum keeps
+
+
+def told_of_its_shaft(
+    new_instance: NewInstance, joint: str, stiffness: float, damping: float, load: float = LOAD
+) -> FmuInstance:
+    """The effect knows the inertia of the shaft: its joint may be hard."""
+    values = {"stiffness": stiffness, "damping": damping, "load_inertia": load}
+    values["shaft_inertia"] = SHAFT
+    effects = new_instance("physics").start(**{f"{joint}.{k}": v for k, v in values.items()})
+    effects.set(backlash__gap=GAP)
+    return effects
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("hardness", [0.1, 10.0, 1e3, 1e5, 1e8])
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+def test_a_hard_joint_creates_no_energy(
+    new_instance: NewInstance, joint: str, hardness: float, ratio: float
+) -> None:
+    """As above, however hard, where the effect knows the inertia of the shaft."""
+    step, load = 1e-3, ratio * SHAFT
+    effects = told_of_its_shaft(new_instance, joint, hardness * SHAFT / step**2, 0.0, load)
+    run = run_shaft(effects, SHAFT, step, 2000 * step, start=(0.0, 1.0))
+    load_velocity = SHAFT * (1.0 - run.v) / load
+    kinetic = SHAFT * run.v**2 + load * load_velocity**2
+    assert kinetic.max() < 1.001 * SHAFT
+    assert kinetic[-500:].max() > 0.99 * SHAFT / (1.0 + ratio)
+
+
+def pushed(step: float) -> Drive:
+    """The push in the middle of each step."""
+    return lambda t, q, v: push(t + 0.5 * step)
+
+
+@pytest.mark.parametrize("stiffness", [600.0, 6e4])
+def test_hard_flanks_are_met_within_a_step(new_instance: NewInstance, stiffness: float) -> None:
+    """Contacts at 0.2 and 2 kHz under steps of 1 ms, against an independent solver."""
+    damping = 2.0 * 0.3 * math.sqrt(stiffness * SHAFT * LOAD / (SHAFT + LOAD))
+
+    def slope(t: float, y: NDArray[np.float64]) -> list[float]:
+        side, depth = np.sign(y[0] - y[2]), abs(y[0] - y[2]) - 0.5 * GAP
+        rate = side * (y[1] - y[3])
+        torque = side * max(0.0, stiffness * depth + damping * rate) if depth > 0.0 else 0.0
+        return [y[1], (push(t) - torque) / SHAFT, y[3], torque / LOAD]
+
+    times = np.arange(151) * 1e-3
+    solution = solve_ivp(
+        slope, (0.0, END), np.zeros(4), "DOP853", times, rtol=1e-9, atol=1e-12, max_step=2e-5
+    )
+    exact = solution.y[0]
+
+    def error(effects: FmuInstance) -> float:
+        run = run_shaft(effects, SHAFT, 1e-3, END, drive=pushed(1e-3))
+        return float(np.abs(run.q - exact).max() / np.ptp(exact))
+
+    assert error(told_of_its_shaft(new_instance, "backlash", stiffness, damping)) < 2e-3
+    # Negative control: flanks as soft as a shaft of unknown inertia allows.
+    softer = {"gap": GAP, "load_inertia": LOAD, "stiffness": 100.0, "damping": 0.13}
+    soft = new_instance("physics").start(**{f"backlash.{k}": v for k, v in softer.items()})
+    assert error(soft) > 4e-3
+
+
+@pytest.mark.parametrize("step", [1e-3, 5e-4])
+def test_a_stiff_shaft_vibrates_as_it_should(new_instance: NewInstance, step: float) -> None:
+    """A blow rings at 150 Hz; in closed form, the shaft's share of it."""
+    w = 2.0 * np.pi * 150.0
+    inertia = SHAFT * LOAD / (SHAFT + LOAD)
+    effects = told_of_its_shaft(new_instance, "torsional_compliance", inertia * w**2, 0.0)
+    run = run_shaft(effects, SHAFT, step, 0.05, start=(0.0, 1.0))
+    together = SHAFT / (SHAFT + LOAD)
+    exact = together + (1.0 - together) * np.cos(w * run.t)
+    assert np.abs(run.v - exact).max() < 0.02 * step / 1e-3
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_soft_joints_are_the_same_with_and_without_the_inertia_of_the_shaft(
+    new_instance: NewInstance, joint: str
+) -> None:
+    """Limit case: where steps are short for the joint, the two ways agree."""
+    step = 2e-5
+    known = told_of_its_shaft(new_instance, joint, STIFFNESS, DAMPING)
+    one = run_shaft(known, SHAFT, step, END, drive=pushed(step))
+    other = with_load(new_instance, joint, step)
+    assert np.abs(one.q - other.q).max() < 1e-3 * np.ptp(other.q)
 
 
 def test_the_shaft_moves_freely_within_the_gap(new_instance: NewInstance) -> None:

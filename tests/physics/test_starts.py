@@ -109,14 +109,6 @@ def test_a_friction_bristle_stays_stable_when_held_over_a_step(excitation: Excit
     assert held <= 0.1001 or deflection == pytest.approx(0.01 * excitation.stroke)
 
 
-@given(excitations())
-@settings(max_examples=200, deadline=None)
-def test_a_contact_stays_stable_when_held_over_a_step(excitation: Excitation) -> None:
-    stiffness = CATALOGUE["backlash"].fixed(excitation)["stiffness"]
-    motor = 0.3 * excitation.shaft_inertia
-    assert stiffness * excitation.step**2 / motor <= 0.1001
-
-
 @given(effects, excitations())
 @settings(max_examples=300, deadline=None)
 def test_reasons_for_no_excitation_are_words_or_none(

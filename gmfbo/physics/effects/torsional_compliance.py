@@ -15,9 +15,9 @@ _DAMPING_RATIO = 0.05
 def _stiffness(excitation: Excitation, along: float) -> float:
     """Stiffness at a place `along` 0 to 1, even in the logarithm of the load's frequency.
 
-    From twice as slow as the loop to what a step of the recording or of the master resolves.
+    From twice as slow as the loop to what the recording resolves.
     """
-    fast = min(1.0 / excitation.sample, 0.3 / excitation.step)
+    fast = 1.0 / excitation.sample
     slow = min(0.5 / excitation.loop_time, 0.05 * fast)
     frequency = math.exp((1.0 - along) * math.log(slow) + along * math.log(fast))  # [rad/s]
     return _SHARE * excitation.shaft_inertia * frequency**2
