@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 # Before NumPy and torch load: see gmfbo/__init__.py.
@@ -16,6 +17,10 @@ import gmfbo.retuning  # noqa: E402, F401 - all methods are listed before tests 
 
 settings.register_profile("gmfbo", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("gmfbo")
+
+# A shell that starts the tests in the background has them ignore Ctrl-C, and they hand that down.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TESTS = Path(__file__).parent
 LONGEST = (TESTS / "notebooks", TESTS / "test_demo_command.py", TESTS / "tuning")

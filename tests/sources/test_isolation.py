@@ -260,7 +260,7 @@ def test_nothing_is_left_when_a_script_forgets_to_close(
 ) -> None:
     with child(ending, faulty) as parent:
         workers = descendants(parent.pid)
-        _, complaints = parent.communicate(timeout=60)
+        _, complaints = parent.communicate(timeout=20)
         assert parent.returncode == code
     assert gone_within(workers, 5.0)
     assert "ResourceWarning" not in complaints
@@ -271,7 +271,7 @@ def test_nothing_is_left_when_the_user_interrupts(faulty: Path) -> None:
         time.sleep(0.2)
         workers = descendants(parent.pid)
         os.killpg(parent.pid, signal.SIGINT)  # as a terminal does: the worker gets it too
-        _, complaints = parent.communicate(timeout=60)
+        _, complaints = parent.communicate(timeout=20)
         assert parent.returncode != 0
         assert "KeyboardInterrupt" in complaints
     assert gone_within(workers, 5.0)

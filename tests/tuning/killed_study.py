@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from gmfbo.cli.interrupt import remembered_interrupt
+from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis
@@ -16,8 +18,17 @@ def main(study_file: str) -> None:
     study = Study.read(Path(study_file))
     twin = AnalyticAxis(inertia=0.2, friction=0.4)
     method = QUICK[study.file.method]
-    with Tuner(study, is1=AnalyticAxis(), is2=twin, method=method, resume=True) as tuner:
-        tuner.run(lambda event: print(event.trial, flush=True))
+    with (
+        remembered_interrupt() as pressed,
+        Tuner(study, is1=AnalyticAxis(), is2=twin, method=method, resume=True) as tuner,
+    ):
+
+        def tell(event: Progress) -> None:
+            print(event.trial, flush=True)
+            if pressed.is_set():
+                raise KeyboardInterrupt
+
+        tuner.run(tell)
 
 
 if __name__ == "__main__":
