@@ -170,7 +170,7 @@ class Hypothesis:
         parameters = self.parameters(x)
         physics: dict[str, float] = {}
         only: dict[str, int] = {}
-        moved, loads = 0.0, []
+        loads: dict[str, float] = {}
         for candidate in self.at(x).effects:
             law = candidate.law
             together = {**candidate.more, **candidate.values}
@@ -178,15 +178,14 @@ class Hypothesis:
             if candidate.only is not None:
                 only[candidate.effect] = candidate.only
             if law.inertia_share:
-                moved += candidate.values["load_inertia"]
-                loads.append(law.name)
-        if moved and self.setting.inertia is not None:
+                loads[law.name] = candidate.values["load_inertia"]
+        if loads and self.setting.inertia is not None:
             whole = parameters.get(self.setting.inertia)
             if whole is None:
                 whole = self._nominal_inertia
             # What turns behind the gap or shaft no longer turns with the twin's own.
             least = max(1e-3 * whole, self.setting.least_inertia)
-            kept = max(whole - moved, least)
+            kept = max(whole - sum(loads.values()), least)
             parameters[self.setting.inertia] = kept
             physics |= {f"{name}.shaft_inertia": kept for name in loads}
         return Point(parameters, physics, only, self.noise)

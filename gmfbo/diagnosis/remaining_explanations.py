@@ -74,12 +74,8 @@ def _rivals(case: Case, decision: Decision) -> list[Fitted]:
 
 def _explanation(name: str, fitted: Fitted, misfit: float) -> Explanation:
     hypothesis = fitted.hypothesis
-    passing = {candidate.effect for candidate in hypothesis.effects if candidate.only is not None}
-    physics = {
-        variable: value
-        for variable, value in hypothesis.point(fitted.x).physics.items()
-        if variable.partition(".")[0] not in passing
-    }
+    point = hypothesis.point(fitted.x)
+    physics = {k: v for k, v in point.physics.items() if k.partition(".")[0] not in point.only}
     effects = tuple(candidate.effect for candidate in hypothesis.effects)
     return Explanation(name, effects, fitted.parameters, physics, misfit)
 
