@@ -129,6 +129,26 @@ def test_a_hard_joint_creates_no_energy(
     assert_no_energy_is_created(effects, ratio, step)
 
 
+@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("told", [0.1, 0.5, 1.2])
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+def test_a_hard_joint_stays_calm_where_it_is_told_a_wrong_inertia(
+    new_instance: NewInstance, joint: str, told: float, ratio: float
+) -> None:
+    """A user may change the inertia of a corrected twin: shaft and load still come together.
+
+    Told half as much again as the shaft has, a load ten times as heavy diverges.
+    """
+    step, load = 1e-3, ratio * SHAFT
+    stiffness = 1e3 * SHAFT / step**2
+    damping = 0.6 * math.sqrt(stiffness * SHAFT * load / (SHAFT + load))
+    effects = effect_of(new_instance, joint, stiffness, damping, load, shaft=told * SHAFT)
+    run = run_shaft(effects, SHAFT, step, 2000 * step, start=(0.0, 1.0))
+    assert np.abs(run.v).max() < 1.001
+    load_velocity = SHAFT * (1.0 - run.v[-50:]) / load
+    assert np.abs(run.v[-50:] - load_velocity).max() < 0.02  # what is left of 1, within the gap
+
+
 @pytest.mark.parametrize("stiffness", [600.0, 6e4])
 def test_hard_flanks_are_met_within_a_step(new_instance: NewInstance, stiffness: float) -> None:
     """Contacts at 0.2 and 2 kHz under steps of 1 ms, against an independent solver."""
