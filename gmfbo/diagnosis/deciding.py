@@ -27,6 +27,7 @@ from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.limit_scan import scan_limits
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.rivals import rivals_of
+from gmfbo.diagnosis.roughness import roughness
 from gmfbo.diagnosis.screening import Probe, probes, refined, screen
 from gmfbo.diagnosis.threshold import NullGains, left_out_square
 
@@ -205,7 +206,9 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if first:
         fits = _widen_budget(case, decision, fits)
         nulls = NullGains(case.misfit, case.base, decision.tried, decision.groups)
-        decision.threshold = nulls.threshold(rng)
+        best = min([case.base, *fits], key=lambda f: f.chi2)
+        rough = roughness(case.misfit, best, rng)
+        decision.threshold = max(nulls.threshold(rng), rough)
     evidence = sorted(
         (_evidence(case, decision.model, fitted, decision.groups) for fitted in fits),
         key=lambda e: -e.gain,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from gmfbo.diagnosis.difference_steps import with_clear_steps
 from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.simulated import Simulated
@@ -96,6 +97,8 @@ def fit(
     iterations : int
         Points that are tried at most.
     """
+    if hypothesis.setting.is_rough:
+        hypothesis = with_clear_steps(misfit, hypothesis, parameters, parallel=parallel)
     search = _Search(misfit, hypothesis, parallel)
     x = hypothesis.start(parameters)
     if not all(run.finite for run in search.simulate(x)):

@@ -13,6 +13,9 @@ from gmfbo.physics import CATALOGUE, Effect, Excitation
 from gmfbo.physics.effect import EffectParameter
 from gmfbo.sources.uncertain import Uncertain
 
+DIFFERENCE_STEP = 5e-3
+"""Share of a parameter's scale; 1e-8 would see nothing through dead bands and encoder counts."""
+
 PRIOR_WIDTH = 3.0
 """Standard deviation of a weak prior of an effect's parameters, in typical sizes."""
 
@@ -77,12 +80,20 @@ class Setting:
         Parameter of the twin from which a load inertia is taken.
     least_inertia : float
         [FMU's unit] Below which the FMU refuses it.
+    difference_steps : mapping of str to float
+        Share of its scale by which a free parameter is moved; `DIFFERENCE_STEP` unless given.
     """
 
     uncertain: tuple[Uncertain, ...]
     excitation: Excitation
     inertia: str | None = None
     least_inertia: float = 0.0
+    difference_steps: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether a step of the usual size shows more of the twin's counts than of the change."""
+        return any(step > DIFFERENCE_STEP for step in self.difference_steps.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +146,15 @@ class Hypothesis:
         widths = self.scales * PRIOR_WIDTH
         widths[:own] = self.scales[:own] * _PARAMETER_WIDTH
         return widths**-2
+
+    def difference_sizes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """By how much each free parameter is moved to see its change, shape (n,)."""
+        low, high = self.bounds
+        given = self.setting.difference_steps
+        shares = np.array([given.get(name, DIFFERENCE_STEP) for name in self.names])
+        sizes = np.minimum(shares * np.maximum(np.abs(x), self.scales), 0.3 * (high - low))
+        signed: NDArray[np.float64] = np.where(x + sizes > high, -sizes, sizes)
+        return signed
 
     def start(self, parameters: Mapping[str, float]) -> NDArray[np.float64]:
         """Vector of the effects' own values and these parameters of the twin."""

@@ -16,9 +16,6 @@ from gmfbo.diagnosis.whitening import Whitener
 Blocks = tuple[NDArray[np.float64], ...]
 """Whitened values of each window, shape (..., n_residuals of that window)."""
 
-DIFFERENCE_STEP = 5e-3
-"""Share of a parameter's scale; 1e-8 would see nothing through dead bands and encoder counts."""
-
 
 @dataclass(frozen=True, eq=False)
 class Misfit:
@@ -86,7 +83,7 @@ class Misfit:
         -------
         list of n lists, one a recording, of tuples of ndarray, one a signal
         """
-        steps = self._steps(hypothesis, x)
+        steps = hypothesis.difference_sizes(x)
         points = []
         for i, step in enumerate(steps):
             moved = x.copy()
@@ -107,12 +104,6 @@ class Misfit:
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> Misfit:
         """Return the same recordings measured by another budget."""
         return replace(self, whiteners=tuple(whiteners))
-
-    def _steps(self, hypothesis: Hypothesis, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        low, high = hypothesis.bounds
-        sizes = DIFFERENCE_STEP * np.maximum(np.abs(x), hypothesis.scales)
-        sizes = np.minimum(sizes, 0.3 * (high - low))
-        return np.where(x + sizes > high, -sizes, sizes)
 
 
 def chi2(blocks: Blocks) -> float:

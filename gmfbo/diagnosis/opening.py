@@ -11,6 +11,7 @@ import numpy as np
 from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
 from gmfbo.diagnosis.case import Budget, Case
 from gmfbo.diagnosis.covariances import covariances, noise_squares, whiteners
+from gmfbo.diagnosis.difference_steps import with_clear_steps
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.logged_rows import logged_new
@@ -247,6 +248,7 @@ class _Opening:
         setting = Setting(self._uncertain(), excitation, role, least or 0.0)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         base = self._first_fit(simulations, windows, rig, noise, setting)
+        setting = base.hypothesis.setting
         budget = self._budget(simulations, windows, rig, base, ratio)
         misfit = Misfit(simulations, budget.whiteners())
         refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
@@ -373,7 +375,8 @@ class _Opening:
     ) -> Fitted:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         misfit = _without_loop_noise(simulations, windows, rig, noise)
-        base = fit(misfit, Hypothesis(setting), {}, parallel=True, iterations=6)
+        hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
+        base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
         assert base is not None, "the nominal twin was simulated a moment ago"
         return base
 
