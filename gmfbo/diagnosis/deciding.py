@@ -21,13 +21,13 @@ from gmfbo.diagnosis.confirming import LAGS, MISLED, confirm, rough_worth_fittin
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
+from gmfbo.diagnosis.gain_by_chance import gain_by_chance
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.limit_scan import scan_limits
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.rivals import rivals_of
-from gmfbo.diagnosis.roughness import roughness
 from gmfbo.diagnosis.screening import Probe, probes, refined, screen
 from gmfbo.diagnosis.threshold import NullGains, left_out_square
 
@@ -206,9 +206,8 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     if first:
         fits = _widen_budget(case, decision, fits)
         nulls = NullGains(case.misfit, case.base, decision.tried, decision.groups)
-        best = min([case.base, *fits], key=lambda f: f.chi2)
-        rough = roughness(case.misfit, best, rng)
-        decision.threshold = max(nulls.threshold(rng), rough)
+        chance = gain_by_chance(case.misfit, _best(case, fits), rng)
+        decision.threshold = max(nulls.threshold(rng), chance)
     evidence = sorted(
         (_evidence(case, decision.model, fitted, decision.groups) for fitted in fits),
         key=lambda e: -e.gain,
@@ -293,7 +292,7 @@ def _with_limits(named: set[str]) -> set[str]:
 
 def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fitted]:
     """Measure by what the whole library together leaves: a gain counts relative to that."""
-    best = min([case.base, *fits], key=lambda f: f.chi2)
+    best = _best(case, fits)
     if best is not case.base:
         # A fit that stopped early would pass for a law that is not exact.
         again = fit(case.misfit, best.hypothesis, best.parameters, parallel=True)
@@ -304,6 +303,10 @@ def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fi
     _measure_by(case, decision, case.misfit, best, left)
     decision.model = case.base
     return [f.measured_by(case.misfit) for f in fits]
+
+
+def _best(case: Case, fits: Sequence[Fitted]) -> Fitted:
+    return min([case.base, *fits], key=lambda f: f.chi2)
 
 
 def _narrow_budget(case: Case, decision: Decision) -> None:

@@ -43,6 +43,8 @@ def with_clear_steps(
     """
     x, known = hypothesis.start(parameters), hypothesis.setting.difference_steps
     steps = {name: DIFFERENCE_STEP for name in hypothesis.names if name not in known}
+    if not steps:
+        return hypothesis
     least = _roughness(misfit, hypothesis, x, steps, parallel)
     rough = [name for name, seen in least.items() if seen > _SMOOTH]
     for step in _WIDER if rough else ():
@@ -66,22 +68,8 @@ def _roughness(
     That of a smooth response is far below one, that of noise three; where the response is bent it
     grows with the square of the step.
     """
-    low, high = hypothesis.bounds
-    names, points = [], [hypothesis.point(x)]
-    for name, share in steps.items():
-        i = hypothesis.names.index(name)
-        size = share * max(abs(x[i]), hypothesis.scales[i])
-        if x[i] + 2.0 * size > high[i]:
-            size = -size
-        if not low[i] <= x[i] + 2.0 * size <= high[i]:
-            continue
-        names.append(name)
-        for times in (1.0, 2.0):
-            moved = x.copy()
-            moved[i] += times * size
-            points.append(hypothesis.point(moved))
-    simulations = misfit.simulations
-    base, *runs = simulations.run(points) if parallel else [simulations.run_here(p) for p in points]
+    names, moves = _moves_in_range(hypothesis, x, steps)
+    base, *runs = misfit.run_moved(hypothesis, x, moves, parallel=parallel)
     found = {}
     for name, once, twice in zip(names, runs[::2], runs[1::2], strict=True):
         if not all(run.finite for run in (*once, *twice)):
@@ -90,3 +78,22 @@ def _roughness(
         bent = chi2(tuple(b - a for a, b in zip(first, second, strict=True)))
         found[name] = bent / max(chi2(first), 1e-300)
     return found
+
+
+def _moves_in_range(
+    hypothesis: Hypothesis, x: NDArray[np.float64], steps: Mapping[str, float]
+) -> tuple[list[str], NDArray[np.float64]]:
+    """Parameters whose range holds two steps; no move, then one step and two of each of them."""
+    low, high = hypothesis.bounds
+    magnitudes = dict(zip(hypothesis.names, hypothesis.magnitudes(x), strict=True))
+    names, moves = [], [np.zeros(x.size)]
+    for name, share in steps.items():
+        move = np.zeros(x.size)
+        i = hypothesis.names.index(name)
+        move[i] = share * magnitudes[name]
+        if x[i] + 2.0 * move[i] > high[i]:
+            move = -move
+        if low[i] <= x[i] + 2.0 * move[i] <= high[i]:
+            names.append(name)
+            moves += [move, 2.0 * move]
+    return names, np.array(moves)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.ranges import HOLDING_RAD_S, tracking_loop
 from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.tracking import HOLDING_RAD_S, tracking_loop
 from gmfbo.sources.augmented import Response
 
 DISTURBANCE = 0.05

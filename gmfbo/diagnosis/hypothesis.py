@@ -147,12 +147,16 @@ class Hypothesis:
         widths[:own] = self.scales[:own] * _PARAMETER_WIDTH
         return widths**-2
 
+    def magnitudes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Size of each free parameter, or its typical one where that is larger, shape (n,)."""
+        return np.maximum(np.abs(x), self.scales)
+
     def difference_sizes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """By how much each free parameter is moved to see its change, shape (n,)."""
         low, high = self.bounds
         given = self.setting.difference_steps
         shares = np.array([given.get(name, DIFFERENCE_STEP) for name in self.names])
-        sizes = np.minimum(shares * np.maximum(np.abs(x), self.scales), 0.3 * (high - low))
+        sizes = np.minimum(shares * self.magnitudes(x), 0.3 * (high - low))
         signed: NDArray[np.float64] = np.where(x + sizes > high, -sizes, sizes)
         return signed
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import bilinear, lfilter
 
-from gmfbo.diagnosis.ranges import HOLDING_RAD_S, tracking_loop
+from gmfbo.diagnosis.tracking import HOLDING_RAD_S, tracking_loop
 from gmfbo.physics import States
 
 _BINS = 10

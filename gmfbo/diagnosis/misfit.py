@@ -58,6 +58,32 @@ class Misfit:
         """Whiten columns of each recording's signals."""
         return tuple(w.whiten(columns[w.window.record]) for w in self.whiteners)
 
+    def run_moved(
+        self,
+        hypothesis: Hypothesis,
+        x: NDArray[np.float64],
+        moves: NDArray[np.float64],
+        *,
+        parallel: bool,
+    ) -> list[list[Simulated]]:
+        """Simulate the recordings at x + move for each move, shape (m, n).
+
+        Parameters
+        ----------
+        hypothesis : Hypothesis
+            What is free.
+        x : ndarray, shape (n,)
+            Where.
+        moves : ndarray, shape (m, n)
+            Added to it, one row at a time.
+        parallel : bool
+            Use all simulators; False on a thread that is one of several.
+        """
+        points = [hypothesis.point(x + move) for move in moves]
+        if parallel:
+            return self.simulations.run(points)
+        return [self.simulations.run_here(point) for point in points]
+
     def sensitivities(
         self,
         hypothesis: Hypothesis,
@@ -84,15 +110,7 @@ class Misfit:
         list of n lists, one a recording, of tuples of ndarray, one a signal
         """
         steps = hypothesis.difference_sizes(x)
-        points = []
-        for i, step in enumerate(steps):
-            moved = x.copy()
-            moved[i] += step
-            points.append(hypothesis.point(moved))
-        if parallel:
-            moved_runs = self.simulations.run(points)
-        else:
-            moved_runs = [self.simulations.run_here(point) for point in points]
+        moved_runs = self.run_moved(hypothesis, x, np.diag(steps), parallel=parallel)
         return [
             [
                 tuple((a - b) / step for a, b in zip(run.signals, start.signals, strict=True))

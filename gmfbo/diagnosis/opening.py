@@ -19,17 +19,13 @@ from gmfbo.diagnosis.loop_noise import own_variances, white_variances
 from gmfbo.diagnosis.measured_noise import noise_of_all, noise_through_loop, position_noise
 from gmfbo.diagnosis.misfit import Misfit
 from gmfbo.diagnosis.nuisances import Direction, nuisance_directions
-from gmfbo.diagnosis.ranges import (
-    measure_ranges,
-    probe_torque,
-    tracking_loop,
-    untracked,
-)
+from gmfbo.diagnosis.ranges import measure_ranges, probe_torque
 from gmfbo.diagnosis.records import Record, scored_record
 from gmfbo.diagnosis.rig import Rig, describe_rig
 from gmfbo.diagnosis.simulated import Point, Reading, Simulated, require_run
 from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.diagnosis.torque_sizes import moving_torque, torque_guess
+from gmfbo.diagnosis.tracking import track_recordings
 from gmfbo.diagnosis.twin_steps import reads_back, steps_finely
 from gmfbo.diagnosis.whitening import Window
 from gmfbo.diagnosis.windows import windows_of
@@ -286,30 +282,7 @@ class _Opening:
         return self.twin.nominal(role)
 
     def _track(self, simulations: Simulations, rig: Rig, inertia: float | None) -> None:
-        """Keep an open-loop twin near its recordings, and score what the loop leaves."""
-        own = self._inertia() or inertia or 1.0
-        measured = []
-        records = []
-        for record in simulations.records:
-            column = record.plan.recording.signal(rig.position or "")
-            known = np.isfinite(column)
-            grid = record.plan.grid
-            on_grid = np.interp(grid, record.plan.recording.time[known], column[known])
-            measured.append(on_grid / rig.position_to_si)
-            fast = untracked(on_grid, grid)
-            records.append(
-                replace(
-                    record,
-                    signals=tuple(
-                        replace(s, driving=np.interp(s.time, grid, fast))
-                        if s.name in rig.positions
-                        else s
-                        for s in record.signals
-                    ),
-                )
-            )
-        simulations.tracking = tracking_loop(own, measured)
-        simulations.replace_records(records)
+        track_recordings(simulations, rig, self._inertia() or inertia or 1.0)
         self.notes.append(
             "the twin is an open-loop plant: a slow tracking loop kept it near each recording, "
             "and what that leaves was scored"

@@ -7,27 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import bilinear, lfilter
 
 from gmfbo.diagnosis.records import Record
-from gmfbo.diagnosis.simulated import Point, Simulated, Tracking
+from gmfbo.diagnosis.simulated import Point, Simulated
 from gmfbo.diagnosis.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
 _UNSEEN_STEP = 1e-3  # of the stroke: finer steps than this do not count where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range that a probing torque should move it by
-TRACKING_RAD_S = 10.0
-"""[rad/s] Bandwidth of the loop that keeps an open-loop twin from drifting off its recordings.
-
-Low, so that it hardly reacts to the noise of what it follows: a loop that held the twin by force
-would turn that noise into torque in proportion to its inertia, and the least inertia would fit.
-"""
-
-HOLDING_RAD_S = 90.0
-"""[rad/s] The same for a loop whose effort is read as the torque that is missing."""
-
-_TRACKING_DAMPING = 0.8
 
 
 def states_of(simulated: Simulated, record: Record) -> States:
@@ -151,46 +139,6 @@ def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half:
     far = np.flatnonzero(np.abs(answer[:half] - final) > 0.37 * abs(final))
     last = int(far[-1]) + 1 if far.size else 1
     return float(grid[min(last, half)] - grid[0])
-
-
-def tracking_loop(
-    inertia: float,
-    measured: Sequence[NDArray[np.float64]],
-    bandwidth: float = TRACKING_RAD_S,
-) -> Tracking:
-    """Design a loop that holds a shaft of this inertia on its recordings.
-
-    Parameters
-    ----------
-    inertia : float
-        Torque per acceleration.
-    measured : sequence of ndarray, shape (rows,)
-        [FMU's unit] Recorded positions on the communication grid.
-    bandwidth : float
-        [rad/s]
-    """
-    settings = {
-        "tracking.kp": inertia * bandwidth**2,
-        "tracking.kd": 2.0 * _TRACKING_DAMPING * inertia * bandwidth,
-    }
-    return Tracking(settings, tuple(measured))
-
-
-def untracked(column: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What of a position the tracking loop leaves to be scored: its faster part.
-
-    Parameters
-    ----------
-    column : ndarray, shape (rows,)
-        Position on the communication grid.
-    grid : ndarray, shape (rows,)
-        [s]
-    """
-    w = TRACKING_RAD_S
-    closed = [1.0, 2.0 * _TRACKING_DAMPING * w, w**2]
-    b, a = bilinear([1.0, 0.0, 0.0], closed, fs=1.0 / float(grid[1] - grid[0]))
-    fast: NDArray[np.float64] = lfilter(b, a, column - column[0])
-    return fast
 
 
 def measure_ranges(

@@ -12,7 +12,7 @@ _DRAWS = 8
 _DEVIATIONS = 2.0
 
 
-def roughness(misfit: Misfit, fitted: Fitted, rng: np.random.Generator) -> float:
+def gain_by_chance(misfit: Misfit, fitted: Fitted, rng: np.random.Generator) -> float:
     """Gain that a fit may have by meeting the recorded counts by chance; zero in a smooth twin.
 
     The parameters are moved by steps that shuffle the counts, and what the sensitivities foresee
@@ -31,11 +31,11 @@ def roughness(misfit: Misfit, fitted: Fitted, rng: np.random.Generator) -> float
     hypothesis, x = fitted.hypothesis, fitted.x
     if not hypothesis.setting.is_rough:
         return 0.0
-    sizes = DIFFERENCE_STEP * np.maximum(np.abs(x), hypothesis.scales)
+    sizes = DIFFERENCE_STEP * hypothesis.magnitudes(x)
     low, high = hypothesis.bounds
     moves = sizes * rng.uniform(-1.0, 1.0, (_DRAWS, x.size))
     moves = np.clip(x + moves, low, high) - x
-    runs = misfit.simulations.run([hypothesis.point(x + move) for move in moves])
+    runs = misfit.run_moved(hypothesis, x, moves, parallel=True)
     squares = []
     for move, run in zip(moves, runs, strict=True):
         if all(one.finite for one in run):
