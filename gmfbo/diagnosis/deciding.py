@@ -16,6 +16,7 @@ from gmfbo.diagnosis.acceptance import (
     simplest,
     slack_of,
 )
+from gmfbo.diagnosis.begun_at_rest import begun_better, screen_both_starts
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
 from gmfbo.diagnosis.confirming import LAGS, MISLED, confirm, rough_worth_fitting, shortlist
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
@@ -70,6 +71,7 @@ def decide(
     """
     decision = Decision(model=case.base, groups=groups_of(case), silent=frozenset(silent))
     progress("screening the library", 0.2)
+    screen_both_starts(case, case.base, candidates, decision.groups)
     decision.tried, decision.like_parameters = _apart_from_parameters(
         case, probes(case.misfit, case.base, candidates)
     )
@@ -203,6 +205,7 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     chosen += rough_worth_fitting(case.misfit, decision.model, tried, families, known)
     chosen = _with_limits_scanned(case, decision, tried, chosen, rng)
     fits = confirm(case.misfit, decision.model, chosen)
+    decision.model, fits = begun_better(case, decision.model, fits)
     if first:
         fits = _widen_budget(case, decision, fits)
         nulls = NullGains(case.misfit, case.base, decision.tried, decision.groups)

@@ -215,6 +215,11 @@ class Hypothesis:
         return Point(parameters, physics, only, self.noise)
 
     @property
+    def acts_at_rest(self) -> bool:
+        """Whether an axis that stands still is pushed."""
+        return any(candidate.law.acts_at_rest for candidate in self.effects)
+
+    @property
     def quiet(self) -> Hypothesis:
         """The same without noise of recordings."""
         return replace(self, noise=None)

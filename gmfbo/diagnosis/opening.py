@@ -40,6 +40,7 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
+_RESTING = 1.5  # times the time to 2 %: an exponential is down to 0.3 %
 
 
 def open_case(
@@ -166,6 +167,8 @@ class _Opening:
         simulations.new_rows = like.simulations.new_rows
         simulations.reading = like.simulations.reading
         simulations.encoder = like.simulations.encoder
+        simulations.rest = like.simulations.rest
+        simulations.begins_at_rest = like.simulations.begins_at_rest
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         noise = noise_levels(simulations.records, nominal)
@@ -221,6 +224,8 @@ class _Opening:
         if "torque" in nominal[0].response.ports:
             guess = torque_guess(nominal, self._inertia())
             stiffness = probe_torque(simulations, Point(), nominal, guess)
+            if np.isfinite(stiffness.rest_time):
+                simulations.rest = int(np.ceil(_RESTING * stiffness.rest_time / self.twin.step))
             if stiffness.is_open and rig.position is not None:
                 self._track(simulations, rig, stiffness.inertia)
                 nominal = simulations.run([Point()])[0]

@@ -15,6 +15,7 @@ from gmfbo.physics import Excitation, States
 
 _UNSEEN_STEP = 1e-3  # of the stroke: finer steps than this do not count where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
+_AT_REST = 0.02  # of what a push moves
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range that a probing torque should move it by
 
 
@@ -55,6 +56,8 @@ class Stiffness:
         Torque that a unit of command makes up for.
     loop_time : float
         [s] Time constant of that.
+    rest_time : float
+        [s] After which position and command stay within 2 % of where a push brings them.
     is_open : bool
         A pushed shaft does not come back.
     inertia : float or None
@@ -63,6 +66,7 @@ class Stiffness:
 
     per_command: float
     loop_time: float
+    rest_time: float
     is_open: bool
     inertia: float | None
 
@@ -98,17 +102,19 @@ def probe_torque(
             "position", np.zeros(grid.size)
         )
         if np.abs(moved[-1]) > 0.5 * np.abs(moved).max() > 0.0 and _drifts(moved, half):
-            return Stiffness(np.nan, np.nan, True, _inertia(moved, grid, push, half))
+            return Stiffness(np.nan, np.nan, np.nan, True, _inertia(moved, grid, push, half))
         answer = _answer(run, base[k], half)
         if answer is None:
-            return Stiffness(np.nan, _time_constant(moved, grid, half), False, None)
+            times = _time_constant(moved, grid, half), _rest_time([moved], grid, half)
+            return Stiffness(np.nan, *times, False, None)
         command, extent = answer
         share = float(np.abs(np.median(command[half // 2 : half]))) / extent
         if _PROBE_SHARES[0] < share < _PROBE_SHARES[1]:
             ratio = push / float(np.abs(np.median(command[half // 2 : half])))
-            return Stiffness(ratio, _time_constant(command, grid, half), False, None)
+            times = _time_constant(command, grid, half), _rest_time([moved, command], grid, half)
+            return Stiffness(ratio, *times, False, None)
         push *= float(np.clip(0.1 / max(share, 1e-6), 1e-4, 1e4))
-    return Stiffness(np.nan, np.nan, False, None)
+    return Stiffness(np.nan, np.nan, np.nan, False, None)
 
 
 def _drifts(moved: NDArray[np.float64], half: int) -> bool:
@@ -136,9 +142,24 @@ def _answer(run: Simulated, base: Simulated, half: int) -> tuple[NDArray[np.floa
 def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half: int) -> float:
     """Time after which a step's answer stays within a third of where it settles."""
     final = float(np.median(answer[half // 2 : half]))
-    far = np.flatnonzero(np.abs(answer[:half] - final) > 0.37 * abs(final))
-    last = int(far[-1]) + 1 if far.size else 1
-    return float(grid[min(last, half)] - grid[0])
+    return _last_beyond(np.abs(answer[:half] - final) > 0.37 * abs(final), grid)
+
+
+def _rest_time(
+    answers: Sequence[NDArray[np.float64]], grid: NDArray[np.float64], half: int
+) -> float:
+    """Time after which all answers to a step stay near their end; the whole step if they do not."""
+    far = np.zeros(half, dtype=bool)
+    for answer in answers:
+        pushed = answer[:half]
+        end = float(np.mean(pushed[-max(1, half // 20) :]))
+        far |= np.abs(pushed - end) > _AT_REST * np.abs(pushed).max()
+    return _last_beyond(far, grid)
+
+
+def _last_beyond(far: NDArray[np.bool_], grid: NDArray[np.float64]) -> float:
+    rows = np.flatnonzero(far)
+    return float(grid[int(rows[-1]) + 1 if rows.size else 1] - grid[0])
 
 
 def measure_ranges(

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Self, TypeVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.simulated import PlayedNoise, Point, Reading, Simulated, Tracking
+from gmfbo.physics import CATALOGUE
 from gmfbo.sources.augmented import AugmentedTwin, Columns, Response, RunPlan
 
 REMEMBERED = 256 * 2**20
@@ -53,12 +54,22 @@ class Simulations:
         What is followed.
     jobs : int
         Simulators that run at a time.
+
+    Attributes
+    ----------
+    rest : int
+        Communication steps in which the loop comes to rest; 0 where it does not.
+    begins_at_rest : bool
+        Physics that pushes an axis at rest has done so before a recording begins, so that the
+        first reference is held for `rest` steps; otherwise it begins with the recording.
     """
 
     def __init__(
         self, open_twin: Callable[[], AugmentedTwin], records: Sequence[Record], jobs: int
     ) -> None:
         self.records = tuple(records)
+        self.rest = 0
+        self.begins_at_rest = True
         self.new_rows: frozenset[str] = frozenset()
         self.tracking: Tracking | None = None
         self.encoder: Reading | None = None
@@ -71,6 +82,7 @@ class Simulations:
         self._lock = threading.Lock()
         rows = max(record.plan.grid.size for record in self.records)
         self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
+        self._after_rest = cache(_after_rest)
         self.runs = 0
         self.on_run: Callable[[], None] = lambda: None
 
@@ -161,11 +173,12 @@ class Simulations:
         excitation: Columns | None,
         measured_noise: NDArray[np.float64] | None,
     ) -> Simulated:
+        physics = point.physics_in(record)
         run = _Run(
-            self.records[record].plan,
+            self._plan(record, physics),
             record,
             tuple(point.parameters.items()),
-            tuple(point.physics_in(record).items()),
+            tuple(physics.items()),
             self.tracking,
         )
         if excitation is None and measured_noise is None:
@@ -174,6 +187,14 @@ class Simulations:
             response = self._simulate(run, excitation, measured_noise)
         response = self._logged(response)
         return Simulated(self.read(response, record), response)
+
+    def _plan(self, record: int, physics: Mapping[str, float]) -> RunPlan:
+        plan = self.records[record].plan
+        if not self.begins_at_rest or plan.lead >= self.rest:
+            return plan
+        if not any(CATALOGUE[name.partition(".")[0]].acts_at_rest for name in physics):
+            return plan
+        return self._after_rest(plan, self.rest)
 
     def _simulate(
         self,
@@ -272,6 +293,10 @@ class Simulations:
             with self._lock:
                 self.runs += 1
             self.on_run()
+
+
+def _after_rest(plan: RunPlan, rest: int) -> RunPlan:
+    return RunPlan.after(plan.recording, plan.experiment, rest, plan.substeps)
 
 
 def _at(

@@ -154,6 +154,8 @@ class Effect:
     inertia_share : bool
         Its `load_inertia` is taken out of the twin's inertia; what is left it gets as
         `shaft_inertia`, since a hard joint moves both within a step.
+    acts_at_rest : bool
+        It pushes, or moves, an axis that stands still under its first reference.
     least_time : float
         Seconds for which `acts` must hold before the effect is claimed.
     contains : tuple of str
@@ -191,6 +193,7 @@ class Effect:
     not_excited: Callable[[Excitation], str | None] = _always_excited
     requires: tuple[str, ...] = ()
     inertia_share: bool = False
+    acts_at_rest: bool = False
     least_time: float = 0.0
     contains: tuple[str, ...] = ()
     same_loop: tuple[str, ...] = ()

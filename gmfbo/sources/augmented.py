@@ -35,6 +35,8 @@ class RunPlan:
         The same on the grid.
     lead : int
         Communication steps under the first row before the recording begins.
+    substeps : int
+        Steps of physics and twin within each.
     inputs : ndarray, shape ((lead + rows - 1) * substeps, n_inputs)
         [FMU's units]
     schedules : ndarray, shape ((lead + rows - 1) * substeps, n_schedules)
@@ -44,8 +46,24 @@ class RunPlan:
     recording: Recording
     experiment: Experiment
     lead: int
+    substeps: int
     inputs: NDArray[np.float64]
     schedules: NDArray[np.float64]
+
+    @classmethod
+    def after(
+        cls, recording: Recording, experiment: Experiment, lead: int, substeps: int
+    ) -> RunPlan:
+        """Lay out a run after `lead` communication steps under the first row."""
+        order = experiment.order(lead)
+        return cls(
+            recording,
+            experiment,
+            lead,
+            substeps,
+            np.repeat(order.u, substeps, axis=0),
+            np.repeat(order.s, substeps, axis=0),
+        )
 
     @property
     def grid(self) -> NDArray[np.float64]:
@@ -165,14 +183,7 @@ class AugmentedTwin:
         chosen = run_parameters(binding, recording, override, {})
         experiment = Experiment.prepare(binding, recording, chosen, self.twin.step)
         lead = 0 if starts_as_recorded(binding, recording) else self._settles_after(experiment)
-        order = experiment.order(lead)
-        return RunPlan(
-            recording,
-            experiment,
-            lead,
-            np.repeat(order.u, self.substeps, axis=0),
-            np.repeat(order.s, self.substeps, axis=0),
-        )
+        return RunPlan.after(recording, experiment, lead, self.substeps)
 
     def run(
         self,

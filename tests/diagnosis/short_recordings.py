@@ -17,7 +17,7 @@ from gmfbo.diagnosis.library import candidates, untestable
 from gmfbo.diagnosis.opening import open_case
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.augmented import AugmentedTwin, RunPlan
 from gmfbo.sources.models import models_folder
 
 Reference = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -91,6 +91,7 @@ class Axis:
         logged_new: Sequence[str] = (),
         written_by: str = "test",
         twin: FmuTwin | None = None,
+        held: float = 0.0,
     ) -> list[Recording]:
         """Simulate the real axis along each reference.
 
@@ -112,6 +113,8 @@ class Axis:
             What wrote the file; empty where the logger's convention is not known.
         twin : FmuTwin, optional
             In place of the model's own.
+        held : float
+            [s] For which the first reference was held before the recording began.
         """
         rng = np.random.default_rng(seed)
         time = np.arange(round(seconds * 1000), dtype=np.float64) * 1e-3
@@ -126,6 +129,9 @@ class Axis:
                     written_by=written_by,
                 )
                 plan = simulator.plan(asked, self.truth)
+                if held:
+                    rows = round(held / simulator.twin.step)
+                    plan = RunPlan.after(asked, plan.experiment, rows, plan.substeps)
                 noise = {
                     name: sigma * rng.standard_normal(time.size)
                     for name, sigma in self.noise.items()

@@ -51,6 +51,7 @@ cogging_torque = Effect(
     floor=lambda e: 1.5e-4 * e.torque,
     not_excited=harmonic.too_short,
     signal=harmonic.lines,
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: f"over the position, {harmonic.told(p, units.position == 'rad')}",
     region_state="position",

@@ -29,6 +29,7 @@ constant_torque_offset = Effect(
     floor=lambda e: 1.5e-4 * e.torque,
     signal=_signal,
     feature=lambda states: _signal(states, {"level": 1.0}),
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "at all times, whatever position and velocity",
     region_state="time",

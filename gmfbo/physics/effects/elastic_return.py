@@ -32,6 +32,7 @@ elastic_return = Effect(
     floor=lambda e: 1.5e-4 * e.torque / e.stroke,
     signal=_signal,
     feature=lambda states: _signal(states, {"stiffness": 1.0, "preload": 0.0}),
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "over the position, growing with the distance from rest",
     region_state="position",

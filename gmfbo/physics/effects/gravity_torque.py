@@ -43,6 +43,7 @@ gravity_torque = Effect(
     floor=lambda e: 1.5e-4 * e.torque,
     not_excited=_not_excited,
     signal=_signal,
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "over the position, one cycle a turn",
     region_state="position",

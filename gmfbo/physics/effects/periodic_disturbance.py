@@ -67,6 +67,7 @@ periodic_disturbance = Effect(
     size_unit="torque",
     floor=lambda e: 1.5e-4 * e.torque,
     signal=_signal,
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: f"at all times, {quantity(p['frequency'], 'Hz')} in time",
     region_state="time",

@@ -56,6 +56,7 @@ sensor_eccentricity = Effect(
     floor=sensor.floor,
     not_excited=_not_excited,
     signal=_signal,
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: (
         "over the position, one cycle a turn"

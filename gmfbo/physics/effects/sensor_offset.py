@@ -35,6 +35,7 @@ sensor_offset = Effect(
     floor=lambda e: max(5.0 * e.resolution, 5e-4 * e.stroke),
     signal=_signal,
     feature=lambda states: _signal(states, {"level": 1.0}),
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "at all times, whatever position and velocity",
     region_state="time",

@@ -39,6 +39,7 @@ sensor_scale = Effect(
     floor=lambda e: 0.002,
     signal=_signal,
     feature=lambda states: _signal(states, {"share": 1.0}),
+    acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "at all times, in proportion to the position",
     region_state="position",

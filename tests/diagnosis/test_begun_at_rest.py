@@ -1,0 +1,72 @@
+"""Recordings that begin at rest under what the twin lacks, and such as begin with the twin."""
+
+from __future__ import annotations
+
+import pytest
+
+from gmfbo.diagnosis.decision import Decision
+from tests.diagnosis.short_recordings import SERVO, decided, moves, multisine, open_small
+
+OFFSET = {"constant_torque_offset.level": 0.3}
+GRAVITY = {"gravity_torque.sine": 0.1, "gravity_torque.cosine": 0.35}
+PUSHING = (
+    "constant_torque_offset",
+    "gravity_torque",
+    "elastic_return",
+    "pulse_disturbance",
+    "sensor_offset",
+    "coulomb_friction",
+)
+
+
+def _decided(
+    physics: dict[str, float], held: float, *, rest: int | None = None
+) -> tuple[Decision, bool, int]:
+    """Decision, whether the recordings were found to begin at rest, and steps of rest."""
+    case = open_small(SERVO.twin(), SERVO.recordings(physics, (multisine, moves), held=held))
+    try:
+        if rest is not None:
+            case.simulations.rest = rest
+        decision = decided(case, PUSHING)
+        return decision, case.simulations.begins_at_rest, case.simulations.rest
+    finally:
+        case.simulations.close()
+
+
+def _names(decision: Decision) -> list[str]:
+    return [entry.winner.name for entry in decision.rounds]
+
+
+@pytest.mark.parametrize(("held", "at_rest"), [(0.8, True), (0.0, False)])
+def test_a_force_is_found_alone_whether_it_acted_before_or_not(held: float, at_rest: bool) -> None:
+    decision, begins_at_rest, rest = _decided(OFFSET, held)
+    assert _names(decision) == ["constant_torque_offset"]
+    assert begins_at_rest is at_rest
+    assert 10 <= rest <= 300
+    found = dict(decision.rounds[0].winner.fitted.hypothesis.effects[0].values)
+    assert found["level"] == pytest.approx(0.3, rel=0.02)
+
+
+def test_gravity_that_held_the_axis_before_the_recording_leaves_noise_alone() -> None:
+    decision, begins_at_rest, _ = _decided(GRAVITY, 0.8)
+    assert _names(decision) == ["gravity_torque"]
+    assert begins_at_rest
+    found = dict(decision.rounds[0].winner.fitted.hypothesis.effects[0].values)
+    assert found["cosine"] == pytest.approx(0.35, rel=0.02)
+
+
+def test_negative_control_a_twin_that_starts_under_gravity_leaves_a_start_that_never_was() -> None:
+    kept, _, _ = _decided(GRAVITY, 0.8)
+    started, _, _ = _decided(GRAVITY, 0.8, rest=0)
+    assert _names(started) != ["gravity_torque"]
+    assert started.rounds[0].winner.chi2 > kept.rounds[0].winner.chi2 + 100.0
+
+
+def test_a_friction_needs_no_hold() -> None:
+    recordings = SERVO.recordings({"coulomb_friction.level": 0.2}, held=0.8)
+    case = open_small(SERVO.twin(), recordings)
+    try:
+        decision = decided(case, ("coulomb_friction", "constant_torque_offset"))
+        assert _names(decision) == ["coulomb_friction"]
+    finally:
+        case.simulations.close()
