@@ -31,6 +31,9 @@ class Augmentation:
         Settings of the physics FMU that are not for the user.
     substeps : int
         Steps of the physics in one communication step of the twin file.
+    from_rest : bool
+        The recordings began where the named physics had brought the axis to rest: so does the
+        augmented twin, wherever [initial] has put the user's.
     """
 
     twin: FmuTwin | str | Path
@@ -38,6 +41,7 @@ class Augmentation:
     physics: tuple[PhysicsParameter, ...]
     settings: Mapping[str, float]
     substeps: int = 1
+    from_rest: bool = False
 
     @property
     def twin_name(self) -> str:
@@ -73,6 +77,7 @@ class Augmentation:
             physics=self.physics,
             settings=self.settings,
             substeps=self.substeps,
+            from_rest=self.from_rest,
         )
 
     def opened(self, folder: Path | None = None) -> FmuTwin:

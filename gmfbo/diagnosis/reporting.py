@@ -252,7 +252,17 @@ def augmentation_of(case: Case, augmented: Fitted, units: Units) -> Augmentation
         **{k: v for k, v in fixed.items() if case.twin.file.ports},
         **{name: value for name, value in point.physics.items() if name not in shown},
     }
-    return Augmentation(case.twin, point.parameters, tuple(exposed), settings, case.substeps)
+    simulations = case.simulations
+    return Augmentation(
+        case.twin,
+        point.parameters,
+        tuple(exposed),
+        settings,
+        case.substeps,
+        from_rest=augmented.hypothesis.acts_at_rest
+        and simulations.begins_at_rest
+        and simulations.rest > 0,
+    )
 
 
 def _exposed(

@@ -81,6 +81,7 @@ def export_augmented(
     physics: Sequence[PhysicsParameter],
     settings: Mapping[str, float],
     substeps: int,
+    from_rest: bool = False,
 ) -> AugmentedFmu:
     """Write `augmented.fmu` and the twin file that belongs to it, `augmented.toml`.
 
@@ -102,6 +103,9 @@ def export_augmented(
         Fixed values of physics.fmu, such as `settings.command_lateness` [s].
     substeps : int
         Internal steps within one communication step.
+    from_rest : bool
+        [initial] is left out of the twin file, so that a run is first held at its first reference
+        until the twin has settled: physics may push it where [initial] put it.
 
     Raises
     ------
@@ -123,7 +127,8 @@ def export_augmented(
     held = [*binding.fmus, *([description] if wiring.physics else [])]
     platforms = common_platforms(held)
     content = Content(binding, values, exposed, twin.step, step, platforms)
-    text = augmented_twin_file(binding.file, FMU_NAME, twin.step, content.description, values)
+    file = binding.file.model_copy(update={"initial": {}}) if from_rest else binding.file
+    text = augmented_twin_file(file, FMU_NAME, twin.step, content.description, values)
     with tempfile.TemporaryDirectory(prefix="gmfbo-export-") as place:
         container = build_container(wiring, step, Path(place))
         archive = container_archive(container, wiring, content)

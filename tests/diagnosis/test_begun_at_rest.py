@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from gmfbo.diagnosis.decision import Decision
-from tests.diagnosis.short_recordings import SERVO, decided, moves, multisine, open_small
+from tests.diagnosis.short_recordings import (
+    SERVO,
+    decided,
+    diagnosed,
+    moves,
+    multisine,
+    named,
+    open_small,
+)
 
 OFFSET = {"constant_torque_offset.level": 0.3}
 GRAVITY = {"gravity_torque.sine": 0.1, "gravity_torque.cosine": 0.35}
@@ -60,6 +69,19 @@ def test_negative_control_a_twin_that_starts_under_gravity_leaves_a_start_that_n
     started, _, _ = _decided(GRAVITY, 0.8, rest=0)
     assert _names(started) != ["gravity_torque"]
     assert started.rounds[0].winner.chi2 > kept.rounds[0].winner.chi2 + 100.0
+
+
+def test_the_augmented_twin_begins_at_rest_as_the_recordings_did() -> None:
+    recordings = SERVO.recordings(GRAVITY, (multisine, moves), held=0.8)
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=PUSHING)
+    assert named(diagnosis) == ["gravity_torque"]
+    recorded = recordings[0].signals["position"]
+    with diagnosis.augmented_twin() as augmented:
+        run = augmented.run(SERVO.gains, recordings[0])
+    assert abs(recorded[0]) > 100.0 * SERVO.noise["position"]
+    np.testing.assert_allclose(
+        run.signal("position")[:50], recorded[:50], atol=6.0 * SERVO.noise["position"]
+    )
 
 
 def test_a_friction_needs_no_hold() -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin, Response
+from gmfbo.sources.augmented import AugmentedTwin, Response, RunPlan
 from gmfbo.sources.models import models_folder
 from tests.diagnosis.servo_recordings import rewritten
 
@@ -91,6 +91,17 @@ def test_a_constant_torque_moves_a_resting_loop_by_its_level_over_kp(servo: Augm
     assert run.held["position"][-1] == pytest.approx(level / GAINS["kp"], rel=1e-6)
     assert run.held["torque_command"][-1] == pytest.approx(-level, rel=1e-6)
     np.testing.assert_array_equal(run.ports["torque"], level)
+
+
+def test_a_plan_after_a_lead_begins_where_a_constant_torque_has_brought_the_loop(
+    servo: AugmentedTwin,
+) -> None:
+    level, recording = 0.4, asked(np.zeros(20))
+    plan = servo.plan(recording, GAINS)
+    held = RunPlan.after(recording, plan.experiment, 1500, plan.substeps)
+    run = servo.run(held, GAINS, {"constant_torque_offset.level": level})
+    np.testing.assert_allclose(run.held["position"], level / GAINS["kp"], rtol=1e-6)
+    np.testing.assert_allclose(run.held["torque_command"], -level, rtol=1e-6)
 
 
 def test_a_sensor_offset_moves_the_shaft_the_other_way(servo: AugmentedTwin) -> None:
