@@ -142,12 +142,17 @@ class Search:
         if result.fit.removes_nothing and is_weak(decision):
             removed = result.fit.explainable_error_removed
             why = f"removes {removed:.0%} of the explainable error on the others"
-        elif decision.rounds and result.fit.contradicts_names:
+        elif decision.rounds and result.contradicts_names:
             why = "the others contradict it"
             decision.contradicted = not is_weak(decision)
         if why is not None:
             self._take_names_back(decision, why)
             result = self._validated(decision, outside, unseen)
+        elif decision.rounds and result.fit.contradicts_names:
+            case.notes.append(
+                "the errors are of the augmented twin without its sensor's noise, which bridges "
+                "part of the named physics: under the noise as it was recorded they are smaller"
+            )
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)

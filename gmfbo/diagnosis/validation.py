@@ -14,7 +14,7 @@ from gmfbo.diagnosis.fit_table import Fit, SignalFit
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
 from gmfbo.diagnosis.misfit import Misfit, chi2
-from gmfbo.diagnosis.recorded_noise import without_noise
+from gmfbo.diagnosis.recorded_noise import under_noise, without_noise
 from gmfbo.diagnosis.simulated import Simulated
 
 
@@ -33,6 +33,9 @@ class Validated:
     parameters_only, augmented : Fitted
         The twin with its parameters refitted, and with the named physics too; one and the same
         where nothing was named.
+    contradicts_names : bool
+        Whether the recordings that were not fitted speak against the named physics; under the
+        noise that their controller saw, where that matters to it.
     """
 
     fit: Fit
@@ -40,6 +43,7 @@ class Validated:
     scored: Mapping[str, tuple[float, float]]
     parameters_only: Fitted
     augmented: Fitted
+    contradicts_names: bool
 
 
 def validate(
@@ -97,6 +101,11 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         _refitted(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet), iterations=1)
         for fitted in (case.base, model)
     ]
+    if model.hypothesis.noise is not None:
+        noisy = under_noise(unseen.misfit, there[1])
+        if noisy is not None:
+            shaken = replace(there[1], hypothesis=noisy)
+            there[1] = _refitted(unseen.misfit, shaken, iterations=1)
     result = _scored(unseen, split.held_out, there[0], there[1], there[1], split, None, least)
     return replace(result, parameters_only=case.base, augmented=model)
 
@@ -118,7 +127,12 @@ def _scored(
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
     table = Fit(split.names_fitted, split.names_held_out, signals, removed)
     curves = _curves(case, shown[1], shown[2])
-    return Validated(table, curves, _stretches(case, scored), plain, augmented)
+    judged = table
+    if augmented.hypothesis.noise is not None:
+        # What noise bridges or shakes loose is another axis without it, and not a wrong law.
+        judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
+    stretches = _stretches(case, scored)
+    return Validated(table, curves, stretches, plain, augmented, judged.contradicts_names)
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:

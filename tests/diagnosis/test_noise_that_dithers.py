@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gmfbo import diagnose
 from gmfbo.diagnosis import confirming
 from gmfbo.diagnosis.confirming import confirm
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.library import candidates
 from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.physics import CATALOGUE
 from tests.diagnosis.planted_noise import opened, planted
 
 
@@ -54,3 +56,15 @@ def test_without_it_a_smaller_size_is_found(
     found = size_of(effect, parameter, true, sigma)
     assert np.isfinite(found)
     assert found < (1.0 - off) * true
+
+
+def test_recordings_that_noise_shakes_do_not_contradict_what_they_show() -> None:
+    """A twin without the noise is off by the dead zone that the recorded axis hardly has."""
+    found = planted(6e-4, {"actuator_dead_zone.width": 0.12})
+    kept = ("actuator_dead_zone", "coulomb_friction", "actuator_gain_loss")
+    excluded = [name for name in CATALOGUE if name not in kept]
+    diagnosis = diagnose(found.twin, found.recordings, exclude=excluded, jobs=1)
+    assert diagnosis.fit.contradicts_names  # by the quiet twin
+    assert [effect.name for effect in diagnosis.effects] == ["actuator_dead_zone"]
+    (width,) = diagnosis.effects[0].parameters.values()
+    assert width.value == pytest.approx(0.12, rel=0.05)
