@@ -74,8 +74,9 @@ def begun_better(case: Case, model: Fitted, fits: list[Fitted]) -> tuple[Fitted,
     best = min(pushing, key=lambda fitted: fitted.chi2)
     simulations.begins_at_rest = not simulations.begins_at_rest
     runs = simulations.run([fitted.hypothesis.point(fitted.x) for fitted in pushing])
-    least = min(chi2(case.misfit.residual(run)) for run in runs if all(r.finite for r in run))
-    if not least < best.chi2 - _margin(case, best):
+    finite = [run for run in runs if all(one.finite for one in run)]
+    least = min((chi2(case.misfit.residual(run)) for run in finite), default=np.inf)
+    if least >= best.chi2 - _margin(case, best):
         simulations.begins_at_rest = not simulations.begins_at_rest
         return model, fits
     return _again(case, model), [_again(case, fitted) for fitted in fits]

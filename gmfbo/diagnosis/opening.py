@@ -168,7 +168,6 @@ class _Opening:
         simulations.reading = like.simulations.reading
         simulations.encoder = like.simulations.encoder
         simulations.rest = like.simulations.rest
-        simulations.begins_at_rest = like.simulations.begins_at_rest
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         noise = noise_levels(simulations.records, nominal)

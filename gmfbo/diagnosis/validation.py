@@ -97,6 +97,8 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         tuple(record.name for record in case.simulations.records),
         tuple(record.name for record in unseen.simulations.records),
     )
+    # Found out while it was decided, when these had been opened.
+    unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     there = [
         _refitted(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet), iterations=1)
         for fitted in (case.base, model)

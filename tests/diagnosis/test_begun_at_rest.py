@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gmfbo import diagnose
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import (
     SERVO,
     decided,
@@ -14,6 +16,7 @@ from tests.diagnosis.short_recordings import (
     multisine,
     named,
     open_small,
+    triangle,
 )
 
 OFFSET = {"constant_torque_offset.level": 0.3}
@@ -82,6 +85,18 @@ def test_the_augmented_twin_begins_at_rest_as_the_recordings_did() -> None:
     np.testing.assert_allclose(
         run.signal("position")[:50], recorded[:50], atol=6.0 * SERVO.noise["position"]
     )
+
+
+@pytest.mark.parametrize("held", [0.8, 0.0])
+def test_unseen_recordings_begin_as_the_fitted_ones_do(held: float) -> None:
+    fitted = SERVO.recordings(OFFSET, (multisine, moves), held=held)
+    unseen = SERVO.recordings(OFFSET, (triangle,), held=held, seed=6)
+    excluded = [name for name in CATALOGUE if name not in PUSHING]
+    diagnosis = diagnose(SERVO.twin(), fitted, validate=unseen, exclude=excluded, jobs=1)
+    assert named(diagnosis) == ["constant_torque_offset"]
+    position = diagnosis.fit.signals["position"]
+    assert position.augmented < 1.3 * position.noise_floor
+    assert position.parameters_only > 5.0 * position.noise_floor
 
 
 def test_a_friction_needs_no_hold() -> None:
