@@ -24,6 +24,7 @@ _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
 _WORTH_OTHERS = 15.0  # gain from which other values of what is not fitted are tried
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
+_OTHER_LAGS = (0.7, 0.8, 0.9, 0.95, 1.05, 1.2)  # times a lag at which its fit may start too
 _AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
@@ -124,6 +125,12 @@ def _best_start(
     if candidate.law.family in _ROUGH:
         excitation = base.hypothesis.setting.excitation
         starts += [candidate.with_values(values) for values in candidate.law.starts(excitation)]
+    if candidate.law.family == LAGS and base.hypothesis.setting.is_rough:
+        # Where steps are wide, a fit that starts beyond the minimum may not come back.
+        starts += [
+            candidate.with_values({n: share * v for n, v in candidate.values.items()})
+            for share in _OTHER_LAGS
+        ]
     trials = [trial for start in starts for trial in trials_of(misfit, base, start)]
     best = min(trials, key=lambda t: t.square, default=None)
     if best is None:

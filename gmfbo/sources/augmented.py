@@ -54,7 +54,19 @@ class RunPlan:
     def after(
         cls, recording: Recording, experiment: Experiment, lead: int, substeps: int
     ) -> RunPlan:
-        """Lay out a run after `lead` communication steps under the first row."""
+        """Lay out a run that begins after a time under the first row.
+
+        Parameters
+        ----------
+        recording : Recording
+            What is followed.
+        experiment : Experiment
+            The same on the grid.
+        lead : int
+            Communication steps under the first row.
+        substeps : int
+            Steps of physics and twin within each.
+        """
         order = experiment.order(lead)
         return cls(
             recording,

@@ -29,7 +29,7 @@ actuator_dead_zone = Effect(
     family="limit",
     signal_path="actuator",
     parameters=(positive("width", "Half width", "command", lambda e: e.command, most=0.9),),
-    starts=lambda e: [{"width": share * e.command} for share in (0.06, 0.015, 0.004, 0.001)],
+    starts=lambda e: [{"width": share * e.command} for share in (0.06, 0.008, 0.001)],
     size=lambda p, e: p["width"],
     size_name="width",
     size_unit="command",
