@@ -141,6 +141,21 @@ def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float)
     return _acts_long_enough(case, evidence, needed)
 
 
+def begins_with_recordings(evidence: Evidence) -> bool:
+    """Whether what passes may have been there before the first row: the axis was not at rest.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        The effect.
+    """
+    names = [p.name for p in evidence.effect.parameters]
+    if "start" not in names:
+        return False
+    low = spread_of(evidence.fitted, np.random.default_rng(0)).low
+    return bool(low[len(low) - len(names) + names.index("start")] <= 0.0)
+
+
 def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision) -> bool:
     """Whether a line that others show is there in each recording: a drift looks like one.
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from gmfbo.diagnosis.acceptance import (
+    begins_with_recordings,
     is_large,
     is_proven,
     is_shadow,
@@ -217,6 +218,10 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     )
     needed = needed_gain(decision)
     proven = [e for e in evidence if is_proven(case, e, decision, needed)]
+    begun = [e for e in proven if begins_with_recordings(e)]
+    proven = [e for e in proven if e not in begun]
+    if begun and begun[0].gain > max((e.gain for e in proven), default=0.0) + decision.threshold:
+        decision.unsettled = begun[0]
     accepted = [e for e in proven if is_large(case, e, needed)]
     small = [e for e in proven if e not in accepted]
     shadows = [e for e in accepted if any(is_shadow(decision, e, of) for of in small)]
@@ -234,7 +239,8 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
         return False
     slack = slack_of(case, decision, claimable)
     winner = _polished(case, decision, simplest(claimable, decision.threshold, slack))
-    rivals = rivals_of(winner, [e for e in evidence if e.name not in decision.silent])
+    could = [e for e in evidence if e.name not in decision.silent and e not in begun]
+    rivals = rivals_of(winner, could)
     margin = margin_over_limit(decision.threshold, slack)
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed, margin))
     decision.model = winner.fitted

@@ -121,6 +121,8 @@ class Decision:
         One of them that explains as much as the best that could have been named.
     too_small : Evidence or None
         An effect below its floor that explains more than any that could have been named.
+    unsettled : Evidence or None
+        What passed in the first moments and explains more than any that could have been named.
     contradicted : bool
         Names that were beyond doubt in the fitted recordings failed on the held-out ones.
     """
@@ -138,4 +140,5 @@ class Decision:
     silent: frozenset[str] = frozenset()
     in_doubt: Evidence | None = None
     too_small: Evidence | None = None
+    unsettled: Evidence | None = None
     contradicted: bool = False

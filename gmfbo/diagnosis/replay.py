@@ -57,6 +57,8 @@ def probability(base: Fitted, found: Round, dispersion: float, rng: np.random.Ge
 
 def _is_winner_again(evidence: Evidence, found: Round) -> bool:
     """A law that contains the winner and explains no more is the winner by another name."""
+    if any(evidence.name == rival.name for rival in found.rivals):
+        return False
     contains = found.winner.name in evidence.effect.law.contains
     return contains and evidence.gain < found.winner.gain + found.needed
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gmfbo.diagnosis.decision import Evidence
+from gmfbo.physics.effect import Effect
 
 _AS_GOOD = 0.9  # of the gain, where only the way that physics is stepped sets two apart
 _QUANTILE = 1.645  # of a normal variable: 95 %
@@ -27,8 +28,7 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
     """
     rivals = []
     for other in others:
-        # A law that contains the winner explains as much by having it as its limit.
-        if other.name == winner.name or winner.name in other.effect.law.contains:
+        if other.name == winner.name or _has_as_limit(other.effect.law, winner.name):
             continue
         if other.name in winner.effect.law.same_loop and other.gain > _AS_GOOD * winner.gain:
             rivals.append(other)
@@ -41,3 +41,11 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
         if other.chi2 - winner.chi2 <= bound:
             rivals.append(other)
     return rivals
+
+
+def _has_as_limit(law: Effect, name: str) -> bool:
+    """Whether a law explains as much as another one only by having it as its limit.
+
+    Gravity is no constant torque however small it is: where it does as well, it may be at work.
+    """
+    return name in law.contains and name not in law.flattens_to

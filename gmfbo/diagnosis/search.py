@@ -33,7 +33,7 @@ from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.outside import Outside, is_mismatch, is_uneven, look_outside, unexplained
 from gmfbo.diagnosis.parities import parities
-from gmfbo.diagnosis.plain_words import words
+from gmfbo.diagnosis.plain_words import number, words
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.pulses import EVERY, Pulse
 from gmfbo.diagnosis.remaining_explanations import predictions_of
@@ -124,6 +124,12 @@ class Search:
             case.notes.append(
                 f"{name} explains what is left, but it is smaller than anybody would act on: it is "
                 "not named"
+            )
+        if decision.unsettled is not None:
+            lasting = number(decision.unsettled.effect.values["duration"])
+            case.notes.append(
+                "the axis was not at rest when these recordings began: what seems to act in their "
+                f"first {lasting} s is not named; hold the first reference for longer beforehand"
             )
         probabilities = self._probabilities(decision)
         drop_improbable(case, decision, probabilities)

@@ -160,6 +160,8 @@ class Effect:
         Seconds for which `acts` must hold before the effect is claimed.
     contains : tuple of str
         Simpler effects that are a limit of it.
+    flattens_to : tuple of str
+        Those of them that it only looks like while the axis moves little; its own limit is none.
     same_loop : tuple of str
         Effects elsewhere in the loop that leave the same reading and the same command.
     vanishing : mapping of str to tuple of str
@@ -196,6 +198,7 @@ class Effect:
     acts_at_rest: bool = False
     least_time: float = 0.0
     contains: tuple[str, ...] = ()
+    flattens_to: tuple[str, ...] = ()
     same_loop: tuple[str, ...] = ()
     vanishing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     confused_with: Mapping[str, str] = field(default_factory=dict)

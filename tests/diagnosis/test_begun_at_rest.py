@@ -87,6 +87,18 @@ def test_the_augmented_twin_begins_at_rest_as_the_recordings_did() -> None:
     )
 
 
+@pytest.mark.parametrize(("start", "names"), [(1e-5, []), (0.5, ["pulse_disturbance"])])
+def test_a_push_is_named_unless_it_may_have_begun_before_the_recordings(
+    start: float, names: list[str]
+) -> None:
+    push = {"level": 0.5, "start": start, "duration": 0.1}
+    physics = {f"pulse_disturbance.{name}": value for name, value in push.items()}
+    recordings = SERVO.recordings(physics, (multisine, moves))
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=("pulse_disturbance", "coulomb_friction"))
+    assert named(diagnosis) == names
+    assert any("was not at rest" in note for note in diagnosis.notes) is not bool(names)
+
+
 @pytest.mark.parametrize("held", [0.8, 0.0])
 def test_unseen_recordings_begin_as_the_fitted_ones_do(held: float) -> None:
     fitted = SERVO.recordings(OFFSET, (multisine, moves), held=held)

@@ -63,7 +63,8 @@ def test_only_laws_that_contain_the_winner_are_left_out_of_equals(one: str, othe
     residual = direction(2)
     winner = evidence_of(one, residual, residual)
     found = rivals_of(winner, [winner, evidence_of(other, residual, residual)])
-    is_listed = other != one and one not in CATALOGUE[other].contains
+    law = CATALOGUE[other]
+    is_listed = other != one and (one not in law.contains or one in law.flattens_to)
     assert [rival.name for rival in found] == ([other] if is_listed else [])
 
 
@@ -73,6 +74,16 @@ def test_a_law_that_contains_the_winner_is_no_rival_but_its_limit_is_one() -> No
     stribeck = evidence_of("stribeck_friction", residual, residual)
     assert rivals_of(coulomb, [stribeck]) == []
     assert rivals_of(stribeck, [coulomb]) == [coulomb]
+
+
+def test_gravity_that_does_as_well_as_a_constant_torque_is_its_rival() -> None:
+    """Its limit is no torque at all; it is nearly constant where the axis hardly turns."""
+    residual = direction(3)
+    offset = evidence_of("constant_torque_offset", residual, residual)
+    gravity = evidence_of("gravity_torque", residual, residual)
+    spring = evidence_of("elastic_return", residual, residual)
+    assert rivals_of(offset, [gravity, spring]) == [gravity]
+    assert rivals_of(gravity, [offset]) == [offset]
 
 
 @pytest.mark.parametrize(
