@@ -35,7 +35,7 @@ def _feature(states: States) -> Array:
 
 
 def _starts(excitation: Excitation) -> list[Values]:
-    return [{"loss": 0.2, "time": share * excitation.duration} for share in (0.3, 2.0)]
+    return [{"loss": 0.02, "time": share * excitation.duration} for share in (0.15, 1.2)]
 
 
 def _size(parameters: Values, excitation: Excitation) -> float:
