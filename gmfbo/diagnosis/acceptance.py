@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -109,7 +110,11 @@ def is_large(case: Case, evidence: Evidence, needed: float) -> bool:
     """
     law, excitation = evidence.effect.law, case.setting.excitation
     values = {**evidence.effect.more, **evidence.effect.values}
-    return law.size(values, excitation) >= _asked(evidence, needed) * law.floor(excitation)
+    # What is cut off a command is more than the twin would have asked for without the limit.
+    runs = zip(evidence.fitted.simulated, case.simulations.records, strict=True)
+    asked_for = max(float(np.abs(states_of(run, record).command).max()) for run, record in runs)
+    size = law.size(values, replace(excitation, command=asked_for))
+    return size >= _asked(evidence, needed) * law.floor(excitation)
 
 
 def _asked(evidence: Evidence, needed: float) -> float:

@@ -34,7 +34,7 @@ actuator_saturation = Effect(
             "Limit of the command",
             "command",
             low=lambda e: 0.05 * e.command,
-            high=lambda e: 1.05 * e.command,
+            high=lambda e: 1.5 * e.command,
             scale=lambda e: 0.2 * e.command,
         ),
     ),
