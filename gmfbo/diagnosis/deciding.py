@@ -22,25 +22,27 @@ from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
 from gmfbo.diagnosis.confirming import LAGS, MISLED, confirm, rough_worth_fitting, shortlist
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.dispersion import dispersion_of
+from gmfbo.diagnosis.exchange import exchange_first
 from gmfbo.diagnosis.fitting import Fitted, fit, stacked
 from gmfbo.diagnosis.gain_by_chance import gain_by_chance
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.leaving_out import normal_equations
-from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
+from gmfbo.diagnosis.left_out_gain import evidence_of
 from gmfbo.diagnosis.limit_scan import scan_limits
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.rivals import rivals_of
-from gmfbo.diagnosis.screening import Probe, probes, refined, screen
-from gmfbo.diagnosis.threshold import NullGains, left_out_square
+from gmfbo.diagnosis.screening import Probe, Screened, probes, refined, screen
+from gmfbo.diagnosis.threshold import NullGains
 
 MOST_EFFECTS = 3
 """Effects that are named at most; recordings of a few seconds do not tell more apart."""
 
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
-_DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
 _UNEVEN = 1.4  # times the median stretch
 _GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters mislead
 _WORTH_FITTING = 8.0  # gain by screening below which no fit is tried
+_PROMISING = 200.0  # gain by screening from which it is asked whether fits keep what it promised
+_KEPT_PROMISE = 0.2  # of it, below which what it ranked next is fitted too
 
 
 def decide(
@@ -78,7 +80,7 @@ def decide(
     )
     again = (candidates, progress, rng, look_again)
     _add_effects(case, decision, *again)
-    if _take_back(case, decision):
+    if exchange_first(case, decision):
         _add_effects(case, decision, *again)
     return decision
 
@@ -105,50 +107,6 @@ def _add_effects(
                 decision.tried = [*decision.tried, *probes(case.misfit, decision.model, more)]
         if not _next_round(case, decision, rng):
             return
-
-
-def _take_back(case: Case, decision: Decision) -> bool:
-    """Put a simpler or richer law in the first one's place where that is better beside the others.
-
-    Alone, a law with more freedom makes up for effects that are only found after it, and what
-    sets it apart from its limit may be hidden by them. What was found beside it is taken back.
-    """
-    if len(decision.rounds) < 2:
-        return False
-    assert decision.model is not None
-    first, *others = decision.rounds
-    named = {entry.winner.name for entry in others}
-    limits = set(first.winner.effect.law.contains) - named
-    others_of_it = [
-        e
-        for e in first.fitted
-        if e.name in limits or first.winner.name in e.effect.law.contains
-        if e.name not in decision.silent
-    ]
-    if not others_of_it:
-        return False
-    whole = decision.model.hypothesis
-    beside = replace(whole, effects=whole.effects[1:])
-    without = fit(case.misfit, beside, decision.model.parameters, parallel=True)
-    if without is None:
-        return False
-    fits = confirm(case.misfit, without, [whole.effects[0], *(e.effect for e in others_of_it)])
-    groups = decision.groups
-    evidence = [_evidence(case, without, fitted, groups) for fitted in fits]
-    needed = needed_gain(decision)
-    proven = [
-        e for e in evidence if is_proven(case, e, decision, needed) and is_large(case, e, needed)
-    ]
-    if not any(e.name == first.winner.name for e in proven):
-        return False
-    chosen = simplest(proven, decision.threshold, 0.0)
-    if chosen.name == first.winner.name:
-        return False
-    winner = next(e for e in others_of_it if e.name == chosen.name)
-    rivals = rivals_of(winner, [e for e in first.fitted if e.name not in decision.silent])
-    decision.rounds[:] = [replace(first, winner=winner, rivals=tuple(rivals))]
-    decision.model = winner.fitted
-    return True
 
 
 def _apart_from_parameters(
@@ -205,7 +163,7 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     known = {c.effect for c in chosen}
     chosen += rough_worth_fitting(case.misfit, decision.model, tried, families, known)
     chosen = _with_limits_scanned(case, decision, tried, chosen, rng)
-    fits = confirm(case.misfit, decision.model, chosen)
+    fits = _confirmed(case, decision, screened, chosen)
     decision.model, fits = begun_better(case, decision.model, fits)
     if first:
         fits = _widen_budget(case, decision, fits)
@@ -213,7 +171,7 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
         chance = gain_by_chance(case.misfit, _best(case, fits), rng)
         decision.threshold = max(nulls.threshold(rng), chance)
     evidence = sorted(
-        (_evidence(case, decision.model, fitted, decision.groups) for fitted in fits),
+        (evidence_of(case, decision.model, fitted, decision.groups) for fitted in fits),
         key=lambda e: -e.gain,
     )
     needed = needed_gain(decision)
@@ -245,6 +203,26 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed, margin))
     decision.model = winner.fitted
     return True
+
+
+def _confirmed(
+    case: Case, decision: Decision, screened: Sequence[Screened], chosen: Sequence[Candidate]
+) -> list[Fitted]:
+    """Fits of what is worth one; where they fall far short of what was promised, of the next too.
+
+    A law that is almost right may be far off the straight line by which it was screened: an axis
+    held by Coulomb friction stands still where one that creeps moves on.
+    """
+    model = decision.model
+    assert model is not None
+    fits = confirm(case.misfit, model, chosen)
+    promised = max((s.gain for s in screened if s.kept), default=0.0)
+    kept = model.chi2 - min((f.chi2 for f in fits), default=model.chi2)
+    if promised < _PROMISING or kept > _KEPT_PROMISE * promised:
+        return fits
+    known = {c.effect for c in chosen}
+    others = [s for s in screened if s.probe.candidate.effect not in known]
+    return fits + confirm(case.misfit, model, shortlist(others, _WORTH_FITTING))
 
 
 def _with_limits_scanned(
@@ -284,7 +262,7 @@ def _polished(case: Case, decision: Decision, winner: Evidence) -> Evidence:
     if again is None or again.chi2 >= winner.chi2:
         return winner
     assert decision.model is not None
-    better = _evidence(case, decision.model, again, decision.groups)
+    better = evidence_of(case, decision.model, again, decision.groups)
     return better if better.gain > winner.gain else winner
 
 
@@ -351,23 +329,3 @@ def _beyond_library(misfit: Misfit, best: Fitted, tried: Sequence[Probe]) -> Blo
     one_group = [0] * len(best.residual)
     solution = normal_equations(best.residual, together, one_group, precision).solution()
     return tuple(r - solution @ a for r, a in zip(best.residual, together, strict=True))
-
-
-def _evidence(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) -> Evidence:
-    before, after = squares(model.residual, groups), squares(fitted.residual, groups)
-    inside = before - after
-    outside = left_out_square(model, groups) - left_out_square(fitted, groups)
-    if outside.sum() < _DOUBTFUL * inside.sum():
-        # Sensitivities of a gap or a limit may be rough: let the FMU tell.
-        simulated = simulated_left_out(case.misfit, model, groups) - simulated_left_out(
-            case.misfit, fitted, groups
-        )
-        # A limit that one stretch alone shows is unbound by the others: the better tells.
-        is_limit = fitted.hypothesis.effects[-1].law.family == "limit"
-        if not (is_limit and outside.sum() > simulated.sum()):
-            outside = simulated
-    gains = outside if outside.sum() < inside.sum() else inside
-    signature = squares(
-        tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups
-    )
-    return Evidence(fitted, gains, signature, fitted.chi2)

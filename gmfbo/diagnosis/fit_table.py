@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-_LEAST_REMOVED = 0.05  # of the explainable error on held-out recordings
+_LEAST_REMOVED = 0.01  # of the explainable error on held-out recordings
+_MOSTLY_REMOVED = 0.5  # of it: such physics is there, whatever is left at its edges
 _BEYOND_NOISE, _WORSE = 1.5, 1.1  # times the noise floor; times the error without the physics
 
 
@@ -67,23 +68,42 @@ class Fit:
 
     @property
     def contradicts_names(self) -> bool:
-        """Whether the twin is clearly worse with the physics on recordings that no fit has seen.
+        """Whether recordings that no fit has seen speak against the physics.
 
-        Errors are in units of the noise floor, over all signals alike. A law that holds leaves
-        little more than noise; one that merely bent to the fitted recordings misses these by more
-        than no law at all.
+        A law that holds leaves little more than noise; one that merely bent to the fitted
+        recordings misses these by more than no law at all. Where an axis comes to rest within its
+        friction or its gap is chance, though, and counts in an RMS error as long as the rest lasts:
+        physics that takes most of the explainable error away stands.
         """
+        if not self._in_noise_floors[1] > _BEYOND_NOISE:
+            return False
+        removed = self.explainable_error_removed
+        is_right = removed is not None and removed > _MOSTLY_REMOVED
+        return self.removes_nothing or (self.is_worse and not is_right)
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether RMS errors on recordings that no fit has seen are clearly larger with physics.
+
+        They are in units of the noise floor, over all signals alike.
+        """
+        before, after = self._in_noise_floors
+        return after > _BEYOND_NOISE and after > _WORSE * before
+
+    @property
+    def _in_noise_floors(self) -> tuple[float, float]:
+        """RMS error without and with the physics; NaN where there is none to compare."""
         pairs = [
             (fit.parameters_only / fit.noise_floor, fit.augmented / fit.noise_floor)
             for fit in self.signals.values()
             if fit.noise_floor > 0.0
         ]
         if not self.held_out or not pairs:
-            return False
+            return math.nan, math.nan
         before, after = (
             math.sqrt(sum(x**2 for x in column) / len(pairs)) for column in zip(*pairs, strict=True)
         )
-        return after > _BEYOND_NOISE and (after > _WORSE * before or self.removes_nothing)
+        return before, after
 
     @property
     def most_improved(self) -> str | None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gmfbo.diagnosis.begun_elsewhere import fitted_from_elsewhere
 from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
 from gmfbo.diagnosis.case import Budget, Case
 from gmfbo.diagnosis.covariances import covariances, noise_squares, whiteners
@@ -355,7 +356,7 @@ class _Opening:
         hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
         base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
         assert base is not None, "the nominal twin was simulated a moment ago"
-        return base
+        return fitted_from_elsewhere(misfit, base)
 
     def _budget(
         self,

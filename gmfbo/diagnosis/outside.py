@@ -20,6 +20,7 @@ _MOSTLY = 0.5  # of the error, which has to follow
 _BETTER = 0.7  # a name that explains less than this share of what a free function does is none
 _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
 _BESIDE_SHARE = 0.015  # of the names' gain, which a function beside them may gain: laws are inexact
+_NOISE_SHARE = 0.05  # the same where names leave no more than noise
 _EXCESS_SHARE = 0.3  # of the misfit beyond noise, which it has to take away
 _REST_SHARE = 0.5  # of what names leave beyond noise, which a function beside them takes away
 _BY_CHANCE = 0.003  # as noise that does not move with the axis
@@ -93,7 +94,8 @@ def look_outside(
         beside = _best(unnamed(replace(case, misfit=plain, base=with_names), with_names, response))
         noise = case.budget.noise
         left_over = with_names.chi2 - noise
-        least = max(_THRESHOLDS * decision.threshold, _BESIDE_SHARE * named)
+        share = _BESIDE_SHARE if left_over > 0.0 else _NOISE_SHARE
+        least = max(_THRESHOLDS * decision.threshold, share * named)
         is_better = beside > max(least, _REST_SHARE * left_over)
         is_better |= (
             left_over > _UNNAMED_SHARE * (base.chi2 - noise)

@@ -87,7 +87,20 @@ def probe_torque(
     guess : float
         Torque to begin with; it is scaled until the command answers well within its range.
     """
-    k = int(np.argmax([record.plan.grid.size for record in simulations.records]))
+    sizes = [record.plan.grid.size for record in simulations.records]
+    longest_first = np.argsort([-size for size in sizes], kind="stable")
+    found = []
+    for k in longest_first:
+        found.append(_probe_torque_along(simulations, point, base, guess, int(k)))
+        # A loop that lives at its limit takes no push back: it is open if none of them does.
+        if not found[-1].is_open:
+            return found[-1]
+    return found[0]
+
+
+def _probe_torque_along(
+    simulations: Simulations, point: Point, base: Sequence[Simulated], guess: float, k: int
+) -> Stiffness:
     grid = simulations.records[k].plan.grid
     states = base[k].response.states
     half = grid.size // 2

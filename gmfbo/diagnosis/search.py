@@ -154,11 +154,8 @@ class Search:
         if why is not None:
             self._take_names_back(decision, why)
             result = self._validated(decision, outside, unseen)
-        elif decision.rounds and result.fit.contradicts_names:
-            case.notes.append(
-                "the errors are of the augmented twin without its sensor's noise, which bridges "
-                "part of the named physics: under the noise as it was recorded they are smaller"
-            )
+        elif decision.rounds and result.fit.is_worse:
+            case.notes.append(_why_worse(result))
         augmented = result.augmented
         spread = spread_of(augmented, self.rng)
         self.progress("locating", 0.95)
@@ -360,3 +357,18 @@ def _versions() -> dict[str, str]:
     from importlib.metadata import version
 
     return {name: version(name) for name in ("gmfbo", "numpy", "scipy", "fmpy")}
+
+
+def _why_worse(result: Validated) -> str:
+    """Why RMS errors that grew with the named physics do not speak against it."""
+    if result.augmented.hypothesis.noise is not None:
+        return (
+            "the errors are of the augmented twin without its sensor's noise, which bridges "
+            "part of the named physics: under the noise as it was recorded they are smaller"
+        )
+    removed = result.fit.explainable_error_removed or 0.0
+    return (
+        f"the named physics removes {removed:.0%} of what physics can explain on unseen runs, "
+        "while their RMS errors grow: where the axis comes to rest within friction or a gap is "
+        "chance"
+    )

@@ -25,10 +25,12 @@ def fit_of(
 @pytest.mark.parametrize(
     ("before", "after", "removed", "contradicts"),
     [
-        (3.0, 5.0, 0.9, True),
-        (3.0, 3.2, 0.9, False),  # no clearer than chance
+        (3.0, 5.0, 0.3, True),
+        (3.0, 5.0, None, True),
+        (3.0, 5.0, 0.9, False),  # it came to rest elsewhere within its gap
+        (3.0, 3.2, 0.3, False),  # no clearer than chance
         (1.0, 1.4, 0.9, False),  # little more than noise either way
-        (25.0, 11.0, 0.03, True),  # nothing of what physics could explain
+        (25.0, 11.0, 0.005, True),  # nothing of what physics could explain
         (25.0, 11.0, 0.3, False),
         (25.0, 11.0, None, False),
         (8.0, 1.0, 0.99, False),
@@ -38,6 +40,13 @@ def test_names_fall_where_unseen_recordings_are_clearly_worse_with_them(
     before: float, after: float, removed: float | None, contradicts: bool
 ) -> None:
     assert fit_of(before, after, removed=removed).contradicts_names is contradicts
+
+
+def test_errors_that_grow_are_told_even_where_most_is_removed() -> None:
+    rested_elsewhere = fit_of(3.0, 5.0, removed=0.9)
+    assert rested_elsewhere.is_worse
+    assert not rested_elsewhere.contradicts_names
+    assert not fit_of(8.0, 1.0, removed=0.99).is_worse
 
 
 @given(TIMES, TIMES)

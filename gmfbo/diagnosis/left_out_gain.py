@@ -1,0 +1,44 @@
+"""What a fitted effect gains on stretches that its fit has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.decision import Evidence
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
+from gmfbo.diagnosis.threshold import left_out_square
+
+_DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
+
+
+def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) -> Evidence:
+    """What a fitted effect gains over the model without it.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    model, fitted : Fitted
+        Without the effect, and with it.
+    groups : sequence of int
+        Group of each window; whole groups are left out together.
+    """
+    before, after = squares(model.residual, groups), squares(fitted.residual, groups)
+    inside = before - after
+    outside = left_out_square(model, groups) - left_out_square(fitted, groups)
+    if outside.sum() < _DOUBTFUL * inside.sum():
+        # Sensitivities of a gap or a limit may be rough: let the FMU tell.
+        simulated = simulated_left_out(case.misfit, model, groups) - simulated_left_out(
+            case.misfit, fitted, groups
+        )
+        # A limit that one stretch alone shows is unbound by the others: the better tells.
+        is_limit = fitted.hypothesis.effects[-1].law.family == "limit"
+        if not (is_limit and outside.sum() > simulated.sum()):
+            outside = simulated
+    gains = outside if outside.sum() < inside.sum() else inside
+    signature = squares(
+        tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups
+    )
+    return Evidence(fitted, gains, signature, fitted.chi2)
