@@ -24,6 +24,7 @@ _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
 _CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of a floor will do
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
+_LIMIT = "limit"  # family of what is only met now and then
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 
 
@@ -218,6 +219,10 @@ def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Ev
         See `slack_of`.
     """
     best = max(accepted, key=lambda e: e.gain - _freedom(e.effect))
+    if best.effect.law.family == _LIMIT:
+        # Where one stretch alone shows a limit, the others do not know it: its gain is too small.
+        limits = [e for e in accepted if e.effect.law.family == _LIMIT]
+        best = min(limits, key=lambda e: e.chi2 + _freedom(e.effect))
     while True:
         simpler = [
             e

@@ -11,8 +11,11 @@ from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.leaving_out import square_after_refit
 from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.recorded_noise import under_noise
+from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.screening import Probe, Screened
+from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.physics import CATALOGUE
 from gmfbo.physics.harmonic import strongest_first
 
@@ -132,7 +135,9 @@ def _best_start(
             for share in _OTHER_LAGS
         ]
     trials = [trial for start in starts for trial in trials_of(misfit, base, start)]
-    best = min(trials, key=lambda t: t.square, default=None)
+    # Where nothing acts, there is no slope that could lead a fit away.
+    acting = [trial for trial in trials if trial.acts]
+    best = min(acting or trials, key=lambda t: t.square, default=None)
     if best is None:
         return _joined(base.hypothesis, candidate), base.parameters
     return best.hypothesis, best.parameters
@@ -170,11 +175,14 @@ class Trial:
         Of the twin.
     square : float
         chi2 after one linear step of the twin's parameters.
+    acts : bool
+        Whether the effect is at work anywhere.
     """
 
     hypothesis: Hypothesis
     parameters: dict[str, float]
     square: float
+    acts: bool
 
 
 def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]:
@@ -200,8 +208,15 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
         simulated = misfit.simulations.run_here(hypothesis.point(hypothesis.start(parameters)))
         if all(run.finite for run in simulated):
             square = square_after_refit(misfit.residual(simulated), base.sensitivity, base.prior)
-            trials.append(Trial(hypothesis, parameters, square))
+            acts = _acts(candidate, simulated, misfit.simulations.records)
+            trials.append(Trial(hypothesis, parameters, square, acts))
     return trials
+
+
+def _acts(candidate: Candidate, simulated: Sequence[Simulated], records: Sequence[Record]) -> bool:
+    values = {**candidate.more, **candidate.values}
+    runs = zip(simulated, records, strict=True)
+    return any(np.any(candidate.law.acts(states_of(run, record), values)) for run, record in runs)
 
 
 def rough_worth_fitting(

@@ -7,13 +7,16 @@ from the command port, it shows what it changed, without a simulation for each s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.confirming import trials_of
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.leaving_out import square_after_refit
@@ -25,6 +28,8 @@ from gmfbo.physics import CATALOGUE, States
 Array = NDArray[np.float64]
 
 _ROWS = (2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)  # beyond the limit, over all recordings
+_FIRST_STEP = 0.005  # of a size, by which the best of them is first moved
+_REFINING = 40  # sizes that are tried about it
 _SLOPES = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the largest command per largest speed
 
 
@@ -65,19 +70,51 @@ def scan_limits(
         return square_after_refit(residual, model.sensitivity, model.prior)
 
     before = left(model.residual)
+
+    def gain(name: str, values: Mapping[str, float]) -> float:
+        return before - left(_without(case, model, response, states, name, values))
+
     found = []
     for name in wanted:
-        best = max(
-            (
-                (before - left(_without(case, model, response, states, name, values)), i)
-                for i, values in enumerate(_sizes(name, states))
-            ),
-            default=(0.0, -1),
-        )
-        if best[0] > least:
-            values = list(_sizes(name, states))[best[1]]
-            found.append((best[0], Candidate(name, values)))
+        tried = [(gain(name, values), values) for values in _sizes(name, states)]
+        best = max(tried, key=lambda entry: entry[0], default=None)
+        if best is not None and best[0] > least:
+            between = _refined(partial(gain, name), best[1])
+            found.append((best[0], _better(case, model, name, [between, best[1]])))
     return sorted(found, key=lambda entry: -entry[0])
+
+
+def _better(
+    case: Case, model: Fitted, name: str, sizes: Sequence[Mapping[str, float]]
+) -> Candidate:
+    """The size that explains more where it is simulated: the twin may ask for more elsewhere."""
+    starts = [Candidate(name, values) for values in sizes]
+    squares = [
+        min((t.square for t in trials_of(case.misfit, model, start)), default=np.inf)
+        for start in starts
+    ]
+    return starts[int(np.argmin(squares))]
+
+
+def _refined(
+    gain: Callable[[Mapping[str, float]], float], start: Mapping[str, float]
+) -> dict[str, float]:
+    """The best size between those of the grid: from as little as 1 % off, a fit may not come."""
+    names = list(start)
+    sizes = np.array([start[n] for n in names])
+
+    def loss(shares: Array) -> float:
+        values = dict(zip(names, shares * sizes, strict=True))
+        return -gain(values) if np.all(shares > 0.0) else 0.0
+
+    corners = 1.0 + np.vstack([np.zeros(sizes.size), _FIRST_STEP * np.eye(sizes.size)])
+    result = minimize(
+        loss,
+        corners[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": corners, "maxfev": _REFINING},
+    )
+    return {n: float(v) for n, v in zip(names, result.x * sizes, strict=True)}
 
 
 def _as_recorded(case: Case, k: int, states: States) -> States:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pytest
 
+from gmfbo.diagnosis import limit_scan
 from gmfbo.diagnosis.confirming import confirm
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.limit_scan import scan_limits
@@ -61,3 +62,15 @@ def test_where_nothing_cuts_no_size_is_worth_a_fit() -> None:
 
 def test_limits_that_may_not_be_tried_are_not() -> None:
     assert scanned({"actuator_saturation.limit": 1.2}, ("coulomb_friction",))[0] == []
+
+
+def test_a_supply_limit_begins_between_the_sizes_of_the_grid(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    physics = {"supply_voltage_limit.limit": 1.45, "supply_voltage_limit.slope": 0.08}
+    ((_, start),), (fitted,), _ = scanned(physics, LIMITS[1:])
+    assert start.values["slope"] == pytest.approx(0.08, rel=0.2)
+    assert fitted.values["limit"] == pytest.approx(1.45, rel=0.005)
+    monkeypatch.setattr(limit_scan, "_refined", lambda gain, size: dict(size))
+    ((_, coarse),), _, _ = scanned(physics, LIMITS[1:])  # negative control
+    assert coarse.values["slope"] < 0.5 * 0.08

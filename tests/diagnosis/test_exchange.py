@@ -1,0 +1,119 @@
+"""The first law is put right once what was found beside it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+
+import pytest
+
+from gmfbo.diagnosis import deciding
+from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.confirming import confirm, shortlist
+from gmfbo.diagnosis.deciding import groups_of
+from gmfbo.diagnosis.decision import Decision, Evidence, Round
+from gmfbo.diagnosis.exchange import exchange_first
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.left_out_gain import evidence_of
+from gmfbo.diagnosis.library import candidates
+from gmfbo.diagnosis.screening import Screened
+from tests.diagnosis.short_recordings import (
+    SERVO,
+    decided,
+    moves,
+    multisine,
+    open_small,
+    triangle,
+)
+
+HIDDEN = {
+    "stribeck_friction.level": 0.01,
+    "stribeck_friction.breakaway": 0.02,
+    "stribeck_friction.velocity": 0.3,
+    "sensor_lag.time": 1e-3,
+}
+THRESHOLD = 30.0
+
+
+def opened(physics: dict[str, float]) -> Case:
+    return open_small(SERVO.twin(), SERVO.recordings(physics, (multisine, moves, triangle)))
+
+
+@pytest.fixture(scope="module")
+def case() -> Iterator[Case]:
+    with closing((opened_case := opened(HIDDEN)).simulations):
+        yield opened_case
+
+
+def fitted_beside(case: Case, model: Fitted, name: str) -> Evidence:
+    start = candidates([name], case.setting.excitation)[:1]
+    return evidence_of(case, model, confirm(case.misfit, model, start)[0], groups_of(case))
+
+
+def begun_with(case: Case, name: str) -> Decision:
+    """A search that took one friction law first, and then ended at the lag as too small."""
+    laws = {n: fitted_beside(case, case.base, n) for n in ("stribeck_friction", name)}
+    first = Round(laws[name], (), tuple(laws.values()), THRESHOLD, 0.0)
+    return Decision(
+        rounds=[first],
+        model=laws[name].fitted,
+        threshold=THRESHOLD,
+        groups=groups_of(case),
+        refused=[fitted_beside(case, laws[name].fitted, "sensor_lag")],
+    )
+
+
+def test_the_right_friction_takes_the_place_of_the_first_beside_a_lag(case: Case) -> None:
+    decision = begun_with(case, "asymmetric_friction")
+    lag = decision.refused[0].effect.values["time"]
+    assert lag < 0.8 * HIDDEN["sensor_lag.time"]  # the wrong friction makes up for part of it
+    assert exchange_first(case, decision)
+    (only,) = decision.rounds
+    assert only.winner.name == "stribeck_friction"
+    assert only.rivals == ()
+    assert decision.model is only.winner.fitted
+
+
+def test_the_right_friction_keeps_its_place(case: Case) -> None:
+    """Negative control."""
+    decision = begun_with(case, "asymmetric_friction")
+    decision.rounds[0] = Round(
+        decision.rounds[0].fitted[0], (), decision.rounds[0].fitted, THRESHOLD, 0.0
+    )
+    decision.model = decision.rounds[0].winner.fitted
+    decision.refused = [fitted_beside(case, decision.model, "sensor_lag")]
+    before = list(decision.rounds)
+    assert not exchange_first(case, decision)
+    assert decision.rounds == before
+
+
+def test_where_nothing_was_found_beside_it_the_first_stays(case: Case) -> None:
+    decision = begun_with(case, "asymmetric_friction")
+    decision.refused = []
+    assert not exchange_first(case, decision)
+    assert not exchange_first(case, Decision(model=case.base))
+
+
+def coulomb_first() -> Callable[[Sequence[Screened], float], list[Candidate]]:
+    """Shortlist that holds Coulomb friction alone when it is asked first."""
+    asked: list[int] = []
+
+    def short(screened: Sequence[Screened], least: float) -> list[Candidate]:
+        asked.append(len(screened))
+        chosen = shortlist(screened, least)
+        if len(asked) > 1:
+            return chosen
+        return [c for c in chosen if c.effect == "coulomb_friction"]
+
+    return short
+
+
+def test_where_fits_disappoint_what_was_ranked_next_is_fitted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    physics = {"presliding_friction.level": 0.05, "presliding_friction.deflection": 0.03}
+    monkeypatch.setattr(deciding, "shortlist", coulomb_first())
+    with closing((opened_case := opened(physics)).simulations):
+        decision = decided(opened_case, ("coulomb_friction", "presliding_friction"))
+    assert [entry.winner.name for entry in decision.rounds] == ["presliding_friction"]
