@@ -16,7 +16,6 @@ from gmfbo.diagnosis.exchange import exchange_first
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.left_out_gain import evidence_of
-from gmfbo.diagnosis.library import candidates
 from gmfbo.diagnosis.screening import Screened
 from tests.diagnosis.short_recordings import (
     SERVO,
@@ -33,6 +32,15 @@ HIDDEN = {
     "stribeck_friction.velocity": 0.3,
     "sensor_lag.time": 1e-3,
 }
+STARTS = {
+    "stribeck_friction": {"level": 0.012, "breakaway": 0.018, "velocity": 0.3},
+    "asymmetric_friction": {
+        "level_positive": 0.015,
+        "level_negative": 0.015,
+        "viscous_difference": 0.0,
+    },
+    "sensor_lag": {"time": 8e-4},
+}
 THRESHOLD = 30.0
 
 
@@ -47,13 +55,14 @@ def case() -> Iterator[Case]:
 
 
 def fitted_beside(case: Case, model: Fitted, name: str) -> Evidence:
-    start = candidates([name], case.setting.excitation)[:1]
-    return evidence_of(case, model, confirm(case.misfit, model, start)[0], groups_of(case))
+    start = Candidate(name, STARTS[name])
+    return evidence_of(case, model, confirm(case.misfit, model, [start])[0], groups_of(case))
 
 
 def begun_with(case: Case, name: str) -> Decision:
     """A search that took one friction law first, and then ended at the lag as too small."""
-    laws = {n: fitted_beside(case, case.base, n) for n in ("stribeck_friction", name)}
+    names = ("stribeck_friction", "asymmetric_friction")
+    laws = {n: fitted_beside(case, case.base, n) for n in names}
     first = Round(laws[name], (), tuple(laws.values()), THRESHOLD, 0.0)
     return Decision(
         rounds=[first],
@@ -66,8 +75,6 @@ def begun_with(case: Case, name: str) -> Decision:
 
 def test_the_right_friction_takes_the_place_of_the_first_beside_a_lag(case: Case) -> None:
     decision = begun_with(case, "asymmetric_friction")
-    lag = decision.refused[0].effect.values["time"]
-    assert lag < 0.8 * HIDDEN["sensor_lag.time"]  # the wrong friction makes up for part of it
     assert exchange_first(case, decision)
     (only,) = decision.rounds
     assert only.winner.name == "stribeck_friction"
@@ -77,12 +84,7 @@ def test_the_right_friction_takes_the_place_of_the_first_beside_a_lag(case: Case
 
 def test_the_right_friction_keeps_its_place(case: Case) -> None:
     """Negative control."""
-    decision = begun_with(case, "asymmetric_friction")
-    decision.rounds[0] = Round(
-        decision.rounds[0].fitted[0], (), decision.rounds[0].fitted, THRESHOLD, 0.0
-    )
-    decision.model = decision.rounds[0].winner.fitted
-    decision.refused = [fitted_beside(case, decision.model, "sensor_lag")]
+    decision = begun_with(case, "stribeck_friction")
     before = list(decision.rounds)
     assert not exchange_first(case, decision)
     assert decision.rounds == before
