@@ -18,12 +18,20 @@ typedef struct {
  * bristle damping of Canudas de Wit et al. (1995) does: with the poles of
  *     z^2 - (2 - a (lead + 1)) z + 1 - a lead
  * lead = 0 rings for ever, lead = 4 rests within some ten steps at a = 0.1 and is stable up to
- * a = 0.44. The sum keeps to the level, so that a reversal within a step is no kick. */
-static inline double bristle_bent(Bristle *bristle, double deflection, double lead, const Signals *s) {
-    double travel = s->velocity * s->step, before = bristle->bend, end = copysign(1.0, travel);
+ * a = 0.44. The sum keeps to the level, so that a reversal within a step is no kick.
+ *
+ * Askew, sliding ends at skew + 1 and skew - 1, and the bend begins at rest all the same. */
+static inline double bristle_bent_askew(
+    Bristle *bristle, double skew, double deflection, double lead, const Signals *s) {
+    double travel = s->velocity * s->step, before = bristle->bend, end = skew + copysign(1.0, travel);
     if (travel == 0.0) return before;
     bristle->bend = deflection > 0.0 ? end + (before - end) * exp(-fabs(travel) / deflection) : end;
-    return fmin(fmax(bristle->bend + lead * (bristle->bend - before), -1.0), 1.0);
+    double bent = bristle->bend + lead * (bristle->bend - before);
+    return fmin(fmax(bent, skew - 1.0), skew + 1.0);
+}
+
+static inline double bristle_bent(Bristle *bristle, double deflection, double lead, const Signals *s) {
+    return bristle_bent_askew(bristle, 0.0, deflection, lead, s);
 }
 
 #endif

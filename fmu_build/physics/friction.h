@@ -32,8 +32,9 @@ static inline double presliding_friction(Bristle *bristle, const double *v, cons
            bristle_bent(bristle, v[V_presliding_friction_deflection], LEAD_OF_A_SPRING, s);
 }
 
-/* One level a direction: of the bend, so that the force has no jump where the velocity is zero.
- * Lubrication may differ by direction as well: half the difference of the viscous coefficients
+/* One level a direction: a bristle that is as stiff on both sides, and yields earlier on one. Under
+ * noise that shakes the axis both levels act in turn, and what is left of them is half their
+ * difference, as of friction that jumps. Lubrication may differ by direction as well: half the difference of the viscous coefficients
  * acts against the positive direction, half with the negative one. */
 static inline double asymmetric_friction(Bristle *bristle, const double *v, const Signals *s) {
     double positive = v[V_asymmetric_friction_level_positive];
@@ -43,8 +44,9 @@ static inline double asymmetric_friction(Bristle *bristle, const double *v, cons
         bristle->bend = 0.0;
         return viscous;
     }
-    double bent = bristle_bent(bristle, v[V_asymmetric_friction_deflection], LEAD_OF_A_JUMP, s);
-    return viscous - (bent > 0.0 ? positive : negative) * bent;
+    double mean = 0.5 * (positive + negative), skew = 0.5 * (positive - negative) / mean;
+    double deflection = v[V_asymmetric_friction_deflection];
+    return viscous - mean * bristle_bent_askew(bristle, skew, deflection, LEAD_OF_A_JUMP, s);
 }
 
 /* Level grows with the load that the bearing and the gear transmit. */

@@ -80,6 +80,29 @@ def test_the_level_follows_the_magnitude_of_the_load(new_instance: NewInstance) 
         assert by_command == by_current == by_load == pytest.approx(-(LEVEL + 0.5 * 2.0))
 
 
+def test_under_a_shake_both_levels_of_asymmetric_friction_act_in_turn(
+    new_instance: NewInstance,
+) -> None:
+    """Friction that jumps with the velocity has half the difference of both levels as its mean.
+
+    To and fro by a hundredth of the deflection, after sliding forth: the bristle never yields.
+    """
+    effects = friction(new_instance, "asymmetric_friction", 1e-3)
+    torques = []
+    for k in range(4000):
+        effects.set(state__velocity=0.05 if k < 200 else 0.01 * (-1.0) ** k)
+        effects.step(k * 1e-3, 1e-3)
+        torques.append(effects.get("torque"))
+    assert torques[199] == pytest.approx(-LEVEL, rel=1e-3)
+    assert np.mean(torques[-1000:]) == pytest.approx(-0.5 * (LEVEL - 0.7 * LEVEL), rel=0.02)
+
+
+def test_asymmetric_friction_begins_without_a_torque(new_instance: NewInstance) -> None:
+    effects = friction(new_instance, "asymmetric_friction", 1e-3)
+    effects.step(0.0, 1e-3)
+    assert effects.get("torque") == 0.0
+
+
 @given(position=st.floats(-10.0, 10.0), sine=st.floats(-0.5, 0.5), cosine=st.floats(-0.5, 0.5))
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_level_that_varies_with_position_never_drives(
