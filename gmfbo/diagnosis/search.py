@@ -35,6 +35,7 @@ from gmfbo.diagnosis.outside import Outside, is_mismatch, is_uneven, look_outsid
 from gmfbo.diagnosis.parities import parities
 from gmfbo.diagnosis.plain_words import number, words
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
+from gmfbo.diagnosis.profiles import widened_by_profile
 from gmfbo.diagnosis.pulses import EVERY, Pulse
 from gmfbo.diagnosis.remaining_explanations import predictions_of
 from gmfbo.diagnosis.replay import probability
@@ -157,7 +158,11 @@ class Search:
         elif decision.rounds and result.fit.is_worse:
             case.notes.append(_why_worse(result))
         augmented = result.augmented
-        spread = spread_of(augmented, self.rng)
+        own = len(case.setting.uncertain)
+        of_effects = range(own, augmented.x.size)
+        spread = widened_by_profile(
+            result.misfit, augmented, spread_of(augmented, self.rng), of_effects
+        )
         self.progress("locating", 0.95)
         named = named_effects(case, decision, augmented, spread, probabilities, self.units)
         effects = augmented.hypothesis.effects

@@ -33,6 +33,8 @@ class Validated:
     parameters_only, augmented : Fitted
         The twin with its parameters refitted, and with the named physics too; one and the same
         where nothing was named.
+    misfit : Misfit
+        That the two were fitted by.
     contradicts_names : bool
         Whether the recordings that were not fitted speak against the named physics; under the
         noise that their controller saw, where that matters to it.
@@ -43,6 +45,7 @@ class Validated:
     scored: Mapping[str, tuple[float, float]]
     parameters_only: Fitted
     augmented: Fitted
+    misfit: Misfit
     contradicts_names: bool
 
 
@@ -74,7 +77,8 @@ def validate(
     plain = _refitted(misfit, case.base)
     augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
     scored = split.held_out or chosen
-    return _scored(case, scored, plain, augmented, model, split, unnamed, least)
+    result = _scored(case, scored, plain, augmented, model, split, unnamed, least)
+    return replace(result, misfit=misfit)
 
 
 def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.inf) -> Validated:
@@ -109,7 +113,7 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
             shaken = replace(there[1], hypothesis=noisy)
             there[1] = _refitted(unseen.misfit, shaken, iterations=1)
     result = _scored(unseen, split.held_out, there[0], there[1], there[1], split, None, least)
-    return replace(result, parameters_only=case.base, augmented=model)
+    return replace(result, parameters_only=case.base, augmented=model, misfit=case.misfit)
 
 
 def _scored(
@@ -134,7 +138,8 @@ def _scored(
         # What noise bridges or shakes loose is another axis without it, and not a wrong law.
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
-    return Validated(table, curves, stretches, plain, augmented, judged.contradicts_names)
+    contradicts = judged.contradicts_names
+    return Validated(table, curves, stretches, plain, augmented, case.misfit, contradicts)
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:
