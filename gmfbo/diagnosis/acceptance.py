@@ -12,6 +12,7 @@ from gmfbo.diagnosis.decision import Decision, Evidence
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import spread_of
 from gmfbo.diagnosis.ranges import states_of
+from gmfbo.diagnosis.rivals import AS_GOOD
 from gmfbo.diagnosis.threshold import left_out_square
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
@@ -95,6 +96,20 @@ def is_shadow(decision: Decision, evidence: Evidence, of: Evidence) -> bool:
         one += float(np.sum((before - with_it) ** 2))
         other += float(np.sum((before - with_other) ** 2))
     return product > _ALIKE * float(np.sqrt(one * other))
+
+
+def is_small_elsewhere(evidence: Evidence, small: Sequence[Evidence]) -> bool:
+    """Whether the same at the other end of the loop is what rigs are off by, and as likely.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        The effect.
+    small : sequence of Evidence
+        Effects at work that nobody would act on.
+    """
+    elsewhere = [e for e in small if e.name in evidence.effect.law.same_loop]
+    return any(e.gain > AS_GOOD * evidence.gain for e in elsewhere)
 
 
 def is_large(case: Case, evidence: Evidence, needed: float) -> bool:

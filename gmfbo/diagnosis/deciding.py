@@ -12,6 +12,7 @@ from gmfbo.diagnosis.acceptance import (
     is_large,
     is_proven,
     is_shadow,
+    is_small_elsewhere,
     margin_over_limit,
     needed_gain,
     simplest,
@@ -182,7 +183,11 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
         decision.unsettled = begun[0]
     accepted = [e for e in proven if is_large(case, e, needed)]
     small = [e for e in proven if e not in accepted]
-    shadows = [e for e in accepted if any(is_shadow(decision, e, of) for of in small)]
+    shadows = [
+        e
+        for e in accepted
+        if is_small_elsewhere(e, small) or any(is_shadow(decision, e, of) for of in small)
+    ]
     accepted = [e for e in accepted if e not in shadows]
     if not accepted:
         decision.refused = evidence

@@ -9,7 +9,9 @@ import numpy as np
 from gmfbo.diagnosis.decision import Evidence
 from gmfbo.physics.effect import Effect
 
-_AS_GOOD = 0.9  # of the gain, where only the way that physics is stepped sets two apart
+AS_GOOD = 0.9
+"""Of the gain, from which only the way that physics is stepped sets two ends of a loop apart."""
+
 _QUANTILE = 1.645  # of a normal variable: 95 %
 
 
@@ -30,7 +32,7 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
     for other in others:
         if other.name == winner.name or _has_as_limit(other.effect.law, winner.name):
             continue
-        if other.name in winner.effect.law.same_loop and other.gain > _AS_GOOD * winner.gain:
+        if other.name in winner.effect.law.same_loop and other.gain > AS_GOOD * winner.gain:
             rivals.append(other)
             continue
         distance = sum(
