@@ -42,9 +42,8 @@ def test_a_torque_constant_that_is_off_as_such_are_is_no_physics(loss: float, na
     axis = replace(SERVO, truth={})
     twin = axis.twin()
     twin.file = twin.file.model_copy(update={"uncertain": {}})
-    recordings = axis.recordings(
-        {"actuator_gain_loss.loss": loss}, (multisine, moves, triangle, climb)
-    )
+    references = (multisine, moves, triangle, climb)
+    recordings = axis.recordings({"actuator_gain_loss.loss": loss}, references, seconds=2.5)
     found = named(diagnosed(twin, recordings, only=("actuator_gain_loss", "sensor_scale")))
     assert set(found) <= {"actuator_gain_loss", "sensor_scale"}
     assert len(found) == names
