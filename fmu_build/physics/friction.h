@@ -34,8 +34,9 @@ static inline double presliding_friction(Bristle *bristle, const double *v, cons
 
 /* One level a direction: a bristle that is as stiff on both sides, and yields earlier on one. Under
  * noise that shakes the axis both levels act in turn, and what is left of them is half their
- * difference, as of friction that jumps. Lubrication may differ by direction as well: half the difference of the viscous coefficients
- * acts against the positive direction, half with the negative one. */
+ * difference, as of friction that jumps. Lubrication may differ by direction as well: half the
+ * difference of the viscous coefficients acts against the positive direction, half with the
+ * negative one. */
 static inline double asymmetric_friction(Bristle *bristle, const double *v, const Signals *s) {
     double positive = v[V_asymmetric_friction_level_positive];
     double negative = v[V_asymmetric_friction_level_negative];

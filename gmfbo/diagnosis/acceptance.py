@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gmfbo.diagnosis.acting import seconds_at_work
 from gmfbo.diagnosis.case import Case, times_noise
 from gmfbo.diagnosis.decision import Decision, Evidence
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -25,8 +26,8 @@ _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
 _CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of a floor will do
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
-_LIMIT = "limit"  # family of what is only met now and then
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
+_LIMIT = "limit"  # family of what is only met now and then
 
 
 def needed_gain(decision: Decision) -> float:
@@ -199,12 +200,8 @@ def _acts_long_enough(case: Case, evidence: Evidence, needed: float) -> bool:
     least = _asked(evidence, needed) * evidence.effect.law.least_time
     if not least:
         return True
-    total = 0.0
-    values = {**evidence.effect.more, **evidence.effect.values}
-    for record, run in zip(case.simulations.records, evidence.fitted.simulated, strict=True):
-        states = states_of(run, record)
-        total += states.step * float(np.count_nonzero(evidence.effect.law.acts(states, values)))
-    return total >= least
+    records = case.simulations.records
+    return seconds_at_work(evidence.effect, evidence.fitted.simulated, records) >= least
 
 
 def _may_vanish(evidence: Evidence, simpler: str) -> bool:

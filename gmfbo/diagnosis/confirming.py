@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gmfbo.diagnosis.acting import seconds_at_work
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.leaving_out import square_after_refit
 from gmfbo.diagnosis.misfit import Misfit
-from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.recorded_noise import under_noise
-from gmfbo.diagnosis.records import Record
 from gmfbo.diagnosis.screening import Probe, Screened
 from gmfbo.diagnosis.simulated import Simulated
 from gmfbo.physics import CATALOGUE
@@ -136,7 +135,8 @@ def _best_start(
         ]
     trials = [trial for start in starts for trial in trials_of(misfit, base, start)]
     # Where nothing acts, there is no slope that could lead a fit away.
-    acting = [trial for trial in trials if trial.acts]
+    records = misfit.simulations.records
+    acting = [t for t in trials if seconds_at_work(t.candidate, t.simulated, records)]
     best = min(acting or trials, key=lambda t: t.square, default=None)
     if best is None:
         return _joined(base.hypothesis, candidate), base.parameters
@@ -175,14 +175,19 @@ class Trial:
         Of the twin.
     square : float
         chi2 after one linear step of the twin's parameters.
-    acts : bool
-        Whether the effect is at work anywhere.
+    simulated : list of Simulated
+        The recordings there.
     """
 
     hypothesis: Hypothesis
     parameters: dict[str, float]
     square: float
-    acts: bool
+    simulated: list[Simulated]
+
+    @property
+    def candidate(self) -> Candidate:
+        """The candidate at its start."""
+        return self.hypothesis.effects[-1]
 
 
 def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]:
@@ -208,15 +213,13 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
         simulated = misfit.simulations.run_here(hypothesis.point(hypothesis.start(parameters)))
         if all(run.finite for run in simulated):
             square = square_after_refit(misfit.residual(simulated), base.sensitivity, base.prior)
-            acts = _acts(candidate, simulated, misfit.simulations.records)
-            trials.append(Trial(hypothesis, parameters, square, acts))
+            trials.append(Trial(hypothesis, parameters, square, simulated))
     return trials
 
 
-def _acts(candidate: Candidate, simulated: Sequence[Simulated], records: Sequence[Record]) -> bool:
-    values = {**candidate.more, **candidate.values}
-    runs = zip(simulated, records, strict=True)
-    return any(np.any(candidate.law.acts(states_of(run, record), values)) for run, record in runs)
+def least_square(misfit: Misfit, base: Fitted, candidate: Candidate) -> float:
+    """chi2 of the better trial of a candidate; infinite where none can be simulated."""
+    return min((t.square for t in trials_of(misfit, base, candidate)), default=np.inf)
 
 
 def rough_worth_fitting(
@@ -244,8 +247,7 @@ def rough_worth_fitting(
     shapes = [p.candidate for p in tried if p.candidate.law.family in families]
 
     def one(candidate: Candidate) -> tuple[float, Candidate]:
-        trials = trials_of(misfit, base, candidate)
-        return min((t.square for t in trials), default=np.inf), candidate
+        return least_square(misfit, base, candidate), candidate
 
     best: dict[str, tuple[float, Candidate]] = {}
     for square, candidate in misfit.simulations.map_outer(one, shapes):

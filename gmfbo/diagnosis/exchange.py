@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 
 from gmfbo.diagnosis.acceptance import is_large, is_proven, needed_gain, simplest
 from gmfbo.diagnosis.case import Case
@@ -74,8 +75,8 @@ def _found_beside(case: Case, decision: Decision) -> list[Evidence]:
     if named:
         return named
     needed = needed_gain(decision)
-    at_work = [e for e in decision.refused if is_proven(case, e, decision, needed)]
-    return at_work[:1]
+    at_work = (e for e in decision.refused if is_proven(case, e, decision, needed))
+    return list(islice(at_work, 1))
 
 
 def _in_its_place(decision: Decision, named: set[str]) -> list[Evidence]:

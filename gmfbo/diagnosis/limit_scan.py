@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.confirming import trials_of
+from gmfbo.diagnosis.confirming import least_square
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.leaving_out import square_after_refit
@@ -89,11 +89,7 @@ def _better(
 ) -> Candidate:
     """The size that explains more where it is simulated: the twin may ask for more elsewhere."""
     starts = [Candidate(name, values) for values in sizes]
-    squares = [
-        min((t.square for t in trials_of(case.misfit, model, start)), default=np.inf)
-        for start in starts
-    ]
-    return starts[int(np.argmin(squares))]
+    return min(starts, key=lambda start: least_square(case.misfit, model, start))
 
 
 def _refined(

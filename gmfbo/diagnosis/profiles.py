@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.intervals import Spread
 from gmfbo.diagnosis.leaving_out import normal_equations
-from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.diagnosis.misfit import Misfit, chi2
 
 Array = NDArray[np.float64]
 
@@ -98,8 +98,7 @@ class _Valley:
             if not all(run.finite for run in simulated):
                 break
             residual = self._misfit.residual(simulated)
-            square = float(sum(np.sum(block**2) for block in residual))
-            rise = (square - self._fitted.chi2) / self._inflation
+            rise = (chi2(residual) - self._fitted.chi2) / self._inflation
             if rise < best[0]:
                 best = rise, x
             slope = sum(

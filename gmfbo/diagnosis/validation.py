@@ -77,8 +77,7 @@ def validate(
     plain = _refitted(misfit, case.base)
     augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
     scored = split.held_out or chosen
-    result = _scored(case, scored, plain, augmented, model, split, unnamed, least)
-    return replace(result, misfit=misfit)
+    return _scored(case, misfit, scored, plain, augmented, model, split, unnamed, least)
 
 
 def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.inf) -> Validated:
@@ -112,12 +111,16 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         if noisy is not None:
             shaken = replace(there[1], hypothesis=noisy)
             there[1] = _refitted(unseen.misfit, shaken, iterations=1)
-    result = _scored(unseen, split.held_out, there[0], there[1], there[1], split, None, least)
-    return replace(result, parameters_only=case.base, augmented=model, misfit=case.misfit)
+    held_out = split.held_out
+    result = _scored(
+        unseen, case.misfit, held_out, there[0], there[1], there[1], split, None, least
+    )
+    return replace(result, parameters_only=case.base, augmented=model)
 
 
 def _scored(
     case: Case,
+    fitted_by: Misfit,
     scored: Sequence[int],
     plain: Fitted,
     augmented: Fitted,
@@ -139,7 +142,7 @@ def _scored(
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
     contradicts = judged.contradicts_names
-    return Validated(table, curves, stretches, plain, augmented, case.misfit, contradicts)
+    return Validated(table, curves, stretches, plain, augmented, fitted_by, contradicts)
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:
