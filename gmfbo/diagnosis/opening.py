@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gmfbo.diagnosis.answered_noise import leave_out_noise
 from gmfbo.diagnosis.begun_elsewhere import fitted_from_elsewhere
 from gmfbo.diagnosis.budget import NoiseLevel, noise_levels
 from gmfbo.diagnosis.case import Budget, Case
@@ -178,6 +179,10 @@ class _Opening:
         hypothesis = Hypothesis(like.setting)
         base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
         assert base is not None, "the nominal twin was simulated a moment ago"
+        if leave_out_noise(simulations, like.rig, base) is not None:
+            nominal = simulations.run([Point()])[0]
+            base = fit(misfit, hypothesis, base.parameters, parallel=True, iterations=1)
+            assert base is not None, "it was simulated at these values a moment ago"
         ratio = excitation.torque / excitation.command
         budget = self._budget(simulations, windows, like.rig, base, ratio)
         misfit = Misfit(simulations, budget.whiteners())
@@ -249,6 +254,15 @@ class _Opening:
         setting = Setting(self._uncertain(), excitation, role, least or 0.0)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         base = self._first_fit(simulations, windows, rig, noise, setting)
+        answered = leave_out_noise(simulations, rig, base)
+        if answered:
+            self.notes.append(
+                f"{answered:.0%} of the fast part of the recorded command answers noise of the "
+                "recorded position: it was not played into the twin"
+            )
+        if answered is not None:
+            nominal = simulations.run([Point()])[0]
+            base = self._first_fit(simulations, windows, rig, noise, setting)
         setting = base.hypothesis.setting
         budget = self._budget(simulations, windows, rig, base, ratio)
         misfit = Misfit(simulations, budget.whiteners())

@@ -115,6 +115,40 @@ def above(column: Array, step: float, corner: float) -> Array:
     return _fast(column - line, step, corner)
 
 
+def corner_of_noise(difference: Array, step: float, level: float) -> float | None:
+    """Frequency above which a difference is as white as near the Nyquist frequency.
+
+    Parameters
+    ----------
+    difference : ndarray, shape (n,)
+        Recorded less simulated reading.
+    step : float
+        [s] Between samples.
+    level : float
+        Standard deviation of its noise near the Nyquist frequency.
+
+    Returns
+    -------
+    float or None
+        [Hz] None where it is white nowhere.
+    """
+    n = difference.size
+    # The second difference keeps the slow part's leakage out of the fast bins.
+    taper = np.hanning(n - 2)
+    power = np.abs(np.fft.rfft(taper * np.diff(difference, 2))) ** 2 / np.sum(taper**2)
+    frequency = np.fft.rfftfreq(n - 2, step)
+    power = power / np.maximum((2.0 * np.sin(np.pi * frequency * step)) ** 4, 1e-30)
+    found = None
+    for corner in reversed(_CORNERS):
+        if corner >= _SLOWER / step:
+            continue
+        band = (frequency >= corner) & (frequency < 1.5 * corner)
+        if not np.any(band) or float(np.mean(power[band])) > _WHITE * level**2:
+            break
+        found = corner
+    return found
+
+
 def _fast(column: Array, step: float, corner: float) -> Array:
     kept = np.fft.rfftfreq(column.size, step) >= corner
     fast: Array = np.fft.irfft(np.fft.rfft(column) * kept, column.size)
@@ -218,7 +252,7 @@ def _read_about(simulations: Simulations, model: Fitted, k: int) -> RecordedNois
         return None
     level = noise_level(signal, difference).total
     step = float(np.diff(record.plan.grid[:2])[0])
-    corner = _corner(difference, step, level)
+    corner = corner_of_noise(difference, step, level)
     if corner is None:
         return None
     column = above(difference, step, corner) / encoder.to_si
@@ -300,22 +334,3 @@ def _difference(record: Record, response: Response, position: str) -> Array | No
     if not np.all(np.isfinite(column)):
         return None
     return np.asarray(column - response.held[position])
-
-
-def _corner(difference: Array, step: float, level: float) -> float | None:
-    """Frequency above which a difference is as white as near the Nyquist frequency."""
-    n = difference.size
-    # The second difference keeps the slow part's leakage out of the fast bins.
-    taper = np.hanning(n - 2)
-    power = np.abs(np.fft.rfft(taper * np.diff(difference, 2))) ** 2 / np.sum(taper**2)
-    frequency = np.fft.rfftfreq(n - 2, step)
-    power = power / np.maximum((2.0 * np.sin(np.pi * frequency * step)) ** 4, 1e-30)
-    found = None
-    for corner in reversed(_CORNERS):
-        if corner >= _SLOWER / step:
-            continue
-        band = (frequency >= corner) & (frequency < 1.5 * corner)
-        if not np.any(band) or float(np.mean(power[band])) > _WHITE * level**2:
-            break
-        found = corner
-    return found
