@@ -311,6 +311,8 @@ def _narrow_budget(case: Case, decision: Decision) -> None:
         _measure_by(case, decision, plain, model, left)
         decision.model = model.measured_by(case.misfit)
         decision.rounds[:] = [entry.measured_by(case.misfit) for entry in decision.rounds]
+        if decision.beside_rest is not None:
+            decision.beside_rest = decision.beside_rest.measured_by(case.misfit)
 
 
 def _measure_by(case: Case, decision: Decision, plain: Misfit, best: Fitted, left: Blocks) -> None:

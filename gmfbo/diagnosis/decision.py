@@ -89,6 +89,28 @@ class Round:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """A first effect judged again, beside what was found after it.
+
+    Alone, what is missing beside it speaks against it.
+
+    Attributes
+    ----------
+    without : Fitted
+        The twin with all effects but this one.
+    entry : Round
+        The effect, and the laws of its family that were fitted in its place.
+    """
+
+    without: Fitted
+    entry: Round
+
+    def measured_by(self, misfit: Misfit) -> Beside:
+        """Return the same with all fits measured by another budget."""
+        return Beside(self.without.measured_by(misfit), self.entry.measured_by(misfit))
+
+
 @dataclass(eq=False)
 class Decision:
     """What was accepted, in the order of its discovery.
@@ -123,6 +145,8 @@ class Decision:
         An effect below its floor that explains more than any that could have been named.
     unsettled : Evidence or None
         What passed in the first moments and explains more than any that could have been named.
+    beside_rest : Beside or None
+        The first effect and its family, judged beside what was found after it.
     contradicted : bool
         Names that were beyond doubt in the fitted recordings failed on the held-out ones.
     """
@@ -141,4 +165,5 @@ class Decision:
     in_doubt: Evidence | None = None
     too_small: Evidence | None = None
     unsettled: Evidence | None = None
+    beside_rest: Beside | None = None
     contradicted: bool = False

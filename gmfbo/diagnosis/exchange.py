@@ -5,10 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import islice
 
-from gmfbo.diagnosis.acceptance import is_large, is_proven, needed_gain, simplest
+from gmfbo.diagnosis.acceptance import (
+    is_large,
+    is_proven,
+    margin_over_limit,
+    needed_gain,
+    simplest,
+)
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.decision import Decision, Evidence
+from gmfbo.diagnosis.decision import Beside, Decision, Evidence, Round
 from gmfbo.diagnosis.fitting import fit
 from gmfbo.diagnosis.left_out_gain import evidence_of
 from gmfbo.diagnosis.rivals import rivals_of
@@ -26,7 +32,8 @@ def exchange_first(case: Case, decision: Decision) -> bool:
     case : Case
         Twin and recordings.
     decision : Decision
-        So far; its first round is changed, and the further ones go.
+        So far; where another law is better its first round is changed, and the further ones go.
+        Learns how the first effect and its family do beside the rest.
 
     Returns
     -------
@@ -55,11 +62,15 @@ def exchange_first(case: Case, decision: Decision) -> bool:
     if not any(e.name == first.winner.name for e in proven):
         return False
     chosen = simplest(proven, decision.threshold, 0.0)
+    alike = tuple(rivals_of(chosen, evidence))
+    margin = margin_over_limit(decision.threshold, 0.0)
+    entry = Round(chosen, alike, tuple(evidence), needed, margin)
+    decision.beside_rest = Beside(without, entry)
     if chosen.name == first.winner.name:
         return False
     winner = next(e for e in alternatives if e.name == chosen.name)
     # What the others tell from it is no rival, however alike the two are alone.
-    apart = {e.name for e in evidence} - {e.name for e in rivals_of(chosen, evidence)}
+    apart = {e.name for e in evidence} - {e.name for e in alike}
     could = [e for e in first.fitted if e.name not in decision.silent | apart]
     rivals = rivals_of(winner, could)
     decision.rounds[:] = [replace(first, winner=winner, rivals=tuple(rivals))]

@@ -67,31 +67,16 @@ class Fit:
         return removed is not None and removed < _LEAST_REMOVED
 
     @property
-    def contradicts_names(self) -> bool:
-        """Whether recordings that no fit has seen speak against the physics.
-
-        A law that holds leaves little more than noise; one that merely bent to the fitted
-        recordings misses these by more than no law at all. Where an axis comes to rest within its
-        friction or its gap is chance, though, and counts in an RMS error as long as the rest lasts:
-        physics that takes most of the explainable error away stands.
-        """
-        if not self._in_noise_floors[1] > _BEYOND_NOISE:
-            return False
-        removed = self.explainable_error_removed
-        is_right = removed is not None and removed > _MOSTLY_REMOVED
-        return self.removes_nothing or (self.is_worse and not is_right)
-
-    @property
     def is_worse(self) -> bool:
         """Whether RMS errors on recordings that no fit has seen are clearly larger with physics.
 
         They are in units of the noise floor, over all signals alike.
         """
-        before, after = self._in_noise_floors
+        before, after = self.in_noise_floors
         return after > _BEYOND_NOISE and after > _WORSE * before
 
     @property
-    def _in_noise_floors(self) -> tuple[float, float]:
+    def in_noise_floors(self) -> tuple[float, float]:
         """RMS error without and with the physics; NaN where there is none to compare."""
         pairs = [
             (fit.parameters_only / fit.noise_floor, fit.augmented / fit.noise_floor)
@@ -114,3 +99,26 @@ class Fit:
             if fit.augmented < fit.parameters_only
         }
         return max(falls, key=lambda name: falls[name]) if falls else None
+
+
+def contradicts_names(fit: Fit, *, rises: bool) -> bool:
+    """Whether recordings that no fit has seen speak against the physics.
+
+    A law that holds leaves little more than noise; one that merely bent to the fitted recordings
+    misses these by more than no law at all. Where an axis comes to rest within its friction or its
+    gap is chance, though, and counts in an RMS error as long as the rest lasts: physics that takes
+    most of the explainable error away stands, and where there is next to nothing to explain, so
+    does physics by which the weighted error falls.
+
+    Parameters
+    ----------
+    fit : Fit
+        Errors on those recordings.
+    rises : bool
+        Whether the error in the weighted norm of the decision is no smaller with the physics.
+    """
+    if not fit.in_noise_floors[1] > _BEYOND_NOISE:
+        return False
+    removed = fit.explainable_error_removed
+    stands = not rises if removed is None else removed > _MOSTLY_REMOVED
+    return fit.removes_nothing or (fit.is_worse and not stands)

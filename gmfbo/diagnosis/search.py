@@ -301,8 +301,13 @@ class Search:
 
     def _probabilities(self, decision: Decision) -> dict[str, float]:
         found, base = {}, self.case.base
+        again = decision.beside_rest
         for entry in decision.rounds:
-            found[entry.winner.name] = probability(base, entry, decision.dispersion, self.rng)
+            name = entry.winner.name
+            judged = base, entry
+            if again is not None and again.entry.winner.name == name:
+                judged = again.without, again.entry
+            found[name] = probability(*judged, decision.dispersion, self.rng)
             base = entry.winner.fitted
         return found
 

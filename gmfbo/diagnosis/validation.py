@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.curve import Curve
-from gmfbo.diagnosis.fit_table import Fit, SignalFit
+from gmfbo.diagnosis.fit_table import Fit, SignalFit, contradicts_names
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.holding_out import Split, restricted, rows_of
 from gmfbo.diagnosis.misfit import Misfit, chi2
@@ -141,8 +141,15 @@ def _scored(
         # What noise bridges or shakes loose is another axis without it, and not a wrong law.
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
-    contradicts = judged.contradicts_names
+    contradicts = contradicts_names(judged, rises=_rises(case, scored, plain, augmented))
     return Validated(table, curves, stretches, plain, augmented, fitted_by, contradicts)
+
+
+def _rises(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted) -> bool:
+    """Whether the whitened error is no smaller with the physics."""
+    misfit = restricted(case.plain, scored)
+    before, after = (chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented))
+    return after >= before
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:

@@ -78,6 +78,11 @@ def test_the_right_friction_takes_the_place_of_the_first_beside_a_lag(case: Case
     assert exchange_first(case, decision)
     (only,) = decision.rounds
     assert only.winner.name == "stribeck_friction"
+    beside = decision.beside_rest
+    assert beside is not None
+    assert [c.effect for c in beside.without.hypothesis.effects] == ["sensor_lag"]
+    assert beside.entry.winner.name == "stribeck_friction"
+    assert {e.name for e in beside.entry.fitted} == {"stribeck_friction", "asymmetric_friction"}
     assert only.rivals == ()
     assert decision.model is only.winner.fitted
 
