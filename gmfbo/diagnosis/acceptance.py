@@ -25,6 +25,8 @@ _PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
 _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
 _CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of a floor will do
+_SEEN = 2.0  # the same of friction and play, whose floors are no tolerance of twins
+_MECHANICS = ("friction", "spring")
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which a recording may lose
 _LIMIT = "limit"  # family of what is only met now and then
@@ -136,7 +138,8 @@ def is_large(case: Case, evidence: Evidence, needed: float) -> bool:
 
 def _asked(evidence: Evidence, needed: float) -> float:
     """Share of the least size and of the least time that will do."""
-    return _SMALL if evidence.gain > _CLEAR * needed else 1.0
+    clear = _SEEN if evidence.effect.law.family in _MECHANICS else _CLEAR
+    return _SMALL if evidence.gain > clear * needed else 1.0
 
 
 def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
