@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Evidence
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.threshold import left_out_square
 
+_PLAIN = 300.0  # gain on all, from which a limit is there, and the others only tell its size
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
 
 
@@ -30,13 +33,16 @@ def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]
     outside = left_out_square(model, groups) - left_out_square(fitted, groups)
     if outside.sum() < _DOUBTFUL * inside.sum():
         # Sensitivities of a gap or a limit may be rough: let the FMU tell.
-        simulated = simulated_left_out(case.misfit, model, groups) - simulated_left_out(
-            case.misfit, fitted, groups
-        )
-        # A limit that one stretch alone shows is unbound by the others: the better tells.
-        is_limit = fitted.hypothesis.effects[-1].law.family == "limit"
-        if not (is_limit and outside.sum() > simulated.sum()):
-            outside = simulated
+        without = simulated_left_out(case.misfit, model, groups)
+        told = [without - simulated_left_out(case.misfit, fitted, groups)]
+        effect = fitted.hypothesis.effects[-1]
+        if effect.law.family == "limit":
+            # A limit that one stretch alone shows is unbound by the others: the best tells.
+            told.append(outside)
+            if inside.sum() > _PLAIN:
+                held = len(effect.parameters)
+                told.append(without - simulated_left_out(case.misfit, fitted, groups, held))
+        outside = max(told, key=np.sum)
     gains = outside if outside.sum() < inside.sum() else inside
     signature = squares(
         tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups

@@ -17,7 +17,7 @@ from gmfbo.diagnosis.misfit import Blocks, Misfit
 
 
 def simulated_left_out(
-    misfit: Misfit, fitted: Fitted, groups: Sequence[int]
+    misfit: Misfit, fitted: Fitted, groups: Sequence[int], held: int = 0
 ) -> NDArray[np.float64]:
     """Square in each group by parameters from all others, simulated; shape (n_groups,).
 
@@ -29,15 +29,16 @@ def simulated_left_out(
         On all groups.
     groups : sequence of int
         Group of each window.
+    held : int
+        Last parameters that stay at their values from all groups.
     """
-    normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior)
+    free = range(fitted.x.size - held)
+    normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior).only(free)
     matrix, vector = sums_of_others(normal.matrix), sums_of_others(normal.vector)
-    steps = [
-        solve_weakly_bound(m, v[:, None], normal.precision)[:, 0]
-        for m, v in zip(matrix, vector, strict=True)
-    ]
-    hypothesis = fitted.hypothesis
-    moved = [hypothesis.inside(fitted.x + step) for step in steps]
+    hypothesis, moved = fitted.hypothesis, []
+    for m, v in zip(matrix, vector, strict=True):
+        step = solve_weakly_bound(m, v[:, None], normal.precision)[:, 0]
+        moved.append(hypothesis.inside(fitted.x + np.concatenate([step, np.zeros(held)])))
     runs = misfit.simulations.run([hypothesis.point(x) for x in moved])
     here = squares(fitted.residual, groups)
     left_out = here.copy()
