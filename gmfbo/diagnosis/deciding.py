@@ -79,10 +79,35 @@ def decide(
     decision.tried, decision.like_parameters = _apart_from_parameters(
         case, probes(case.misfit, case.base, candidates)
     )
-    again = (candidates, progress, rng, look_again)
-    _add_effects(case, decision, *again)
-    if exchange_first(case, decision):
-        _add_effects(case, decision, *again)
+
+    def go_on(so_far: Decision) -> None:
+        _add_effects(case, so_far, candidates, progress, rng, look_again)
+
+    go_on(decision)
+    if exchange_first(case, decision, needed_gain(decision)):
+        go_on(decision)
+    elif len(decision.rounds) == 1:
+        return _as_pair(case, decision, go_on)
+    return decision
+
+
+def _as_pair(case: Case, decision: Decision, go_on: Callable[[Decision], None]) -> Decision:
+    """Two effects in the place of one that does most of what both do, where they do it better.
+
+    Friction that differs by direction is Coulomb friction with a constant torque, wherever the axis
+    slides: what a spring does beside that is then too little to be named.
+    """
+    pair = replace(decision, rounds=list(decision.rounds))
+    if not exchange_first(case, pair, decision.threshold):
+        return decision
+    go_on(pair)
+    assert decision.model is not None
+    assert pair.model is not None
+    alone = decision.model.measured_by(case.misfit)
+    if len(pair.rounds) > 1 and pair.model.chi2 < alone.chi2 - decision.threshold:
+        return pair
+    decision.model = alone
+    decision.rounds[:] = [entry.measured_by(case.misfit) for entry in decision.rounds]
     return decision
 
 

@@ -20,7 +20,7 @@ from gmfbo.diagnosis.left_out_gain import evidence_of
 from gmfbo.diagnosis.rivals import rivals_of
 
 
-def exchange_first(case: Case, decision: Decision) -> bool:
+def exchange_first(case: Case, decision: Decision, at_work: float) -> bool:
     """Put another law of its family in the first one's place where that is better beside the rest.
 
     Alone, a law with more freedom makes up for effects that are only found after it, and makes
@@ -34,13 +34,15 @@ def exchange_first(case: Case, decision: Decision) -> bool:
     decision : Decision
         So far; where another law is better its first round is changed, and the further ones go.
         Learns how the first effect and its family do beside the rest.
+    at_work : float
+        Gain from which an effect that was not named counts as one of the rest.
 
     Returns
     -------
     bool
         Whether another law took the place.
     """
-    beside = _found_beside(case, decision)
+    beside = _found_beside(case, decision, at_work)
     if not beside:
         return False
     first = decision.rounds[0]
@@ -78,16 +80,15 @@ def exchange_first(case: Case, decision: Decision) -> bool:
     return True
 
 
-def _found_beside(case: Case, decision: Decision) -> list[Evidence]:
-    """What was named after the first effect, or is at work beside it and too small to name."""
+def _found_beside(case: Case, decision: Decision, at_work: float) -> list[Evidence]:
+    """What was named after the first effect, or is at work beside it and was not named."""
     if not decision.rounds:
         return []
     named = [entry.winner for entry in decision.rounds[1:]]
     if named:
         return named
-    needed = needed_gain(decision)
-    at_work = (e for e in decision.refused if is_proven(case, e, decision, needed))
-    return list(islice(at_work, 1))
+    unnamed = (e for e in decision.refused if is_proven(case, e, decision, at_work))
+    return list(islice(unnamed, 1))
 
 
 def _in_its_place(decision: Decision, named: set[str]) -> list[Evidence]:

@@ -33,26 +33,23 @@ class Split:
     names_held_out: tuple[str, ...]
 
 
-def split_of(case: Case, shows: Blocks | None) -> Split:
+def split_of(case: Case, changes: Sequence[Blocks]) -> Split:
     """Hold out whole recordings where there are three, else the last stretch of each.
+
+    Recordings that show the named physics well are held out, so that the score says something,
+    though not the one that shows an effect best: it may be the only one that tells its size.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
-    shows : Blocks or None
-        What the named physics changes: a recording that shows it well, though not the one that
-        shows it best, is held out, so that the score says something.
+    changes : sequence of Blocks
+        What each named effect changes, the first one first.
     """
     windows, records = case.budget.windows, case.simulations.records
     count = len(records)
     if count >= _WHOLE_FROM:
-        strength = np.zeros(count)
-        if shows is not None:
-            for window, block in zip(windows, shows, strict=True):
-                strength[window.record] += float(block @ block)
-        order = np.argsort(-strength, kind="stable")
-        out = set(order[1 : 1 + max(1, round(_SHARE * count))].tolist())
+        out = _whole_recordings(case, changes)
         fitted = tuple(i for i, w in enumerate(windows) if w.record not in out)
         held = tuple(i for i, w in enumerate(windows) if w.record in out)
         names = [record.name for record in records]
@@ -68,6 +65,19 @@ def split_of(case: Case, shows: Blocks | None) -> Split:
     )
     fitted = tuple(i for i in range(len(windows)) if i not in held)
     return Split(fitted, held, _stretches(case, fitted), _stretches(case, held))
+
+
+def _whole_recordings(case: Case, changes: Sequence[Blocks]) -> set[int]:
+    """Recordings that are held out: one in any case, of few that show several effects."""
+    count = len(case.simulations.records)
+    strengths = np.zeros((max(len(changes), 1), count))
+    for strength, change in zip(strengths, changes, strict=False):
+        for window, block in zip(case.budget.windows, change, strict=True):
+            strength[window.record] += float(block @ block)
+    order = np.argsort(-strengths.sum(axis=0), kind="stable").tolist()
+    best = [int(np.argmax(strength)) for strength in strengths]
+    others = [k for k in order if k not in best] or [k for k in order if k != best[0]]
+    return set(others[: max(1, round(_SHARE * count))])
 
 
 def restricted(misfit: Misfit, chosen: Sequence[int]) -> Misfit:

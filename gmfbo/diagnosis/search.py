@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -283,10 +284,12 @@ class Search:
         least = min(decision.left, unexplained(case, model))
         if unseen is not None:
             return validate_unseen(case, unseen, model, least)
-        shows = None
-        if decision.rounds:
-            shows = tuple(a - b for a, b in zip(model.residual, case.base.residual, strict=True))
-        split = split_of(case, shows)
+        models = [case.base, *(entry.winner.fitted for entry in decision.rounds)]
+        changes = [
+            tuple(a - b for a, b in zip(with_it.residual, without.residual, strict=True))
+            for without, with_it in pairwise(models)
+        ]
+        split = split_of(case, changes)
         return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
 
     def _take_names_back(self, decision: Decision, why: str) -> None:

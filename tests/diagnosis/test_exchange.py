@@ -75,7 +75,7 @@ def begun_with(case: Case, name: str) -> Decision:
 
 def test_the_right_friction_takes_the_place_of_the_first_beside_a_lag(case: Case) -> None:
     decision = begun_with(case, "asymmetric_friction")
-    assert exchange_first(case, decision)
+    assert exchange_first(case, decision, 2.0 * THRESHOLD)
     (only,) = decision.rounds
     assert only.winner.name == "stribeck_friction"
     beside = decision.beside_rest
@@ -91,15 +91,15 @@ def test_the_right_friction_keeps_its_place(case: Case) -> None:
     """Negative control."""
     decision = begun_with(case, "stribeck_friction")
     before = list(decision.rounds)
-    assert not exchange_first(case, decision)
+    assert not exchange_first(case, decision, 2.0 * THRESHOLD)
     assert decision.rounds == before
 
 
 def test_where_nothing_was_found_beside_it_the_first_stays(case: Case) -> None:
     decision = begun_with(case, "asymmetric_friction")
     decision.refused = []
-    assert not exchange_first(case, decision)
-    assert not exchange_first(case, Decision(model=case.base))
+    assert not exchange_first(case, decision, 2.0 * THRESHOLD)
+    assert not exchange_first(case, Decision(model=case.base), THRESHOLD)
 
 
 def coulomb_first() -> Callable[[Sequence[Screened], float], list[Candidate]]:

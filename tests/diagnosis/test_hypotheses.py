@@ -190,7 +190,7 @@ def test_whole_recordings_are_held_out_from_three_on_and_last_stretches_before(
     recordings = SERVO.recordings({}, references, seconds=2.6)  # type: ignore[arg-type]
     case = open_small(SERVO.twin(), recordings)
     try:
-        split = split_of(case, None)
+        split = split_of(case, [])
     finally:
         case.simulations.close()
     windows = range(len(case.budget.windows))
@@ -204,6 +204,22 @@ def test_whole_recordings_are_held_out_from_three_on_and_last_stretches_before(
     else:
         assert split.held_out == (len(case.budget.windows) - 1,)
         assert split.names_held_out[0].startswith("rec0.csv [")
+
+
+def test_the_recording_that_shows_a_small_effect_best_is_fitted() -> None:
+    references = (multisine, moves, triangle, moves)
+    case = open_small(SERVO.twin(), SERVO.recordings({}, references, seconds=2.6))
+
+    def change(*in_each: float) -> tuple[np.ndarray, ...]:
+        pairs = zip(case.budget.windows, case.base.residual, strict=True)
+        return tuple(np.full(block.size, in_each[window.record]) for window, block in pairs)
+
+    try:
+        strong, weak = change(3.0, 1.0, 2.0, 1.5), change(0.0, 0.0, 0.1, 0.0)
+        assert split_of(case, [strong]).names_held_out == ("rec2.csv",)
+        assert split_of(case, [strong, weak]).names_held_out == ("rec3.csv",)
+    finally:
+        case.simulations.close()
 
 
 def test_a_fit_recovers_parameters_and_friction_from_noisy_recordings_within_a_hundredth() -> None:
