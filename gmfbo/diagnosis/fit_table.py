@@ -101,7 +101,7 @@ class Fit:
         return max(falls, key=lambda name: falls[name]) if falls else None
 
 
-def contradicts_names(fit: Fit, *, rises: bool) -> bool:
+def contradicts_names(fit: Fit, *, falls: bool) -> bool:
     """Whether recordings that no fit has seen speak against the physics.
 
     A law that holds leaves little more than noise; one that merely bent to the fitted recordings
@@ -114,11 +114,11 @@ def contradicts_names(fit: Fit, *, rises: bool) -> bool:
     ----------
     fit : Fit
         Errors on those recordings.
-    rises : bool
-        Whether the error in the weighted norm of the decision is no smaller with the physics.
+    falls : bool
+        Whether the error in the weighted norm of the decision is clearly smaller with the physics.
     """
     if not fit.in_noise_floors[1] > _BEYOND_NOISE:
         return False
     removed = fit.explainable_error_removed
-    stands = not rises if removed is None else removed > _MOSTLY_REMOVED
+    stands = falls if removed is None else removed > _MOSTLY_REMOVED
     return fit.removes_nothing or (fit.is_worse and not stands)
