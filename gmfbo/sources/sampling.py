@@ -12,6 +12,8 @@ from gmfbo.errors import RecordingError
 # A sample that comes late by less than this share of a step belongs to the grid point before:
 # a clock's jitter of 10 ns must not delay a held reference by a whole step.
 _LATE_SHARE = 0.1
+# Quartz clocks of two devices differ by up to 100 ppm each; beyond twice that they are no clocks.
+_CLOCKS_APART = 4e-4
 # A recording that ends this share of a step after a grid point needs no further point.
 _END_SHARE = 1e-3
 
@@ -39,7 +41,9 @@ def sample(
     """Values of a recorded signal at grid points, shape of `grid`.
 
     Before its first sample a signal has the value of that sample; rows that hold NaN were not
-    sampled and do not count.
+    sampled and do not count. Even rows that are held come with the steps of the grid, or with every
+    n-th of them, where only two clocks that differ say otherwise: else a clock that is 150 ppm fast
+    would put a reference off by a whole sample from 0.7 s on.
 
     Parameters
     ----------
@@ -74,5 +78,23 @@ def sample(
         float(grid[1] - grid[0]) if grid.size > 1 else np.inf,
     )
     late = _LATE_SHARE * spacing if np.isfinite(spacing) else 0.0
+    if grid.size > 1:
+        known_time = _by_the_clock_of(float(grid[1] - grid[0]), known_time, late)
     rows = np.searchsorted(known_time, grid + late, side="right") - 1
     return known[np.clip(rows, 0, None)]
+
+
+def _by_the_clock_of(step: float, time: NDArray[np.float64], late: float) -> NDArray[np.float64]:
+    """Times of rows by the clock of the grid, where only that differs."""
+    count = time.size - 1
+    if count < 1:
+        return time
+    spacing = float(time[-1] - time[0]) / count
+    often = max(1, round(spacing / step))
+    drift = count * (spacing - often * step)
+    if abs(drift) <= late or abs(drift) > _CLOCKS_APART * count * often * step:
+        return time
+    even = time[0] + np.arange(time.size) * spacing
+    if np.abs(time - even).max() > late:
+        return time
+    return time - np.linspace(0.0, drift, time.size)

@@ -36,6 +36,29 @@ def test_a_held_sample_is_not_delayed_by_jitter_of_its_clock(
     assert np.array_equal(sample(grid + late, values, grid, "hold", "x"), values)
 
 
+@given(
+    rows=st.integers(2, 5000),
+    start=st.floats(-1e3, 1e3),
+    finer=st.integers(1, 5),
+    skew=st.floats(-3.9e-4, 3.9e-4),
+)
+def test_rows_of_another_clock_come_with_the_steps_that_they_were_made_in(
+    rows: int, start: float, finer: int, skew: float
+) -> None:
+    """However long a recording lasts, its clock puts no row off by a step."""
+    values = np.arange(rows, dtype=np.float64)
+    grid = even((rows - 1) * finer + 1, start, STEP / finer)
+    time = start + (1.0 + skew) * (even(rows, start) - start)
+    held = sample(time, values, grid, "hold", "x")
+    assert np.array_equal(held[::finer], values)
+
+
+def test_rows_at_another_rate_are_held_by_their_times() -> None:
+    """Negative control: 1 % is no clock."""
+    held = sample(even(1001, step=1.01 * STEP), np.arange(1001.0), even(1001), "hold", "x")
+    assert held[[5, 50, 500, 1000]].tolist() == [5.0, 49.0, 495.0, 990.0]
+
+
 @given(rows=st.integers(2, 40), finer=st.integers(2, 20), seed=st.integers(0, 2**32 - 1))
 def test_on_a_finer_grid_a_sample_is_held_until_the_next(rows: int, finer: int, seed: int) -> None:
     values = np.random.default_rng(seed).standard_normal(rows)
