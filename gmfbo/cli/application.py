@@ -38,6 +38,7 @@ from gmfbo.cli import (
 from gmfbo.cli.manual import EXITS, Manual, ManualCommand, ManualGroup, definitions
 from gmfbo.cli.many_values import ManyValuesCommand
 from gmfbo.errors import GmfboError
+from gmfbo.interrupt import unwrapped_interrupt
 
 OUR_FAULT = 1
 BAD_INPUT = 2
@@ -130,7 +131,8 @@ def main(arguments: list[str] | None = None) -> int:
         0 done, 2 bad input, 3 a simulation or plant failed, 1 a fault of ours, 130 interrupted.
     """
     try:
-        outcome = app(args=arguments, prog_name="gmfbo", standalone_mode=False)
+        with unwrapped_interrupt():
+            outcome = app(args=arguments, prog_name="gmfbo", standalone_mode=False)
     except GmfboError as error:
         return _complain(str(error), error.exit_status)
     except (KeyboardInterrupt, typer.Abort):

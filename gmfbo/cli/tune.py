@@ -74,8 +74,8 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         Best observed gains and, separately, the recommended ones.
     """
     from gmfbo import Tuner
-    from gmfbo.cli.interrupt import remembered_interrupt
     from gmfbo.cli.study_display import StudyDisplay
+    from gmfbo.interrupt import remembered_interrupt
 
     display = StudyDisplay(console, study.file.budget.is1_runs)
     with Tuner(study, resume=resume) as tuner, display, remembered_interrupt() as pressed:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import InputError
+from gmfbo.interrupt import unwrapped_interrupt
 from gmfbo.recordings.trial import Trial
 from gmfbo.sources.plant_call import PlantFunction
 from gmfbo.sources.recorded_grid import RecordedGrid
@@ -250,9 +251,10 @@ class Tuner:
             )
         self.watch(progress)
         try:
-            while (request := self.ask()) is not None:
-                run = play(self._plant(), request.gains, self.experiment, self.history.envelope)
-                self.tell(request, scorable(run, self.experiment))
+            with unwrapped_interrupt():
+                while (request := self.ask()) is not None:
+                    run = play(self._plant(), request.gains, self.experiment, self.history.envelope)
+                    self.tell(request, scorable(run, self.experiment))
         except KeyboardInterrupt:
             self._store.log("interrupt", trials=len(self.history.trials))
             raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from gmfbo.cli.interrupt import remembered_interrupt
+from gmfbo.interrupt import remembered_interrupt, unwrapped_interrupt
 from gmfbo.tuning.progress import Progress
 from gmfbo.tuning.study import Study
 from gmfbo.tuning.tuner import Tuner
@@ -19,6 +19,7 @@ def main(study_file: str) -> None:
     twin = AnalyticAxis(inertia=0.2, friction=0.4)
     method = QUICK[study.file.method]
     with (
+        unwrapped_interrupt(),
         remembered_interrupt() as pressed,
         Tuner(study, is1=AnalyticAxis(), is2=twin, method=method, resume=True) as tuner,
     ):

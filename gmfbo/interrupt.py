@@ -1,6 +1,7 @@
-"""Ctrl-C that is not lost: Python drops it where it lands in a weak reference's callback.
+"""Ctrl-C that is not lost on its way: in a weak reference's callback, or in a compiled library.
 
-It then prints a traceback of its own on standard error, which nobody who pressed the keys wants.
+Python drops it in the first and prints a traceback, which nobody who pressed the keys wants. The
+second, where it calls Python back, may hand it on as a SystemError.
 """
 
 from __future__ import annotations
@@ -44,3 +45,17 @@ def remembered_interrupt() -> Iterator[threading.Event]:
     finally:
         sys.unraisablehook = tell
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def unwrapped_interrupt() -> Iterator[None]:
+    """Raise KeyboardInterrupt again where a compiled library has made a SystemError of it."""
+    try:
+        yield
+    except SystemError as error:
+        reason = error.__cause__
+        while reason is not None and not isinstance(reason, KeyboardInterrupt):
+            reason = reason.__cause__
+        if reason is None:
+            raise
+        raise KeyboardInterrupt from error
