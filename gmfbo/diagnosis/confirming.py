@@ -87,7 +87,9 @@ def confirm(
     base: Fitted,
     candidates: Sequence[Candidate],
 ) -> list[Fitted]:
-    """Fit each candidate added to a model, several at a time; those that cannot run are left out.
+    """Fit each candidate added to a model, several at a time.
+
+    Those that cannot run are left out, and those that have become something else than their name.
 
     Parameters
     ----------
@@ -116,7 +118,12 @@ def confirm(
     fits = [f for f in misfit.simulations.map_outer(one, candidates) if f is not None]
     best = max((base.chi2 - f.chi2 for f in fits), default=0.0)
     least = max(_WORTH_NOISE, _NEAR * best)
-    return misfit.simulations.map_outer(again, fits)
+    return [f for f in misfit.simulations.map_outer(again, fits) if _is_itself(f)]
+
+
+def _is_itself(fitted: Fitted) -> bool:
+    effect = fitted.hypothesis.effects[-1]
+    return effect.law.is_itself(effect.values)
 
 
 def _best_start(

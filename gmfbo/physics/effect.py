@@ -100,6 +100,10 @@ def _nothing_else(excitation: Excitation) -> Sequence[Values]:
     return ()
 
 
+def _of_any_values(values: Values) -> bool:
+    return True
+
+
 def _always_excited(excitation: Excitation) -> str | None:
     return None
 
@@ -136,6 +140,8 @@ class Effect:
         One plain sentence with number and unit; the place is `Units.place`.
     equation, source : str
         The law in ASCII, and who stated it.
+    is_itself : callable (parameters) -> bool
+        Whether values are still what the name means; otherwise the fit is no evidence of it.
     fixed : callable (Excitation) -> mapping
         Parameters of `physics.fmu` that are set, not fitted.
     fixed_otherwise : callable (Excitation) -> sequence of dict of str to float
@@ -188,6 +194,7 @@ class Effect:
     statement: Callable[[Values, Units, str], str]
     equation: str
     source: str
+    is_itself: Callable[[Values], bool] = _of_any_values
     fixed: Callable[[Excitation], Values] = _nothing_fixed
     fixed_otherwise: Callable[[Excitation], Sequence[Values]] = _nothing_else
     signal: Callable[[States, Values], Array] | None = None

@@ -8,6 +8,10 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units, quantity
 
+_LEAST_AT_REST = 0.4
+"""Of the sliding level. A real axis whose friction rises with speed has 0.51 (EMPS, Janot et al.
+2019); fits of this law to friction of another kind had 0.03 to 0.36."""
+
 
 def _signal(states: States, parameters: Values) -> Array:
     slow = np.exp(-((states.velocity / parameters["velocity"]) ** 2))
@@ -33,6 +37,11 @@ def _acts(states: States, parameters: Values) -> Mask:
         (np.abs(states.velocity) < 1.5 * parameters["velocity"])
         & (np.abs(states.velocity) > states.rest)
     )
+
+
+def _is_itself(parameters: Values) -> bool:
+    """False where what is left at low speed is too little for dry friction: any curve fits then."""
+    return parameters["breakaway"] >= _LEAST_AT_REST * parameters["level"]
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
@@ -67,6 +76,7 @@ stribeck_friction = Effect(
             scale=lambda e: 0.05 * e.speed,
         ),
     ),
+    is_itself=_is_itself,
     fixed=friction.fixed_deflection,
     starts=_starts,
     size=lambda p, e: max(p["level"], p["breakaway"]),
