@@ -26,10 +26,13 @@ _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
 _CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of a floor will do
 _SEEN = 2.0  # the same of friction and play, whose floors are no tolerance of twins
-_MECHANICS = ("friction", "spring")
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
-_HARM_SHARE = 0.15  # of the gain, which a recording may lose
+_HARM_SHARE = 0.15  # of the gain, which recordings may lose together
 _LIMIT = "limit"  # family of what is only met now and then
+
+
+MECHANICS = frozenset({"friction", "spring"})
+"""Families of effects whose least sizes are no tolerance of twins."""
 
 
 def needed_gain(decision: Decision) -> float:
@@ -138,7 +141,7 @@ def is_large(case: Case, evidence: Evidence, needed: float) -> bool:
 
 def _asked(evidence: Evidence, needed: float) -> float:
     """Share of the least size and of the least time that will do."""
-    clear = _SEEN if evidence.effect.law.family in _MECHANICS else _CLEAR
+    clear = _SEEN if evidence.effect.law.family in MECHANICS else _CLEAR
     return _SMALL if evidence.gain > clear * needed else 1.0
 
 
@@ -158,12 +161,28 @@ def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float)
     """
     if evidence.gain <= needed + _freedom(evidence.effect):
         return False
-    by_record = np.bincount([w.record for w in case.budget.windows], evidence.gains)
-    if np.any(by_record < -max(0.8 * decision.threshold, _HARM_SHARE * evidence.gain)):
+    if is_disputed(case, evidence, decision.threshold):
         return False
     if not _holds_between_recordings(case, evidence, decision):
         return False
     return _acts_long_enough(case, evidence, needed)
+
+
+def is_disputed(case: Case, evidence: Evidence, threshold: float) -> bool:
+    """Whether some recordings speak against what others show, each by a fit to the rest.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    evidence : Evidence
+        The effect.
+    threshold : float
+        Gain that chance does not give.
+    """
+    by_record = np.bincount([w.record for w in case.budget.windows], evidence.gains)
+    harm = -float(by_record[by_record < 0.0].sum())
+    return harm > max(0.8 * threshold, _HARM_SHARE * evidence.gain)
 
 
 def begins_with_recordings(evidence: Evidence) -> bool:

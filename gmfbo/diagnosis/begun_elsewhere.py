@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from gmfbo.diagnosis.case import chi2_per_dof
+from gmfbo.diagnosis.case import Case, chi2_per_dof
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.simulated import Simulated
@@ -18,6 +18,30 @@ _SPREAD = 0.3  # of a parameter's size, by which starts lie on either side
 _FIRST_STEP = 0.05  # of a parameter's size
 _STEPS = 60  # points of the search that uses no slopes
 _MUCH_LESS = 0.9  # times what was left
+
+
+def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
+    """Fit the twin without names from where the fit with them ended.
+
+    A fit that stays behind a limit is led out of there by nearly any effect, which then seems to
+    explain what the parameters do.
+
+    Parameters
+    ----------
+    case : Case
+        With the fit that began at the nominal parameters.
+    named : Fitted
+        The twin with all named effects.
+
+    Returns
+    -------
+    Fitted or None
+        The better fit; None where there is none.
+    """
+    plain = case.plain
+    again = fit(plain, case.base.hypothesis, named.parameters, parallel=True)
+    before = case.base.measured_by(plain).chi2
+    return again if again is not None and again.chi2 < _MUCH_LESS * before else None
 
 
 def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:

@@ -27,6 +27,8 @@ _WORTH_OTHERS = 15.0  # gain from which other values of what is not fitted are t
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
 _OTHER_LAGS = (0.7, 0.8, 0.9, 0.95, 1.05, 1.2)  # times a lag at which its fit may start too
+_SHORTEST = 3  # starts of a lag: no parameter hides a long one
+_A_FEW = 4  # steps that show whether a start leads anywhere
 _AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
@@ -123,7 +125,7 @@ def confirm(
 
 def _is_itself(fitted: Fitted) -> bool:
     effect = fitted.hypothesis.effects[-1]
-    return effect.law.is_itself(effect.values)
+    return effect.law.is_itself(effect.values, fitted.hypothesis.setting.excitation)
 
 
 def _best_start(
@@ -264,7 +266,34 @@ def rough_worth_fitting(
     others = [(square, c) for square, c in ranked if c.effect not in beside]
     chosen = [candidate for square, candidate in others if square < base.chi2][:_MOST_ROUGH]
     fitted = {*beside, *(c.effect for c in chosen)}
+    lags = [candidate for _, candidate in others if candidate.law.family == LAGS]
     # Lags are each other's rivals: where one is fitted, none of them may be left out.
     if any(CATALOGUE[name].family == LAGS for name in fitted):
-        chosen += [c for _, c in others if c.law.family == LAGS and c.effect not in fitted]
-    return chosen
+        return chosen + [c for c in lags if c.effect not in fitted]
+    return chosen + _lags_beyond(misfit, base, [c for c in shapes if c.law.family == LAGS])
+
+
+def _lags_beyond(misfit: Misfit, base: Fitted, starts: Sequence[Candidate]) -> list[Candidate]:
+    """Lags from a start at which a few steps of one of them lead below the model without.
+
+    A parameter that has made up for a lag keeps every short one from explaining more, and one step
+    from a longer one does not undo it: the way down begins beyond that.
+    """
+    if not starts:
+        return []
+    first = starts[0].effect
+
+    def one(candidate: Candidate) -> tuple[float, float]:
+        found = fit(misfit, _joined(base.hypothesis, candidate), base.parameters, iterations=_A_FEW)
+        square = np.inf if found is None else found.chi2
+        return square, next(iter(candidate.values.values()))
+
+    shortest = [c for c in starts if c.effect == first][:_SHORTEST]
+    tried = misfit.simulations.map_outer(one, shortest)
+    square, time = min(tried)
+    if square >= base.chi2 - _WORTH_OTHERS:
+        return []
+    nearest: dict[str, Candidate] = {}
+    for candidate in sorted(starts, key=lambda c: abs(next(iter(c.values.values())) - time)):
+        nearest.setdefault(candidate.effect, candidate)
+    return list(nearest.values())

@@ -9,6 +9,7 @@ import numpy as np
 
 from gmfbo.diagnosis.acceptance import (
     begins_with_recordings,
+    is_disputed,
     is_large,
     is_proven,
     is_shadow,
@@ -41,6 +42,7 @@ MOST_EFFECTS = 3
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
 _UNEVEN = 1.4  # times the median stretch
 _GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters mislead
+_FAR_MORE = 2.0  # times the gain of what is proven, or of what is asked for
 _WORTH_FITTING = 8.0  # gain by screening below which no fit is tried
 _PROMISING = 200.0  # gain by screening from which it is asked whether fits keep what it promised
 _KEPT_PROMISE = 0.2  # of it, below which what it ranked next is fitted too
@@ -202,6 +204,9 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     )
     needed = needed_gain(decision)
     proven = [e for e in evidence if is_proven(case, e, decision, needed)]
+    if first and (disputed := _disputed(case, decision, evidence, proven, needed)):
+        decision.disputed, decision.refused = disputed, evidence
+        return False
     begun = [e for e in proven if begins_with_recordings(e)]
     proven = [e for e in proven if e not in begun]
     if begun and begun[0].gain > max((e.gain for e in proven), default=0.0) + decision.threshold:
@@ -233,6 +238,20 @@ def _next_round(case: Case, decision: Decision, rng: np.random.Generator) -> boo
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed, margin))
     decision.model = winner.fitted
     return True
+
+
+def _disputed(
+    case: Case,
+    decision: Decision,
+    evidence: Sequence[Evidence],
+    proven: Sequence[Evidence],
+    needed: float,
+) -> Evidence | None:
+    """Effect that gains most and is yet disputed, where nothing that is proven comes near it."""
+    least = _FAR_MORE * max((needed, *(e.gain for e in proven)))
+    return next(
+        (e for e in evidence if e.gain > least and is_disputed(case, e, decision.threshold)), None
+    )
 
 
 def _confirmed(

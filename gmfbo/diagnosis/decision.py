@@ -145,6 +145,9 @@ class Decision:
         An effect below its floor that explains more than any that could have been named.
     unsettled : Evidence or None
         What passed in the first moments and explains more than any that could have been named.
+    disputed : Evidence or None
+        An effect against which some recordings speak, and which yet gains far more than any that
+        could have been named: something acts that is like it, and is not it.
     beside_rest : Beside or None
         The first effect and its family, judged beside what was found after it.
     contradicted : bool
@@ -165,5 +168,6 @@ class Decision:
     in_doubt: Evidence | None = None
     too_small: Evidence | None = None
     unsettled: Evidence | None = None
+    disputed: Evidence | None = None
     beside_rest: Beside | None = None
     contradicted: bool = False

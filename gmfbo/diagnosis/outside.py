@@ -7,25 +7,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gmfbo.diagnosis.acceptance import MECHANICS
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.moved_residual import chance_of_moving
-from gmfbo.diagnosis.port_response import PortResponse
+from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.shape import Unnamed, unnamed
+from gmfbo.diagnosis.state_features import families_with_ways
 
 _FOLLOWS = 1.2  # times what chance and tolerance allow
 _MOSTLY = 0.5  # of the error, which has to follow
 _BETTER = 0.7  # a name that explains less than this share of what a free function does is none
 _THRESHOLDS = 3.0  # that a free function has to gain: it has a dozen values
-_BESIDE_SHARE = 0.015  # of the names' gain, which a function beside them may gain: laws are inexact
+_BESIDE_SHARE = 0.01  # of the names' gain, which a function beside them may gain: laws are inexact
 _NOISE_SHARE = 0.05  # the same where names leave no more than noise
 _EXCESS_SHARE = 0.3  # of the misfit beyond noise, which it has to take away
-_REST_SHARE = 0.5  # of what names leave beyond noise, which a function beside them takes away
+_REST_SHARE = 0.4  # of what names leave beyond noise, which a function beside them takes away
 _BY_CHANCE = 0.003  # as noise that does not move with the axis
 _UNNAMED_SHARE = 0.1  # of the misfit beyond noise, which names may leave: no law is exact
+_INSTEAD = 0.5  # of what passes, which a function of a state explains: then it is no chance
+_STICKS = 0.25  # of noise, which right names may leave of an axis that sticks or rattles
 _CLEAR = 100.0  # times the noise: in so large a misfit whatever a law leaves shows
+_NO_LAW = 400.0  # times the noise, which no right name leaves (a real servo's friction leaves 190)
 
 MISMATCH = 4.0
 """chi2 per degree of freedom from which a misfit that follows the reference is real, although
@@ -91,18 +96,51 @@ def look_outside(
     is_most = gain > _EXCESS_SHARE * (base.chi2 - dof)
     is_better = is_large and is_most and named < _BETTER * gain
     if decision.rounds and not is_better:
-        beside = _best(unnamed(replace(case, misfit=plain, base=with_names), with_names, response))
+        judged = replace(case, misfit=plain, base=with_names)
+        beside = max(
+            _best(unnamed(judged, with_names, there, families_with_ways))
+            for there in (response, *_at_sensor(judged, decision, rng))
+        )
         noise = case.budget.noise
         left_over = with_names.chi2 - noise
         share = _BESIDE_SHARE if left_over > 0.0 else _NOISE_SHARE
         least = max(_THRESHOLDS * decision.threshold, share * named)
         is_better = beside > max(least, _REST_SHARE * left_over)
-        is_better |= (
-            left_over > _UNNAMED_SHARE * (base.chi2 - noise)
-            and base.chi2 < _CLEAR * noise
-            and is_uneven(case, decision.model, rng)
-        )
+        is_better |= _passes_by(decision) and _most_fall(model) > _INSTEAD * named
+        if left_over > max(_UNNAMED_SHARE * (base.chi2 - noise), _chance(decision) * noise):
+            is_better |= with_names.chi2 > _NO_LAW * noise
+            is_better |= base.chi2 < _CLEAR * noise and is_uneven(case, decision.model, rng)
     return Outside(model, gain, named, is_better)
+
+
+def _chance(decision: Decision) -> float:
+    """Share of noise that a right name may leave beyond it: when an axis sticks is chance."""
+    families = {entry.winner.effect.law.family for entry in decision.rounds}
+    return _STICKS if families & MECHANICS else 0.0
+
+
+def _at_sensor(
+    case: Case, decision: Decision, rng: np.random.Generator
+) -> tuple[PortResponse, ...]:
+    """Response of the sensor's port, where an error of the sensor is named: it may be another."""
+    if all(entry.winner.effect.law.port != "sensor" for entry in decision.rounds):
+        return ()
+    found = measure_port_response(case, "sensor", rng)
+    return () if found is None else (found,)
+
+
+def _passes_by(decision: Decision) -> bool:
+    """Whether all that is named passed once, in recordings that nothing else explains."""
+    laws = [entry.winner.effect.law for entry in decision.rounds]
+    return all(law.is_searched and not law.is_line for law in laws)
+
+
+def _most_fall(model: Unnamed) -> float:
+    """What the best function of a state explains by a fit to all.
+
+    Where one recording alone goes far enough, no other can foretell what acts there.
+    """
+    return max((f.fall for f in model.families if f.family.shared), default=0.0)
 
 
 def _best(model: Unnamed) -> float:

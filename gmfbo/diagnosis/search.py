@@ -12,7 +12,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.begun_elsewhere import fitted_from_names
+from gmfbo.diagnosis.case import Case, is_more_than_noise
 from gmfbo.diagnosis.deciding import decide
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
@@ -103,18 +104,15 @@ class Search:
         case = self.case
         self._look_for_lines()
         reasons = self._reasons()
-        testable = [name for name in CATALOGUE if name not in reasons]
-        library = candidates(testable, case.setting.excitation) + self._passing(testable)
-        silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
-        library += candidates(silent, case.setting.excitation)
-        decision = decide(
-            case,
-            library,
-            self.rng,
-            self.progress,
-            silent=silent,
-            look_again=lambda model: self._lines_beside(model, testable),
-        )
+        decision = self._decision(reasons)
+        if decision.rounds:
+            assert decision.model is not None
+            better = fitted_from_names(case, decision.model)
+            if better is not None:
+                case.base = better
+                case.use(case.plain)
+                self._look_for_lines()
+                decision = self._decision(reasons)
         if decision.in_doubt is not None:
             name = words(decision.in_doubt.name)
             case.notes.append(
@@ -205,6 +203,22 @@ class Search:
             residual_tests=tests,
             curves=result.curves,
             augmentation=augmentation_of(case, augmented, self.units),
+        )
+
+    def _decision(self, reasons: dict[str, str]) -> Decision:
+        """What to name, about the twin as it is refitted so far."""
+        excitation = self.case.setting.excitation
+        testable = [name for name in CATALOGUE if name not in reasons]
+        library = candidates(testable, excitation) + self._passing(testable)
+        silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
+        library += candidates(silent, excitation)
+        return decide(
+            self.case,
+            library,
+            self.rng,
+            self.progress,
+            silent=silent,
+            look_again=lambda model: self._lines_beside(model, testable),
         )
 
     def _look_for_lines(self) -> None:
@@ -355,6 +369,7 @@ class Search:
         left = unexplained(case, case.base)
         if not is_known(decision) and (
             decision.contradicted
+            or (decision.disputed is not None and is_more_than_noise(case, case.base))
             or is_mismatch(left, tests, errors)
             or is_uneven(case, case.base, self.rng)
         ):

@@ -6,7 +6,7 @@ prior on its values whose width is the one that predicts recordings best that we
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,10 +22,11 @@ from gmfbo.diagnosis.regression import Regression, joined
 from gmfbo.diagnosis.seen_from_port import whitened_columns
 from gmfbo.diagnosis.state_features import Family, families
 from gmfbo.diagnosis.whereabouts import Shape
+from gmfbo.physics import States
 
 Array = NDArray[np.float64]
 
-_WIDTHS = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)  # of the torque's range
+_WIDTHS = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)  # of the range of torque or position
 _ALIKE = 0.02  # of a parameter's change: what a family cannot make of it, and yet explains it
 _CLEARLY = 1.02  # times the fall of chi2: less does not make a function of time of one of state
 _TWO_SIDED = 1.96  # 95 % of a normal distribution
@@ -137,7 +138,12 @@ class Unnamed:
         )
 
 
-def unnamed(case: Case, base: Fitted, response: PortResponse) -> Unnamed:
+def unnamed(
+    case: Case,
+    base: Fitted,
+    response: PortResponse,
+    of: Callable[[Sequence[States]], list[Family]] = families,
+) -> Unnamed:
     """Fit every family to what a model leaves.
 
     Parameters
@@ -148,14 +154,15 @@ def unnamed(case: Case, base: Fitted, response: PortResponse) -> Unnamed:
         What is already explained.
     response : PortResponse
         From the port to the signals.
+    of : callable (sequence of States) -> list of Family
+        Which families.
     """
     records = case.simulations.records
     states = [states_of(run, record) for run, record in zip(base.simulated, records, strict=True)]
     regression = Regression(case.misfit, base)
-    torque = case.setting.excitation.torque
-    fits = {
-        family.name: _FamilyFit(regression, response, family, torque) for family in families(states)
-    }
+    excitation = case.setting.excitation
+    size = excitation.stroke if response.port == "sensor" else excitation.torque
+    fits = {family.name: _FamilyFit(regression, response, family, size) for family in of(states)}
     found = [fit.fitted() for fit in fits.values()]
     return Unnamed(_ranked(found), fits, response.port)
 
@@ -173,7 +180,7 @@ class _FamilyFit:
     """Regression of one family beside the parameters."""
 
     def __init__(
-        self, regression: Regression, response: PortResponse, family: Family, torque: float
+        self, regression: Regression, response: PortResponse, family: Family, size: float
     ) -> None:
         self._regression, self._response, self._family = regression, response, family
         base = regression.base
@@ -182,7 +189,7 @@ class _FamilyFit:
         self._columns: Blocks = joined(base.sensitivity, more)
         self._normal = regression.normal(self._columns)
         self._without = regression.normal(base.sensitivity)
-        self._widths = torque * np.array(_WIDTHS)
+        self._widths = size * np.array(_WIDTHS)
         self._best = self._with_width(self._chosen_width())
 
     def fitted(self) -> UnnamedFamily:

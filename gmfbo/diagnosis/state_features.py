@@ -25,7 +25,7 @@ class Family:
 
     Attributes
     ----------
-    name : {"velocity", "position", "signed_position", "damped_position", "time"}
+    name : {"velocity", "position", "signed_position", "damped_position", "each_way", "time"}
         Which.
     against : str
         The state, in words.
@@ -68,6 +68,20 @@ def families(states: Sequence[States]) -> list[Family]:
         _of_position_with_speed(states),
     ]
     return [*(family for family in found if family is not None), _of_time(states)]
+
+
+def families_with_ways(states: Sequence[States]) -> list[Family]:
+    """Those families, and torques over the position that differ between forth and back.
+
+    The last holds two of the others, and no one curve shows it: it is there to judge names by.
+
+    Parameters
+    ----------
+    states : sequence of States
+        Of each recording.
+    """
+    each_way = _of_position_each_way(states)
+    return families(states) + ([] if each_way is None else [each_way])
 
 
 def hats(values: Array, knots: Array) -> Array:
@@ -139,6 +153,22 @@ def _of_signed_position(states: Sequence[States]) -> Family | None:
     )
     against = "position, with the sign of the velocity"
     return Family("signed_position", against, "position", knots, turn, _inner(knots), columns)
+
+
+def _of_position_each_way(states: Sequence[States]) -> Family | None:
+    knots = _position_knots(states)
+    if knots is None:
+        return None
+    turn = hinges(knots)
+    columns = []
+    for s in states:
+        along = turn.T @ hats(s.position, knots)
+        ways = [0.5 * (1.0 + way * s.direction) * along for way in (1.0, -1.0)]
+        columns.append(between_points(np.concatenate(ways)))
+    bends = np.tile(_inner(knots), 2)
+    against = "position, in each direction"
+    both = block_diag(turn, turn)
+    return Family("each_way", against, "position", knots, both, bends, tuple(columns))
 
 
 def _of_position_with_speed(states: Sequence[States]) -> Family | None:

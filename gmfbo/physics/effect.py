@@ -100,7 +100,7 @@ def _nothing_else(excitation: Excitation) -> Sequence[Values]:
     return ()
 
 
-def _of_any_values(values: Values) -> bool:
+def _of_any_values(values: Values, excitation: Excitation) -> bool:
     return True
 
 
@@ -140,7 +140,7 @@ class Effect:
         One plain sentence with number and unit; the place is `Units.place`.
     equation, source : str
         The law in ASCII, and who stated it.
-    is_itself : callable (parameters) -> bool
+    is_itself : callable (parameters, Excitation) -> bool
         Whether values are still what the name means; otherwise the fit is no evidence of it.
     fixed : callable (Excitation) -> mapping
         Parameters of `physics.fmu` that are set, not fitted.
@@ -194,7 +194,7 @@ class Effect:
     statement: Callable[[Values, Units, str], str]
     equation: str
     source: str
-    is_itself: Callable[[Values], bool] = _of_any_values
+    is_itself: Callable[[Values, Excitation], bool] = _of_any_values
     fixed: Callable[[Excitation], Values] = _nothing_fixed
     fixed_otherwise: Callable[[Excitation], Sequence[Values]] = _nothing_else
     signal: Callable[[States, Values], Array] | None = None

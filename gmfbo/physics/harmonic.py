@@ -17,6 +17,10 @@ _CYCLES = 10.0
 _ALONE = 4  # lines that are tried one at a time
 _TOLD = 3  # lines that a sentence names
 
+_LEAST_CYCLES = 1.5
+"""Over the stroke. Fewer are an offset, a slope and a bend to these recordings: any torque that
+varies smoothly over the position looks like it (a spring that hardens, one with a gap)."""
+
 MOST = 8
 """Lines that cogging may have in `physics.fmu`."""
 
@@ -29,7 +33,23 @@ def wavenumbers(excitation: Excitation) -> tuple[float, ...]:
     tuple of float
         [rad per position unit]; a typical one where none was found.
     """
-    return excitation.wavenumbers[:MOST] or (2.0 * math.pi * _CYCLES / excitation.stroke,)
+    return excitation.wavenumbers[:MOST] or (_typical(excitation),)
+
+
+def repeating(excitation: Excitation) -> tuple[float, ...]:
+    """Give those of them that show cycles enough; a typical one where none does.
+
+    Returns
+    -------
+    tuple of float
+        [rad per position unit]
+    """
+    found = wavenumbers(excitation)
+    return tuple(n for n in found if repeats(n, excitation)) or (_typical(excitation),)
+
+
+def _typical(excitation: Excitation) -> float:
+    return 2.0 * math.pi * _CYCLES / excitation.stroke
 
 
 def starts(excitation: Excitation, size: float) -> list[dict[str, float]]:
@@ -42,8 +62,26 @@ def starts(excitation: Excitation, size: float) -> list[dict[str, float]]:
     size : float
         Of sine and cosine [unit of the amplitude].
     """
-    found = wavenumbers(excitation)[:_ALONE]
+    found = repeating(excitation)[:_ALONE]
     return [{"wavenumber_1": line, "sine_1": size, "cosine_1": size} for line in found]
+
+
+def repeats(line: float, excitation: Excitation) -> bool:
+    """Whether a line shows cycles enough to be told from a smooth curve over the position.
+
+    Parameters
+    ----------
+    line : float
+        [rad per position unit]
+    excitation : Excitation
+        What the recordings show.
+    """
+    return line * excitation.stroke >= 2.0 * math.pi * _LEAST_CYCLES
+
+
+def strongest_repeats(parameters: Values, excitation: Excitation) -> bool:
+    """Whether the strongest of the numbered lines shows cycles enough."""
+    return repeats(strongest_first(parameters)["wavenumber_1"], excitation)
 
 
 def lowest(excitation: Excitation) -> float:

@@ -7,6 +7,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from gmfbo.diagnosis import confirming
 from gmfbo.diagnosis.deciding import decide, groups_of
 from gmfbo.diagnosis.library import candidates
 from gmfbo.diagnosis.screening import probes, screen
@@ -28,3 +29,24 @@ def test_a_delay_is_named_where_its_slope_about_the_refitted_twin_points_below_z
     found = decision.rounds[0].winner
     assert found.effect.values["delay"] == pytest.approx(DELAY, rel=0.02)
     assert found.fitted.parameters["inertia"] == pytest.approx(HIDDEN["inertia"], rel=0.01)
+
+
+SHORTER = 1.5e-3
+
+
+def named_alone() -> list[str]:
+    """Names where a delay is hidden that no single step from any start leads to."""
+    with closing((case := opened({"transport_delay.delay": SHORTER})).simulations):
+        library = candidates(["transport_delay"], case.setting.excitation)
+        decision = decide(case, library, np.random.default_rng(0), lambda stage, share: None)
+    return [entry.winner.name for entry in decision.rounds]
+
+
+def test_a_delay_is_found_from_a_start_that_only_a_few_steps_lead_down_from() -> None:
+    assert named_alone() == ["transport_delay"]
+
+
+def test_by_single_steps_it_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Negative control."""
+    monkeypatch.setattr(confirming, "_lags_beyond", lambda misfit, base, starts: [])
+    assert named_alone() == []

@@ -28,6 +28,17 @@ def drag_that_grows_along_the_way(velocity: Array, position: Array) -> Array:
     return np.asarray(-0.1 * position * velocity)
 
 
+def spring_of_wide_strokes(velocity: Array, position: Array) -> Array:
+    """Nothing within 0.3 rad of the middle, which one of three recordings leaves by far."""
+    return np.asarray(0.3 * (np.clip(position, -0.3, 0.3) - position))
+
+
+def tight_spot_one_way(velocity: Array, position: Array) -> Array:
+    """Coulomb friction, five times as much on one half of the way while going forth."""
+    spot = 1.0 + 4.0 * (position > 0.0) * (velocity > 0.0)
+    return np.asarray(-0.003 * spot * np.tanh(velocity / 1e-2))
+
+
 def looked(physics: Mapping[str, float], law: Law | None = None) -> tuple[Decision, Outside]:
     """Decide on a servo axis with hidden torques, and look outside the library."""
     hidden = port_case(open_servo(physics, law=law))
@@ -68,3 +79,23 @@ def test_where_nothing_is_missing_nothing_is_outside_the_library() -> None:
     assert outside.named == 0.0
     assert not outside.is_better
     assert outside.gain < decision.threshold
+
+
+def test_friction_that_differs_by_place_in_one_direction_is_seen_beside_a_name() -> None:
+    decision, outside = looked({}, tight_spot_one_way)
+    assert [found.winner.name for found in decision.rounds] == ["coulomb_friction"]
+    assert outside.is_better
+
+
+def test_a_spring_against_which_recordings_speak_is_disputed() -> None:
+    decision, outside = looked({}, spring_of_wide_strokes)
+    assert decision.rounds == []
+    assert decision.disputed is not None
+    assert decision.disputed.name == "elastic_return"
+    assert outside.is_better
+
+
+def test_a_spring_of_the_library_is_not_disputed() -> None:
+    decision, _ = looked({"elastic_return.stiffness": 0.3})
+    assert [found.winner.name for found in decision.rounds] == ["elastic_return"]
+    assert decision.disputed is None

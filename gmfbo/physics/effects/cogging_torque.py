@@ -12,7 +12,7 @@ def _starts(excitation: Excitation) -> Sequence[Values]:
     """Start from strong lines alone, and from all that were found together."""
     size = 0.05 * excitation.torque
     alone = harmonic.starts(excitation, size)
-    found = harmonic.wavenumbers(excitation)
+    found = harmonic.repeating(excitation)
     together = {
         f"{name}_{i}": value
         for i, line in enumerate(found, 1)
@@ -48,6 +48,7 @@ cogging_torque = Effect(
     size=lambda p, e: harmonic.largest_amplitude(p),
     size_name="amplitude",
     size_unit="torque",
+    is_itself=harmonic.strongest_repeats,
     floor=lambda e: 1.5e-4 * e.torque,
     not_excited=harmonic.too_short,
     signal=harmonic.lines,

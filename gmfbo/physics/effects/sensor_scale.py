@@ -1,12 +1,20 @@
 """Sensor scale: the reading is wrong by a share of the position."""
 
 from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 from gmfbo.physics.units import Units, percent
+
+_MOST = 0.3  # that a sensor may be off by
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return parameters["share"] * states.position
+
+
+def _is_itself(parameters: Values, excitation: Excitation) -> bool:
+    """False at the end of the range: no sensor is that far off, and the slope is a curve's."""
+    return abs(parameters["share"]) < 0.99 * _MOST
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
@@ -25,14 +33,15 @@ sensor_scale = Effect(
             "share",
             "Share of the position",
             "1",
-            low=lambda e: -0.3,
-            high=lambda e: 0.3,
+            low=lambda e: -_MOST,
+            high=lambda e: _MOST,
             scale=lambda e: 0.02,
         ),
     ),
     # In a loop a tenth shifts a resonance by several times what one percent does, and as far off
     # the slope says nothing: both ways are tried.
     starts=lambda e: [{"share": 0.03}, {"share": 0.1}, {"share": -0.1}],
+    is_itself=_is_itself,
     size=lambda p, e: abs(p["share"]),
     size_name="share",
     size_unit="1",

@@ -39,7 +39,7 @@ def _acts(states: States, parameters: Values) -> Mask:
     )
 
 
-def _is_itself(parameters: Values) -> bool:
+def _is_itself(parameters: Values, excitation: Excitation) -> bool:
     """False where what is left at low speed is too little for dry friction: any curve fits then."""
     return parameters["breakaway"] >= _LEAST_AT_REST * parameters["level"]
 

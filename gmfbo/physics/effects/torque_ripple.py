@@ -20,6 +20,7 @@ def _starts(excitation: Excitation) -> Sequence[Values]:
     growing = [
         {"wavenumber_1": line, "sine_1": size, "cosine_1": size}
         for line in excitation.ripple_wavenumbers
+        if harmonic.repeats(line, excitation)
     ]
     return growing + harmonic.starts(excitation, size)
 
@@ -52,6 +53,7 @@ torque_ripple = Effect(
     size=lambda p, e: harmonic.largest_amplitude(p),
     size_name="amplitude",
     size_unit="torque/current",
+    is_itself=harmonic.strongest_repeats,
     floor=lambda e: 1.5e-4 * e.torque / e.current,
     not_excited=harmonic.too_short,
     signal=_signal,

@@ -1,0 +1,43 @@
+"""Lines of less than one and a half cycles over the stroke are curves, and no cogging."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from gmfbo.physics import CATALOGUE, Effect
+from tests.physics.excitations import TYPICAL
+
+LINES = [CATALOGUE[name] for name in ("cogging_torque", "torque_ripple")]
+
+
+def cycles(number: float) -> float:
+    """[rad per position unit] Wavenumber of so many cycles over the stroke."""
+    return 2.0 * math.pi * number / TYPICAL.stroke
+
+
+@pytest.mark.parametrize("effect", LINES, ids=lambda effect: effect.name)
+@pytest.mark.parametrize(("strongest", "weaker"), [(1.4, 12.0), (0.3, 2.0)])
+def test_a_strongest_line_of_a_cycle_is_none(
+    effect: Effect, strongest: float, weaker: float
+) -> None:
+    values = {"wavenumber_1": cycles(weaker), "sine_1": 0.0, "cosine_1": 0.1}
+    assert effect.is_itself(values, TYPICAL)
+    slow = {"wavenumber_2": cycles(strongest), "sine_2": 0.2, "cosine_2": 0.0}
+    assert not effect.is_itself({**values, **slow}, TYPICAL)
+
+
+@pytest.mark.parametrize("effect", LINES, ids=lambda effect: effect.name)
+def test_fits_start_at_lines_that_repeat(effect: Effect) -> None:
+    lines = (cycles(0.8), cycles(7.0))
+    excitation = replace(TYPICAL, wavenumbers=lines, ripple_wavenumbers=lines)
+    starts = {start["wavenumber_1"] for start in effect.starts(excitation)}
+    assert starts == {cycles(7.0)}
+
+
+def test_where_no_line_repeats_a_typical_one_tells_what_would_be_seen() -> None:
+    excitation = replace(TYPICAL, wavenumbers=(cycles(0.8),))
+    (start,) = CATALOGUE["cogging_torque"].starts(excitation)
+    assert start["wavenumber_1"] > cycles(2.0)
