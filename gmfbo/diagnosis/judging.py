@@ -6,6 +6,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case import Case, is_more_than_noise, times_noise
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.plain_words import number, words
 from gmfbo.diagnosis.simulated import Point
 
 LEAST_PROBABILITY = 0.3
@@ -15,6 +16,28 @@ _MOST = 0.5  # of the misfit beyond noise, which names may leave of a twin that 
 
 _BEYOND_DOUBT = 5.0
 """times what an effect has to gain: what acts for milliseconds is hardly seen in an RMS error."""
+
+
+def note_what_is_not_named(case: Case, decision: Decision) -> None:
+    """Say of what explains these recordings and is not named why it is not."""
+    if decision.in_doubt is not None:
+        name = words(decision.in_doubt.name)
+        case.notes.append(
+            f"{name} would explain these recordings as well as anything, but they hold no "
+            "reversal that could tell: nothing is named"
+        )
+    if decision.too_small is not None:
+        name = words(decision.too_small.name)
+        case.notes.append(
+            f"{name} explains what is left, but it is smaller than anybody would act on: it is "
+            "not named"
+        )
+    if decision.unsettled is not None:
+        lasting = number(decision.unsettled.effect.values["duration"])
+        case.notes.append(
+            "the axis was not at rest when these recordings began: what seems to act in their "
+            f"first {lasting} s is not named; hold the first reference for longer beforehand"
+        )
 
 
 def drop_improbable(case: Case, decision: Decision, probabilities: dict[str, float]) -> None:

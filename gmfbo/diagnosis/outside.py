@@ -97,20 +97,45 @@ def look_outside(
     is_better = is_large and is_most and named < _BETTER * gain
     if decision.rounds and not is_better:
         judged = replace(case, misfit=plain, base=with_names)
-        beside = max(
-            _best(unnamed(judged, with_names, there, families_with_ways))
-            for there in (response, *_at_sensor(judged, decision, rng))
+        is_better = any(
+            (
+                _explains_more_beside(judged, decision, named, response, rng),
+                _passes_by(decision) and _most_fall(model) > _INSTEAD * named,
+                _leaves_too_much(judged, decision, base.chi2, rng),
+            )
         )
-        noise = case.budget.noise
-        left_over = with_names.chi2 - noise
-        share = _BESIDE_SHARE if left_over > 0.0 else _NOISE_SHARE
-        least = max(_THRESHOLDS * decision.threshold, share * named)
-        is_better = beside > max(least, _REST_SHARE * left_over)
-        is_better |= _passes_by(decision) and _most_fall(model) > _INSTEAD * named
-        if left_over > max(_UNNAMED_SHARE * (base.chi2 - noise), _chance(decision) * noise):
-            is_better |= with_names.chi2 > _NO_LAW * noise
-            is_better |= base.chi2 < _CLEAR * noise and is_uneven(case, decision.model, rng)
     return Outside(model, gain, named, is_better)
+
+
+def _explains_more_beside(
+    judged: Case,
+    decision: Decision,
+    named: float,
+    response: PortResponse,
+    rng: np.random.Generator,
+) -> bool:
+    """Whether a free function beside the names takes much of what they leave."""
+    beside = max(
+        _best(unnamed(judged, judged.base, there, families_with_ways))
+        for there in (response, *_at_sensor(judged, decision, rng))
+    )
+    left_over = judged.base.chi2 - judged.budget.noise
+    share = _BESIDE_SHARE if left_over > 0.0 else _NOISE_SHARE
+    least = max(_THRESHOLDS * decision.threshold, share * named)
+    return beside > max(least, _REST_SHARE * left_over)
+
+
+def _leaves_too_much(
+    judged: Case, decision: Decision, before: float, rng: np.random.Generator
+) -> bool:
+    """Whether names leave what no right ones do, or more of it in one motion than in another."""
+    assert decision.model is not None
+    noise, left = judged.budget.noise, judged.base.chi2
+    if left - noise <= max(_UNNAMED_SHARE * (before - noise), _chance(decision) * noise):
+        return False
+    if left > _NO_LAW * noise:
+        return True
+    return before < _CLEAR * noise and is_uneven(judged, decision.model, rng)
 
 
 def _chance(decision: Decision) -> float:

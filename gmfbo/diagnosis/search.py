@@ -27,6 +27,7 @@ from gmfbo.diagnosis.judging import (
     is_known,
     is_weak,
     leaves_most,
+    note_what_is_not_named,
     parameters_matter,
 )
 from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untestable
@@ -35,7 +36,7 @@ from gmfbo.diagnosis.location import locate
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.outside import Outside, is_mismatch, is_uneven, look_outside, unexplained
 from gmfbo.diagnosis.parities import parities
-from gmfbo.diagnosis.plain_words import number, words
+from gmfbo.diagnosis.plain_words import words
 from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.profiles import widened_by_profile
 from gmfbo.diagnosis.pulses import EVERY, Pulse
@@ -105,32 +106,7 @@ class Search:
         self._look_for_lines()
         reasons = self._reasons()
         decision = self._decision(reasons)
-        if decision.rounds:
-            assert decision.model is not None
-            better = fitted_from_names(case, decision.model)
-            if better is not None:
-                case.base = better
-                case.use(case.plain)
-                self._look_for_lines()
-                decision = self._decision(reasons)
-        if decision.in_doubt is not None:
-            name = words(decision.in_doubt.name)
-            case.notes.append(
-                f"{name} would explain these recordings as well as anything, but they hold no "
-                "reversal that could tell: nothing is named"
-            )
-        if decision.too_small is not None:
-            name = words(decision.too_small.name)
-            case.notes.append(
-                f"{name} explains what is left, but it is smaller than anybody would act on: it is "
-                "not named"
-            )
-        if decision.unsettled is not None:
-            lasting = number(decision.unsettled.effect.values["duration"])
-            case.notes.append(
-                "the axis was not at rest when these recordings began: what seems to act in their "
-                f"first {lasting} s is not named; hold the first reference for longer beforehand"
-            )
+        note_what_is_not_named(case, decision)
         probabilities = self._probabilities(decision)
         drop_improbable(case, decision, probabilities)
         outside = None
@@ -206,6 +182,20 @@ class Search:
         )
 
     def _decision(self, reasons: dict[str, str]) -> Decision:
+        """What to name, about the best fit without names."""
+        case, decision = self.case, self._about_the_fit(reasons)
+        if not decision.rounds:
+            return decision
+        assert decision.model is not None
+        better = fitted_from_names(case, decision.model)
+        if better is None:
+            return decision
+        case.base = better
+        case.use(case.plain)
+        self._look_for_lines()
+        return self._about_the_fit(reasons)
+
+    def _about_the_fit(self, reasons: dict[str, str]) -> Decision:
         """What to name, about the twin as it is refitted so far."""
         excitation = self.case.setting.excitation
         testable = [name for name in CATALOGUE if name not in reasons]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -135,27 +135,36 @@ def _of_velocity(states: Sequence[States]) -> Family | None:
 
 
 def _of_position(states: Sequence[States]) -> Family | None:
-    knots = _position_knots(states)
-    if knots is None:
-        return None
-    turn = hinges(knots)
-    columns = tuple(between_points(turn.T @ hats(s.position, knots)) for s in states)
-    return Family("position", "position", "position", knots, turn, _inner(knots), columns)
+    return _along_position(states, "position", "position", lambda s: [1.0])
 
 
 def _of_signed_position(states: Sequence[States]) -> Family | None:
-    knots = _position_knots(states)
-    if knots is None:
-        return None
-    turn = hinges(knots)
-    columns = tuple(
-        between_points(s.direction * (turn.T @ hats(s.position, knots))) for s in states
-    )
     against = "position, with the sign of the velocity"
-    return Family("signed_position", against, "position", knots, turn, _inner(knots), columns)
+    return _along_position(states, "signed_position", against, lambda s: [s.direction])
 
 
 def _of_position_each_way(states: Sequence[States]) -> Family | None:
+    def ways(s: States) -> list[Array]:
+        return [0.5 * (1.0 + way * s.direction) for way in (1.0, -1.0)]
+
+    return _along_position(states, "each_way", "position, in each direction", ways)
+
+
+def _of_position_with_speed(states: Sequence[States]) -> Family | None:
+    fastest = max(float(np.abs(s.velocity).max()) for s in states)
+    if fastest <= 0.0:
+        return None
+    against = "position, in proportion to the velocity (at its largest)"
+    return _along_position(states, "damped_position", against, lambda s: [s.velocity / fastest])
+
+
+def _along_position(
+    states: Sequence[States],
+    name: str,
+    against: str,
+    factors: Callable[[States], Sequence[Array | float]],
+) -> Family | None:
+    """Curves over the position, each of them times a factor; None where nothing moves."""
     knots = _position_knots(states)
     if knots is None:
         return None
@@ -163,25 +172,11 @@ def _of_position_each_way(states: Sequence[States]) -> Family | None:
     columns = []
     for s in states:
         along = turn.T @ hats(s.position, knots)
-        ways = [0.5 * (1.0 + way * s.direction) * along for way in (1.0, -1.0)]
-        columns.append(between_points(np.concatenate(ways)))
-    bends = np.tile(_inner(knots), 2)
-    against = "position, in each direction"
-    both = block_diag(turn, turn)
-    return Family("each_way", against, "position", knots, both, bends, tuple(columns))
-
-
-def _of_position_with_speed(states: Sequence[States]) -> Family | None:
-    knots = _position_knots(states)
-    fastest = max(float(np.abs(s.velocity).max()) for s in states)
-    if knots is None or fastest <= 0.0:
-        return None
-    turn = hinges(knots)
-    columns = tuple(
-        between_points(s.velocity / fastest * (turn.T @ hats(s.position, knots))) for s in states
-    )
-    against = "position, in proportion to the velocity (at its largest)"
-    return Family("damped_position", against, "position", knots, turn, _inner(knots), columns)
+        columns.append(between_points(np.concatenate([f * along for f in factors(s)])))
+    curves = len(factors(states[0]))
+    bends = np.tile(_inner(knots), curves)
+    together = block_diag(*[turn] * curves)
+    return Family(name, against, "position", knots, together, bends, tuple(columns))
 
 
 def _inner(knots: Array) -> NDArray[np.bool_]:
