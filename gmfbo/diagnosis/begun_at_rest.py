@@ -85,7 +85,7 @@ def begun_better(case: Case, model: Fitted, fits: list[Fitted]) -> tuple[Fitted,
 def _again(case: Case, fitted: Fitted) -> Fitted:
     if not fitted.hypothesis.acts_at_rest:
         return fitted
-    again = fit(case.misfit, fitted.hypothesis, fitted.parameters, parallel=True)
+    again = fit(case.misfit, fitted.hypothesis, fitted.parameters, near=fitted, parallel=True)
     return fitted if again is None else again
 
 

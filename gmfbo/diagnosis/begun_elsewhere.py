@@ -39,7 +39,7 @@ def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
         The better fit; None where there is none.
     """
     plain = case.plain
-    again = fit(plain, case.base.hypothesis, named.parameters, parallel=True)
+    again = fit(plain, case.base.hypothesis, named.parameters, near=named, parallel=True)
     before = case.base.measured_by(plain).chi2
     return again if again is not None and again.chi2 < _MUCH_LESS * before else None
 

@@ -51,7 +51,7 @@ def exchange_first(case: Case, decision: Decision, at_work: float) -> bool:
         return False
     last = beside[-1].fitted
     others = replace(last.hypothesis, effects=last.hypothesis.effects[1:])
-    without = fit(case.misfit, others, last.parameters, parallel=True)
+    without = fit(case.misfit, others, last.parameters, near=last, parallel=True)
     if without is None:
         return False
     own = last.hypothesis.effects[0]

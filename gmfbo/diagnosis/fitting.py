@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, lsq_linear
 
 from gmfbo.diagnosis.difference_steps import with_clear_steps
 from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.simulated import Simulated
 
-_ITERATIONS = 10
+_ITERATIONS = 20
 _TOLERANCE = 3e-4  # of chi2: far below what separates two hypotheses
 _FLAT = 1e-12  # gradient where parameters change nothing, as in a recording at rest
 _HOPELESS = 1e4  # residual that stands for a run which ended early
+_FAR = 2.0  # chi2 per degree of freedom of a model whose columns are another one's no longer
+_SHORTFALL = 0.25  # of what a step promised, beyond which its slopes are measured anew
+
+Array = NDArray[np.float64]
+Columns = list[tuple[Array, ...]]
+"""Change of each recording's signals per unit of one parameter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +47,11 @@ class Fitted:
     """
 
     hypothesis: Hypothesis
-    x: NDArray[np.float64]
+    x: Array
     simulated: list[Simulated]
     residual: Blocks
     sensitivity: Blocks
-    columns: list[list[tuple[NDArray[np.float64], ...]]]
+    columns: list[Columns]
 
     @property
     def chi2(self) -> float:
@@ -53,7 +59,7 @@ class Fitted:
         return chi2(self.residual)
 
     @property
-    def prior(self) -> NDArray[np.float64]:
+    def prior(self) -> Array:
         """Precision of a weak prior of each free parameter, shape (n,)."""
         return self.hypothesis.prior
 
@@ -79,10 +85,16 @@ def fit(
     hypothesis: Hypothesis,
     parameters: Mapping[str, float],
     *,
+    near: Fitted | None = None,
     parallel: bool = False,
     iterations: int = _ITERATIONS,
 ) -> Fitted | None:
     """Fit all free parameters by least squares; None where the start cannot be simulated.
+
+    What a parameter changes is much the same a step further, and with one effect more. So the
+    search begins with the columns of a model that is not far off, and keeps what it has (the chord
+    method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of what was promised.
+    Where it ends all are measured, and it goes on from there as long as these promise more.
 
     Parameters
     ----------
@@ -92,35 +104,29 @@ def fit(
         What is free; its effects' values are the start.
     parameters : mapping of str to float
         Start of the twin's uncertain parameters.
+    near : Fitted, optional
+        A fit of a hypothesis that shares free parameters.
     parallel : bool
         Use all simulators for this fit alone.
     iterations : int
-        Points that are tried at most.
+        Points that are tried at most, beside those by which columns are measured.
     """
     if hypothesis.setting.is_rough:
         hypothesis = with_clear_steps(misfit, hypothesis, parameters, parallel=parallel)
-    search = _Search(misfit, hypothesis, parallel)
+    search = _Search(misfit, hypothesis, parallel, near)
     x = hypothesis.start(parameters)
     if not all(run.finite for run in search.simulate(x)):
         return None
     if x.size:
-        low, high = hypothesis.bounds
-        solution = least_squares(
-            search.residual,
-            x,
-            jac=search.jacobian,
-            bounds=(low, high),
-            x_scale=hypothesis.scales,
-            ftol=_TOLERANCE,
-            xtol=1e-4,
-            gtol=_FLAT,
-            max_nfev=iterations,
-        )
-        x = solution.x
+        while True:
+            x, taken = search.solution(x, iterations)
+            iterations -= taken
+            if iterations <= 0 or not search.has_further_to_go(x):
+                break
     return search.fitted(x)
 
 
-def stacked(misfit: Misfit, columns: list[list[tuple[NDArray[np.float64], ...]]]) -> Blocks:
+def stacked(misfit: Misfit, columns: list[Columns]) -> Blocks:
     """Whiten columns of several parameters together, shape (n, n_residuals) a window."""
     if not columns:
         return tuple(np.zeros((0, w.n_residuals)) for w in misfit.whiteners)
@@ -135,13 +141,44 @@ def stacked(misfit: Misfit, columns: list[list[tuple[NDArray[np.float64], ...]]]
 class _Search:
     """Residuals and Jacobians for SciPy, simulating no point twice."""
 
-    def __init__(self, misfit: Misfit, hypothesis: Hypothesis, parallel: bool) -> None:
+    def __init__(
+        self, misfit: Misfit, hypothesis: Hypothesis, parallel: bool, near: Fitted | None
+    ) -> None:
         self._misfit, self._hypothesis, self._parallel = misfit, hypothesis, parallel
         self._known: dict[bytes, list[Simulated]] = {}
-        self._columns: dict[bytes, list[list[tuple[NDArray[np.float64], ...]]]] = {}
+        self._columns: dict[tuple[bytes, int], Columns] = {}
         self._length = sum(w.n_residuals for w in misfit.whiteners)
+        self._near: dict[str, Columns] = {}
+        if near is not None and near.chi2 < _FAR * sum(r.size for r in near.residual):
+            self._near = dict(zip(near.hypothesis.names, near.columns, strict=True))
+        self._last: tuple[Array, Array] | None = None
 
-    def simulate(self, x: NDArray[np.float64]) -> list[Simulated]:
+    def solution(self, x: Array, steps: int) -> tuple[Array, int]:
+        """Where a search from x ends, and in how many steps."""
+        found = least_squares(
+            self.residual,
+            x,
+            jac=self.jacobian,
+            bounds=self._hypothesis.bounds,
+            x_scale=self._hypothesis.scales,
+            ftol=_TOLERANCE,
+            xtol=1e-4,
+            gtol=_FLAT,
+            max_nfev=steps,
+        )
+        return np.asarray(found.x), int(found.nfev)
+
+    def has_further_to_go(self, x: Array) -> bool:
+        """Whether columns measured where a search ended promise a way further down."""
+        residual, scales = self.residual(x), self._hypothesis.scales
+        self._last = x, self._slopes(self._change(x))
+        low, high = self._hypothesis.bounds
+        limits = (low - x) / scales, (high - x) / scales
+        left = 2.0 * lsq_linear(self._last[1] * scales, -residual, limits).cost
+        square = float(residual @ residual)
+        return bool(square - left > _TOLERANCE * square)
+
+    def simulate(self, x: Array) -> list[Simulated]:
         if x.tobytes() not in self._known:
             point, runs = self._hypothesis.point(x), self._misfit.simulations
             self._known[x.tobytes()] = (
@@ -149,18 +186,38 @@ class _Search:
             )
         return self._known[x.tobytes()]
 
-    def residual(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residual(self, x: Array) -> Array:
         simulated = self.simulate(x)
         if not all(run.finite for run in simulated):
             return np.full(self._length, _HOPELESS)
         return np.concatenate(self._misfit.residual(simulated))
 
-    def jacobian(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        blocks = stacked(self._misfit, self._change(x))
+    def jacobian(self, x: Array) -> Array:
+        if self._last is None:
+            names = list(enumerate(self._hypothesis.names))
+            new = [i for i, name in names if name not in self._near]
+            measured = dict(zip(new, self._measured(x, new), strict=True))
+            columns = [measured[i] if i in measured else self._near[name] for i, name in names]
+            self._last = x, self._slopes(columns)
+        elif self._was_misled(*self._last, x):
+            self._last = x, self._slopes(self._change(x))
+        else:
+            self._last = x, self._last[1]
+        return self._last[1]
+
+    def _was_misled(self, before: Array, slopes: Array, x: Array) -> bool:
+        """Whether a step fell short of what the slopes promised."""
+        there, here = self.residual(before), self.residual(x)
+        promised = there + slopes @ (x - before)
+        missing = here @ here - promised @ promised
+        return bool(missing > _SHORTFALL * (there @ there - promised @ promised))
+
+    def _slopes(self, columns: list[Columns]) -> Array:
+        blocks = stacked(self._misfit, columns)
         # A neighbour that could not be simulated tells nothing about its direction.
         return -np.nan_to_num(np.concatenate(blocks, axis=1)).T
 
-    def fitted(self, x: NDArray[np.float64]) -> Fitted:
+    def fitted(self, x: Array) -> Fitted:
         simulated = self.simulate(x)
         columns = self._change(x)
         blocks = tuple(np.nan_to_num(block) for block in stacked(self._misfit, columns))
@@ -168,9 +225,15 @@ class _Search:
             self._hypothesis.at(x), x, simulated, self._misfit.residual(simulated), blocks, columns
         )
 
-    def _change(self, x: NDArray[np.float64]) -> list[list[tuple[NDArray[np.float64], ...]]]:
-        if x.tobytes() not in self._columns:
-            self._columns[x.tobytes()] = self._misfit.sensitivities(
-                self._hypothesis, x, self.simulate(x), parallel=self._parallel
-            )
-        return self._columns[x.tobytes()]
+    def _change(self, x: Array) -> list[Columns]:
+        return self._measured(x, range(x.size))
+
+    def _measured(self, x: Array, which: Sequence[int]) -> list[Columns]:
+        """Columns at x of some parameters."""
+        at = x.tobytes()
+        missing = [i for i in which if (at, i) not in self._columns]
+        found = self._misfit.sensitivities(
+            self._hypothesis, x, self.simulate(x), missing, parallel=self._parallel
+        )
+        self._columns |= {(at, i): column for i, column in zip(missing, found, strict=True)}
+        return [self._columns[at, i] for i in which]

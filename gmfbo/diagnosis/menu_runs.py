@@ -215,7 +215,9 @@ def play(case: Case, rival: Fitted) -> Played | None:
     if not all(run.finite for run in simulated):
         return None
     unscored = Misfit(case.simulations, ())
-    columns = unscored.sensitivities(hypothesis, rival.x, simulated, parallel=True)
+    columns = unscored.sensitivities(
+        hypothesis, rival.x, simulated, range(rival.x.size), parallel=True
+    )
     return Played(simulated, columns)
 
 

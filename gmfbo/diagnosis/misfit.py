@@ -89,10 +89,11 @@ class Misfit:
         hypothesis: Hypothesis,
         x: NDArray[np.float64],
         base: Sequence[Simulated],
+        which: Sequence[int],
         *,
         parallel: bool,
     ) -> list[list[tuple[NDArray[np.float64], ...]]]:
-        """Change of each recording's signals per unit of each free parameter.
+        """Change of each recording's signals per unit of some free parameters.
 
         Parameters
         ----------
@@ -102,15 +103,20 @@ class Misfit:
             Where.
         base : sequence of Simulated
             The recordings simulated there.
+        which : sequence of int
+            Places of the parameters.
         parallel : bool
             Use all simulators; False on a thread that is one of several.
 
         Returns
         -------
-        list of n lists, one a recording, of tuples of ndarray, one a signal
+        list of list of tuple of ndarray
+            For each parameter and recording, one array a signal.
         """
-        steps = hypothesis.difference_sizes(x)
-        moved_runs = self.run_moved(hypothesis, x, np.diag(steps), parallel=parallel)
+        steps = hypothesis.difference_sizes(x)[list(which)]
+        moves = np.zeros((len(which), x.size))
+        moves[range(len(which)), list(which)] = steps
+        moved_runs = self.run_moved(hypothesis, x, moves, parallel=parallel)
         return [
             [
                 tuple((a - b) / step for a, b in zip(run.signals, start.signals, strict=True))
