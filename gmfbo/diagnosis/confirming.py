@@ -11,7 +11,7 @@ from gmfbo.diagnosis.acting import seconds_at_work
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.leaving_out import square_after_refit
-from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.diagnosis.misfit import Misfit, chi2
 from gmfbo.diagnosis.recorded_noise import under_noise
 from gmfbo.diagnosis.screening import Probe, Screened
 from gmfbo.diagnosis.simulated import Simulated
@@ -28,8 +28,8 @@ _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
 _OTHER_LAGS = (0.7, 0.8, 0.9, 0.95, 1.05, 1.2)  # times a lag at which its fit may start too
 _SHORTEST = 3  # starts of a lag: no parameter hides a long one
-_A_FEW = 4  # steps that show whether a start leads anywhere
-_AGAIN = 4  # points that are tried after that
+_A_FEW = 6  # steps that show whether a start leads anywhere
+_AGAIN = 8  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
 LAGS = "timing"
@@ -63,11 +63,17 @@ def shortlist(screened: Sequence[Screened], least_gain: float) -> list[Candidate
             chosen.append(entry)
             families.add(family)
     names = {s.probe.candidate.effect for s in chosen}
+    first = worth[0].probe.candidate.law
+    alike = [n for n in first.confused_with if CATALOGUE[n].family == first.family == "friction"]
     for entry in list(chosen):
-        for simpler in entry.probe.candidate.law.contains:
-            if simpler in best and simpler not in names and best[simpler].kept:
-                chosen.append(best[simpler])
-                names.add(simpler)
+        law = entry.probe.candidate.law
+        nearby = [*law.contains, *(alike if law is first else ())]
+        # The same at the other end of the loop is a rival, however little its own start explains.
+        wanted = [*(n for n in nearby if n in best and best[n].kept), *law.same_loop]
+        for name in wanted:
+            if name in best and name not in names:
+                chosen.append(best[name])
+                names.add(name)
     return [start_of(entry) for entry in chosen]
 
 
@@ -104,8 +110,9 @@ def confirm(
     """
 
     def one(candidate: Candidate) -> Fitted | None:
-        hypothesis, parameters = _best_start(misfit, base, candidate)
-        found = fit(misfit, hypothesis, parameters)
+        starts = _best_starts(misfit, base, candidate)
+        fits = [fit(misfit, hypothesis, near, near=base) for hypothesis, near in starts]
+        found = min((f for f in fits if f is not None), key=lambda f: f.chi2, default=None)
         return None if found is None else _otherwise(misfit, base, found)
 
     def again(found: Fitted) -> Fitted:
@@ -114,7 +121,7 @@ def confirm(
         noisy = under_noise(misfit, found)
         if noisy is None:
             return found
-        moved = fit(misfit, noisy, found.parameters, iterations=_AGAIN)
+        moved = fit(misfit, noisy, found.parameters, near=found, iterations=_AGAIN)
         return found if moved is None or moved.chi2 > found.chi2 else moved
 
     fits = [f for f in misfit.simulations.map_outer(one, candidates) if f is not None]
@@ -128,10 +135,14 @@ def _is_itself(fitted: Fitted) -> bool:
     return effect.law.is_itself(effect.values, fitted.hypothesis.setting.excitation)
 
 
-def _best_start(
+def _best_starts(
     misfit: Misfit, base: Fitted, candidate: Candidate
-) -> tuple[Hypothesis, Mapping[str, float]]:
-    """The best of several points to begin at, since gaps and limits have many minima."""
+) -> list[tuple[Hypothesis, Mapping[str, float]]]:
+    """The best of several points to begin at, since gaps and limits have many minima.
+
+    Two where the one that explains most as it is, is not the one of which a linear step promises
+    most: behind a limit, such a step may lead anywhere.
+    """
     starts = [candidate]
     if candidate.law.family in _ROUGH:
         excitation = base.hypothesis.setting.excitation
@@ -146,10 +157,12 @@ def _best_start(
     # Where nothing acts, there is no slope that could lead a fit away.
     records = misfit.simulations.records
     acting = [t for t in trials if seconds_at_work(t.candidate, t.simulated, records)]
-    best = min(acting or trials, key=lambda t: t.square, default=None)
-    if best is None:
-        return _joined(base.hypothesis, candidate), base.parameters
-    return best.hypothesis, best.parameters
+    if not trials:
+        return [(_joined(base.hypothesis, candidate), base.parameters)]
+    promising = min(acting or trials, key=lambda t: t.square)
+    nearest = min(acting or trials, key=lambda t: chi2(misfit.residual(t.simulated)))
+    best = [promising] if nearest is promising else [promising, nearest]
+    return [(trial.hypothesis, trial.parameters) for trial in best]
 
 
 def _otherwise(misfit: Misfit, base: Fitted, found: Fitted) -> Fitted:
@@ -161,7 +174,7 @@ def _otherwise(misfit: Misfit, base: Fitted, found: Fitted) -> Fitted:
         *others, candidate = found.hypothesis.effects
         changed = replace(candidate, more={**candidate.more, **values})
         hypothesis = replace(found.hypothesis, effects=(*others, changed))
-        moved = fit(misfit, hypothesis, found.parameters, iterations=_AGAIN)
+        moved = fit(misfit, hypothesis, found.parameters, near=found, iterations=_AGAIN)
         if moved is None or moved.chi2 > found.chi2:
             break
         found = moved
@@ -283,17 +296,20 @@ def _lags_beyond(misfit: Misfit, base: Fitted, starts: Sequence[Candidate]) -> l
         return []
     first = starts[0].effect
 
-    def one(candidate: Candidate) -> tuple[float, float]:
-        found = fit(misfit, _joined(base.hypothesis, candidate), base.parameters, iterations=_A_FEW)
-        square = np.inf if found is None else found.chi2
-        return square, next(iter(candidate.values.values()))
+    def lasting(candidate: Candidate) -> float:
+        return next(iter(candidate.values.values()))
+
+    def after_a_few_steps(candidate: Candidate) -> float:
+        hypothesis = _joined(base.hypothesis, candidate)
+        found = fit(misfit, hypothesis, base.parameters, near=base, iterations=_A_FEW)
+        return np.inf if found is None else found.chi2
 
     shortest = [c for c in starts if c.effect == first][:_SHORTEST]
-    tried = misfit.simulations.map_outer(one, shortest)
-    square, time = min(tried)
-    if square >= base.chi2 - _WORTH_OTHERS:
+    squares = misfit.simulations.map_outer(after_a_few_steps, shortest)
+    best = int(np.argmin(squares))
+    if squares[best] >= base.chi2 - _WORTH_OTHERS:
         return []
     nearest: dict[str, Candidate] = {}
-    for candidate in sorted(starts, key=lambda c: abs(next(iter(c.values.values())) - time)):
+    for candidate in sorted(starts, key=lambda c: abs(lasting(c) - lasting(shortest[best]))):
         nearest.setdefault(candidate.effect, candidate)
     return list(nearest.values())

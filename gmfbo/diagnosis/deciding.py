@@ -45,7 +45,7 @@ _GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters misl
 _FAR_MORE = 2.0  # times the gain of what is proven, or of what is asked for
 _WORTH_FITTING = 8.0  # gain by screening below which no fit is tried
 _PROMISING = 200.0  # gain by screening from which it is asked whether fits keep what it promised
-_KEPT_PROMISE = 0.2  # of it, below which what it ranked next is fitted too
+_KEPT_PROMISE = 0.25  # of it, below which what it ranked next is fitted too
 
 
 def decide(
@@ -265,13 +265,26 @@ def _confirmed(
     model = decision.model
     assert model is not None
     fits = confirm(case.misfit, model, chosen)
-    promised = max((s.gain for s in screened if s.kept), default=0.0)
-    kept = model.chi2 - min((f.chi2 for f in fits), default=model.chi2)
-    if promised < _PROMISING or kept > _KEPT_PROMISE * promised:
-        return fits
     known = {c.effect for c in chosen}
     others = [s for s in screened if s.probe.candidate.effect not in known]
-    return fits + confirm(case.misfit, model, shortlist(others, _WORTH_FITTING))
+    if _fall_short(model, screened, fits):
+        return fits + confirm(case.misfit, model, shortlist(others, _WORTH_FITTING))
+    for family in sorted({c.law.family for c in chosen}):
+        promised = [s for s in screened if s.probe.candidate.law.family == family]
+        if _fall_short(model, promised, [f for f in fits if _family(f) == family]):
+            relatives = [s for s in others if s.probe.candidate.law.family == family]
+            fits += confirm(case.misfit, model, shortlist(relatives, _WORTH_FITTING))
+    return fits
+
+
+def _fall_short(model: Fitted, screened: Sequence[Screened], fits: Sequence[Fitted]) -> bool:
+    promised = max((s.gain for s in screened if s.kept), default=0.0)
+    kept = model.chi2 - min((f.chi2 for f in fits), default=model.chi2)
+    return promised >= _PROMISING and kept <= _KEPT_PROMISE * promised
+
+
+def _family(fitted: Fitted) -> str:
+    return fitted.hypothesis.effects[-1].law.family
 
 
 def _with_limits_scanned(
@@ -307,7 +320,8 @@ def _is_uneven(model: Fitted) -> bool:
 
 def _polished(case: Case, decision: Decision, winner: Evidence) -> Evidence:
     """Fit once more from where the fit stopped: what it still leaves would look like physics."""
-    again = fit(case.misfit, winner.fitted.hypothesis, winner.fitted.parameters, parallel=True)
+    fitted = winner.fitted
+    again = fit(case.misfit, fitted.hypothesis, fitted.parameters, near=fitted, parallel=True)
     if again is None or again.chi2 >= winner.chi2:
         return winner
     assert decision.model is not None
@@ -331,7 +345,7 @@ def _widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fi
     best = _best(case, fits)
     if best is not case.base:
         # A fit that stopped early would pass for a law that is not exact.
-        again = fit(case.misfit, best.hypothesis, best.parameters, parallel=True)
+        again = fit(case.misfit, best.hypothesis, best.parameters, near=best, parallel=True)
         if again is not None and again.chi2 < best.chi2:
             fits = [again if f is best else f for f in fits]
             best = again

@@ -9,7 +9,7 @@ import numpy as np
 from gmfbo.diagnosis.decision import Evidence
 from gmfbo.physics.effect import Effect
 
-AS_GOOD = 0.9
+AS_GOOD = 0.8
 """Of the gain, from which only the way that physics is stepped sets two ends of a loop apart."""
 
 _QUANTILE = 1.645  # of a normal variable: 95 %
