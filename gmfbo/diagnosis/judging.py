@@ -32,6 +32,12 @@ def note_what_is_not_named(case: Case, decision: Decision) -> None:
             f"{name} explains what is left, but it is smaller than anybody would act on: it is "
             "not named"
         )
+    if decision.disputed is not None:
+        name = words(decision.disputed.name)
+        case.notes.append(
+            f"{name} would explain more of these recordings than anything else, but some of them "
+            "speak against it: something acts that is like it, and is not it"
+        )
     if decision.unsettled is not None:
         lasting = number(decision.unsettled.effect.values["duration"])
         case.notes.append(

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.threshold import left_out_square
 
 _PLAIN = 300.0  # gain on all, from which a limit is there, and the others only tell its size
+_COMMENSURATE = 1.25  # times the square of its change, which an effect may gain
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
 
 
@@ -47,4 +48,8 @@ def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]
     signature = squares(
         tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups
     )
+    # What takes r to r - d at its best takes |d|^2 away: more is what the model without it missed.
+    most = _COMMENSURATE * signature.sum()
+    if inside.sum() > most:
+        gains = gains * most / inside.sum()
     return Evidence(fitted, gains, signature, fitted.chi2)

@@ -9,6 +9,7 @@ import numpy as np
 
 from gmfbo.diagnosis.acceptance import MECHANICS
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
+from gmfbo.diagnosis.constancy import inconstant
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.moved_residual import chance_of_moving
@@ -30,6 +31,7 @@ _UNNAMED_SHARE = 0.1  # of the misfit beyond noise, which names may leave: no la
 _INSTEAD = 0.5  # of what passes, which a function of a state explains: then it is no chance
 _STICKS = 0.25  # of noise, which right names may leave of an axis that sticks or rattles
 _CLEAR = 100.0  # times the noise: in so large a misfit whatever a law leaves shows
+_INCONSTANT = 0.05  # of the names' gain, which is lost where each stretch is foretold by the others
 _NO_LAW = 400.0  # times the noise, which no right name leaves (a real servo's friction leaves 190)
 
 MISMATCH = 4.0
@@ -102,6 +104,7 @@ def look_outside(
                 _explains_more_beside(judged, decision, named, response, rng),
                 _passes_by(decision) and _most_fall(model) > _INSTEAD * named,
                 _leaves_too_much(judged, decision, base.chi2, rng),
+                inconstant(with_names, decision.groups) > _INCONSTANT * named,
             )
         )
     return Outside(model, gain, named, is_better)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.judging import note_what_is_not_named
 from gmfbo.diagnosis.outside import Outside, look_outside
 from tests.diagnosis.port_cases import Law, open_servo, port_case
 from tests.diagnosis.short_recordings import decided
@@ -93,6 +95,10 @@ def test_a_spring_against_which_recordings_speak_is_disputed() -> None:
     assert decision.disputed is not None
     assert decision.disputed.name == "elastic_return"
     assert outside.is_better
+    told = SimpleNamespace(notes=[])
+    note_what_is_not_named(told, decision)  # type: ignore[arg-type]
+    assert len(told.notes) == 1
+    assert "some of them speak against it" in told.notes[0]
 
 
 def test_a_spring_of_the_library_is_not_disputed() -> None:

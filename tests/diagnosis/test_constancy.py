@@ -1,0 +1,73 @@
+"""A right law has the same parameters in each stretch; one bent to all of them does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.constancy import inconstant
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
+from tests.diagnosis.linear_evidences import ROWS, SETTING, WINDOWS, blocks
+from tests.physics.excitations import TYPICAL
+
+Array = NDArray[np.float64]
+
+GROUPS = range(WINDOWS)
+SIZE = 5.0
+"""Of a column's rows: 10 standard deviations in all four windows."""
+
+
+def fitted(recorded: Array, columns: Array) -> Fitted:
+    """Least-squares fit of the twin's inertia and an effect's level, columns of shape (2, n)."""
+    effect = Candidate("coulomb_friction", {"level": 0.1 * TYPICAL.torque})
+    solution = np.linalg.lstsq(columns.T, recorded, rcond=None)[0]
+    residual = blocks(recorded - columns.T @ solution)
+    return Fitted(
+        Hypothesis(SETTING, (effect,)), np.ones(2), [], residual, blocks(columns), [[], []]
+    )
+
+
+def drawn(seed: int, share_of_window: Array) -> tuple[Array, Array]:
+    """Noise, and two columns of which the second has this size in each window."""
+    rng = np.random.default_rng(seed)
+    columns = rng.standard_normal((2, WINDOWS * ROWS)) * 100.0
+    columns[1] *= np.repeat(share_of_window, ROWS)
+    return rng.standard_normal(WINDOWS * ROWS), columns
+
+
+def test_noise_alone_never_makes_a_right_law_inconstant() -> None:
+    for seed in range(300):
+        noise, columns = drawn(seed, np.ones(WINDOWS))
+        truth = SIZE * columns[1] / np.linalg.norm(columns[1])
+        assert inconstant(fitted(truth + noise, columns), GROUPS) == 0.0
+
+
+def test_an_effect_that_changes_its_size_between_stretches_is_inconstant() -> None:
+    noise, columns = drawn(0, np.ones(WINDOWS))
+    size = np.repeat([1.0, 1.0, -1.0, -1.0], ROWS)
+    found = fitted(0.02 * size * columns[1] + noise, columns)
+    by_hand = 0.0
+    prior = np.diag(np.sqrt(found.prior))
+    for g in GROUPS:
+        others = np.concatenate([found.sensitivity[i] for i in GROUPS if i != g], axis=1)
+        left = np.concatenate([found.residual[i] for i in GROUPS if i != g])
+        rows, right = np.vstack([others.T, prior]), np.concatenate([left, np.zeros(2)])
+        change = np.linalg.lstsq(rows, right, rcond=None)[0]
+        after = found.residual[g] - found.sensitivity[g].T @ change
+        by_hand += float(after @ after - found.residual[g] @ found.residual[g])
+    assert by_hand > 100.0
+    assert inconstant(found, GROUPS) == pytest.approx(by_hand, rel=1e-6)
+
+
+def test_what_one_stretch_alone_shows_speaks_for_nothing() -> None:
+    """Fitted without that stretch, the effect may have any size there."""
+    noise, columns = drawn(1, np.array([1.0, 1e-3, 1e-3, 1e-3]))
+    truth = 100.0 * columns[1] / np.linalg.norm(columns[1])
+    assert inconstant(fitted(truth + noise, columns), GROUPS) == 0.0
+
+
+def test_one_group_has_no_others() -> None:
+    noise, columns = drawn(2, np.ones(WINDOWS))
+    assert inconstant(fitted(noise, columns), [0] * WINDOWS) == 0.0
