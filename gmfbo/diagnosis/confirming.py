@@ -28,8 +28,8 @@ _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
 _OTHER_LAGS = (0.7, 0.8, 0.9, 0.95, 1.05, 1.2)  # times a lag at which its fit may start too
 _SHORTEST = 3  # starts of a lag: no parameter hides a long one
-_A_FEW = 6  # steps that show whether a start leads anywhere
-_AGAIN = 8  # points that are tried after that
+_A_FEW = 4  # steps that show whether a start leads anywhere
+_AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
 
 LAGS = "timing"

@@ -8,22 +8,27 @@ import numpy as np
 
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.leaving_out import normal_equations, solve_weakly_bound, sums_of_others
+from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
+from gmfbo.diagnosis.misfit import Misfit
 
 _BY_CHANCE = 10.0  # times what noise makes of it: far more than chance does
 
 
-def inconstant(fitted: Fitted, groups: Sequence[int]) -> float:
+def inconstant(misfit: Misfit, fitted: Fitted, groups: Sequence[int]) -> float:
     """What a fit to the other groups misses in each, where that is no chance; 0 otherwise.
 
     A law that is the right one has the same parameters everywhere: fitted without a stretch it
     foretells that stretch but for noise. One that is bent to all of them does not (Chow 1960). How
     much noise makes of it follows from the sensitivities, so that a parameter that only one stretch
-    shows speaks for nothing.
+    shows speaks for nothing. Sensitivities of an axis that sticks may lead astray, so what they say
+    is simulated.
 
     Parameters
     ----------
+    misfit : Misfit
+        Recordings, simulators and a budget.
     fitted : Fitted
-        The twin with all named effects, by the budget of noise alone.
+        The twin with all named effects, measured by the same.
     groups : sequence of int
         Group of each window.
 
@@ -43,4 +48,9 @@ def inconstant(fitted: Fitted, groups: Sequence[int]) -> float:
         for matrix in (rest, whole)
     )
     dispersion = max(1.0, fitted.chi2 / sum(block.size for block in fitted.residual))
-    return rise if rise > _BY_CHANCE * dispersion * by_noise else 0.0
+    least = _BY_CHANCE * dispersion * by_noise
+    if rise <= least:
+        return 0.0
+    simulated = simulated_left_out(misfit, fitted, groups) - squares(fitted.residual, groups)
+    rise = min(rise, float(simulated.sum()))
+    return rise if rise > least else 0.0

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import least_squares
 
 from gmfbo.diagnosis.difference_steps import with_clear_steps
 from gmfbo.diagnosis.hypothesis import Hypothesis
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.simulated import Simulated
 
-_ITERATIONS = 20
+_ITERATIONS = 10
+_CHEAP = 20  # points of a search that keeps its columns
 _TOLERANCE = 3e-4  # of chi2: far below what separates two hypotheses
 _FLAT = 1e-12  # gradient where parameters change nothing, as in a recording at rest
 _HOPELESS = 1e4  # residual that stands for a run which ended early
@@ -91,10 +92,10 @@ def fit(
 ) -> Fitted | None:
     """Fit all free parameters by least squares; None where the start cannot be simulated.
 
-    What a parameter changes is much the same a step further, and with one effect more. So the
-    search begins with the columns of a model that is not far off, and keeps what it has (the chord
-    method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of what was promised.
-    Where it ends all are measured, and it goes on from there as long as these promise more.
+    What a parameter changes is much the same a step further, and with one effect more. Beside a
+    model that has effects and is not far off, the search begins with that model's columns and keeps
+    what it has (the chord method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of
+    what was promised. From where that ends, all columns are measured at each step.
 
     Parameters
     ----------
@@ -105,11 +106,11 @@ def fit(
     parameters : mapping of str to float
         Start of the twin's uncertain parameters.
     near : Fitted, optional
-        A fit of a hypothesis that shares free parameters.
+        A fit of a hypothesis that shares free parameters, the model nearby.
     parallel : bool
         Use all simulators for this fit alone.
     iterations : int
-        Points that are tried at most, beside those by which columns are measured.
+        Points that are tried at most with all columns measured.
     """
     if hypothesis.setting.is_rough:
         hypothesis = with_clear_steps(misfit, hypothesis, parameters, parallel=parallel)
@@ -118,11 +119,10 @@ def fit(
     if not all(run.finite for run in search.simulate(x)):
         return None
     if x.size:
-        while True:
-            x, taken = search.solution(x, iterations)
-            iterations -= taken
-            if iterations <= 0 or not search.has_further_to_go(x):
-                break
+        if search.has_columns:
+            x = search.solution(x, _CHEAP)
+            search.forget()
+        x = search.solution(x, iterations)
     return search.fitted(x)
 
 
@@ -138,6 +138,12 @@ def stacked(misfit: Misfit, columns: list[Columns]) -> Blocks:
     return misfit.whitened(together)
 
 
+def _is_near(model: Fitted) -> bool:
+    """Whether columns of a model are worth keeping: with effects they are many, and about right."""
+    residuals = sum(block.size for block in model.residual)
+    return bool(model.hypothesis.effects) and model.chi2 < _FAR * residuals
+
+
 class _Search:
     """Residuals and Jacobians for SciPy, simulating no point twice."""
 
@@ -149,12 +155,21 @@ class _Search:
         self._columns: dict[tuple[bytes, int], Columns] = {}
         self._length = sum(w.n_residuals for w in misfit.whiteners)
         self._near: dict[str, Columns] = {}
-        if near is not None and near.chi2 < _FAR * sum(r.size for r in near.residual):
+        if near is not None and _is_near(near):
             self._near = dict(zip(near.hypothesis.names, near.columns, strict=True))
         self._last: tuple[Array, Array] | None = None
 
-    def solution(self, x: Array, steps: int) -> tuple[Array, int]:
-        """Where a search from x ends, and in how many steps."""
+    @property
+    def has_columns(self) -> bool:
+        """Whether a model nearby has some of the columns."""
+        return bool(self._near)
+
+    def forget(self) -> None:
+        """Measure all columns at each step from here on."""
+        self._near, self._last = {}, None
+
+    def solution(self, x: Array, steps: int) -> Array:
+        """Where a search from x ends."""
         found = least_squares(
             self.residual,
             x,
@@ -166,17 +181,7 @@ class _Search:
             gtol=_FLAT,
             max_nfev=steps,
         )
-        return np.asarray(found.x), int(found.nfev)
-
-    def has_further_to_go(self, x: Array) -> bool:
-        """Whether columns measured where a search ended promise a way further down."""
-        residual, scales = self.residual(x), self._hypothesis.scales
-        self._last = x, self._slopes(self._change(x))
-        low, high = self._hypothesis.bounds
-        limits = (low - x) / scales, (high - x) / scales
-        left = 2.0 * lsq_linear(self._last[1] * scales, -residual, limits).cost
-        square = float(residual @ residual)
-        return bool(square - left > _TOLERANCE * square)
+        return np.asarray(found.x)
 
     def simulate(self, x: Array) -> list[Simulated]:
         if x.tobytes() not in self._known:
@@ -193,17 +198,19 @@ class _Search:
         return np.concatenate(self._misfit.residual(simulated))
 
     def jacobian(self, x: Array) -> Array:
-        if self._last is None:
+        if not self._near or (self._last is not None and self._was_misled(*self._last, x)):
+            slopes = self._slopes(self._change(x))
+        elif self._last is None:
             names = list(enumerate(self._hypothesis.names))
             new = [i for i, name in names if name not in self._near]
             measured = dict(zip(new, self._measured(x, new), strict=True))
-            columns = [measured[i] if i in measured else self._near[name] for i, name in names]
-            self._last = x, self._slopes(columns)
-        elif self._was_misled(*self._last, x):
-            self._last = x, self._slopes(self._change(x))
+            slopes = self._slopes(
+                [measured[i] if i in measured else self._near[name] for i, name in names]
+            )
         else:
-            self._last = x, self._last[1]
-        return self._last[1]
+            slopes = self._last[1]
+        self._last = x, slopes
+        return slopes
 
     def _was_misled(self, before: Array, slopes: Array, x: Array) -> bool:
         """Whether a step fell short of what the slopes promised."""

@@ -266,7 +266,7 @@ class _Opening:
         setting = base.hypothesis.setting
         budget = self._budget(simulations, windows, rig, base, ratio)
         misfit = Misfit(simulations, budget.whiteners())
-        refitted = fit(misfit, Hypothesis(setting), base.parameters, near=base, parallel=True)
+        refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
         assert refitted is not None, "it was simulated at these values a moment ago"
         levels = noise_levels(simulations.records, base.simulated)
         return Case(
@@ -368,7 +368,7 @@ class _Opening:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         misfit = _without_loop_noise(simulations, windows, rig, noise)
         hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
-        base = fit(misfit, hypothesis, {}, parallel=True)
+        base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
         assert base is not None, "the nominal twin was simulated a moment ago"
         return fitted_from_elsewhere(misfit, base)
 

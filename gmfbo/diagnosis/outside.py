@@ -104,7 +104,7 @@ def look_outside(
                 _explains_more_beside(judged, decision, named, response, rng),
                 _passes_by(decision) and _most_fall(model) > _INSTEAD * named,
                 _leaves_too_much(judged, decision, base.chi2, rng),
-                inconstant(with_names, decision.groups) > _INCONSTANT * named,
+                _differs_between_stretches(case, decision),
             )
         )
     return Outside(model, gain, named, is_better)
@@ -126,6 +126,17 @@ def _explains_more_beside(
     share = _BESIDE_SHARE if left_over > 0.0 else _NOISE_SHARE
     least = max(_THRESHOLDS * decision.threshold, share * named)
     return beside > max(least, _REST_SHARE * left_over)
+
+
+def _differs_between_stretches(case: Case, decision: Decision) -> bool:
+    """Whether much of what names explain is lost where each stretch is foretold by the others.
+
+    By the budget that decided on them: an inexact law is hardly the same everywhere.
+    """
+    assert decision.model is not None
+    base, model = (f.measured_by(case.misfit) for f in (case.base, decision.model))
+    lost = inconstant(case.misfit, model, decision.groups)
+    return lost > _INCONSTANT * (base.chi2 - model.chi2)
 
 
 def _leaves_too_much(
