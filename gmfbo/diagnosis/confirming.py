@@ -140,8 +140,8 @@ def _best_starts(
 ) -> list[tuple[Hypothesis, Mapping[str, float]]]:
     """The best of several points to begin at, since gaps and limits have many minima.
 
-    Two where the one that explains most as it is, is not the one of which a linear step promises
-    most: behind a limit, such a step may lead anywhere.
+    Two of a limit where the one that explains most as it is, is not the one of which a linear step
+    promises most: behind a limit, such a step may lead anywhere.
     """
     starts = [candidate]
     if candidate.law.family in _ROUGH:
@@ -160,8 +160,10 @@ def _best_starts(
     if not trials:
         return [(_joined(base.hypothesis, candidate), base.parameters)]
     promising = min(acting or trials, key=lambda t: t.square)
-    nearest = min(acting or trials, key=lambda t: chi2(misfit.residual(t.simulated)))
-    best = [promising] if nearest is promising else [promising, nearest]
+    best = [promising]
+    if candidate.law.family == "limit":
+        nearest = min(acting or trials, key=lambda t: chi2(misfit.residual(t.simulated)))
+        best += [] if nearest is promising else [nearest]
     return [(trial.hypothesis, trial.parameters) for trial in best]
 
 
