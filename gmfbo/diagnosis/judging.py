@@ -32,7 +32,7 @@ def note_what_is_not_named(case: Case, decision: Decision) -> None:
             f"{name} explains what is left, but it is smaller than anybody would act on: it is "
             "not named"
         )
-    if decision.disputed is not None:
+    if decision.disputed is not None and is_more_than_noise(case, case.base):
         name = words(decision.disputed.name)
         case.notes.append(
             f"{name} would explain more of these recordings than anything else, but some of them "

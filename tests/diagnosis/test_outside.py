@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis import judging
 from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.judging import note_what_is_not_named
 from gmfbo.diagnosis.outside import Outside, look_outside
 from tests.diagnosis.port_cases import Law, open_servo, port_case
 from tests.diagnosis.short_recordings import decided
@@ -95,10 +95,19 @@ def test_a_spring_against_which_recordings_speak_is_disputed() -> None:
     assert decision.disputed is not None
     assert decision.disputed.name == "elastic_return"
     assert outside.is_better
-    told = SimpleNamespace(notes=[])
-    note_what_is_not_named(told, decision)  # type: ignore[arg-type]
-    assert len(told.notes) == 1
-    assert "some of them speak against it" in told.notes[0]
+
+
+@pytest.mark.parametrize("is_more", [True, False])
+def test_what_is_disputed_is_said_where_something_is_missing(
+    is_more: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spring = SimpleNamespace(name="elastic_return")
+    decision = Decision(disputed=spring)  # type: ignore[arg-type]
+    case = SimpleNamespace(notes=[], base=None)
+    monkeypatch.setattr(judging, "is_more_than_noise", lambda case, model: is_more)
+    judging.note_what_is_not_named(case, decision)  # type: ignore[arg-type]
+    assert len(case.notes) == is_more
+    assert all("some of them speak against it" in note for note in case.notes)
 
 
 def test_a_spring_of_the_library_is_not_disputed() -> None:
