@@ -104,7 +104,8 @@ def look_outside(
                 _explains_more_beside(judged, decision, named, response, rng),
                 _passes_by(decision) and _most_fall(model) > _INSTEAD * named,
                 _leaves_too_much(judged, decision, base.chi2, rng),
-                _differs_between_stretches(case, decision),
+                base.chi2 < _CLEAR * case.budget.noise
+                and _differs_between_stretches(case, decision),
             )
         )
     return Outside(model, gain, named, is_better)
