@@ -111,7 +111,7 @@ def confirm(
 
     def one(candidate: Candidate) -> Fitted | None:
         starts = _best_starts(misfit, base, candidate)
-        fits = [fit(misfit, hypothesis, near, near=base) for hypothesis, near in starts]
+        fits = [fit(misfit, joined, parameters, near=base) for joined, parameters in starts]
         found = min((f for f in fits if f is not None), key=lambda f: f.chi2, default=None)
         return None if found is None else _otherwise(misfit, base, found)
 

@@ -104,10 +104,11 @@ def look_outside(
                 _explains_more_beside(judged, decision, named, response, rng),
                 _passes_by(decision) and _most_fall(model) > _INSTEAD * named,
                 _leaves_too_much(judged, decision, base.chi2, rng),
-                base.chi2 < _CLEAR * case.budget.noise
-                and _differs_between_stretches(case, decision),
             )
         )
+        # Last, as it may simulate each stretch: only where nothing else has spoken.
+        is_clear = base.chi2 >= _CLEAR * case.budget.noise
+        is_better = is_better or (not is_clear and _differs_between_stretches(case, decision))
     return Outside(model, gain, named, is_better)
 
 
