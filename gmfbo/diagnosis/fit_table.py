@@ -101,14 +101,15 @@ class Fit:
         return max(falls, key=lambda name: falls[name]) if falls else None
 
 
-def contradicts_names(fit: Fit, *, falls: bool) -> bool:
+def contradicts_names(fit: Fit, *, falls: bool, differs: bool) -> bool:
     """Whether recordings that no fit has seen speak against the physics.
 
     A law that holds leaves little more than noise; one that merely bent to the fitted recordings
     misses these by more than no law at all. Where an axis comes to rest within its friction or its
     gap is chance, though, and counts in an RMS error as long as the rest lasts: physics that takes
     most of the explainable error away stands, and where there is next to nothing to explain, so
-    does physics by which the weighted error falls.
+    does physics by which the weighted error falls. A limit that these recordings never reach says
+    nothing about them: their errors then differ by how far an axis drifts alone.
 
     Parameters
     ----------
@@ -116,8 +117,10 @@ def contradicts_names(fit: Fit, *, falls: bool) -> bool:
         Errors on those recordings.
     falls : bool
         Whether the error in the weighted norm of the decision is clearly smaller with the physics.
+    differs : bool
+        Whether in that norm it makes a difference here at all.
     """
-    if not fit.in_noise_floors[1] > _BEYOND_NOISE:
+    if not differs or not fit.in_noise_floors[1] > _BEYOND_NOISE:
         return False
     removed = fit.explainable_error_removed
     stands = falls if removed is None else removed > _MOSTLY_REMOVED

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.records import Record, ScoredSignal
 from gmfbo.diagnosis.simulated import Point, Simulated
 from gmfbo.diagnosis.simulations import Simulations
+from gmfbo.diagnosis.untracked import left_by_tracking
 from gmfbo.sources.twin_entries import OutputEntry
 
 Direction = tuple[NDArray[np.float64], ...]
@@ -85,7 +86,9 @@ def record_directions(
     """
     directions = []
     skew: list[NDArray[np.float64]] = []
-    for i, (signal, values) in enumerate(zip(record.signals, simulated.signals, strict=True)):
+    for i, (signal, run) in enumerate(zip(record.signals, simulated.signals, strict=True)):
+        # A twin that is kept near its recording follows the errors of what it is kept near.
+        values = run if signal.driving is None else left_by_tracking(run, signal.spacing)
         rate = _rate(signal, values)
         skew.append(CLOCK_SKEW * (signal.time - record.start) * rate)
         prior = alignments[signal.name]

@@ -18,6 +18,7 @@ from gmfbo.diagnosis.recorded_noise import under_noise, without_noise
 from gmfbo.diagnosis.simulated import Simulated
 
 _CLEARLY = 15.0  # fall of chi2 that what is not there does not reach; in one sound twin it was 8
+_DIFFERENT = 4.0  # squared distance of two models, whitened: two standard deviations of noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,15 +144,19 @@ def _scored(
         # What noise bridges or shakes loose is another axis without it, and not a wrong law.
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
-    contradicts = contradicts_names(judged, falls=_falls(case, scored, plain, augmented))
+    falls, distance = _change(case, scored, plain, augmented)
+    contradicts = contradicts_names(judged, falls=falls > _CLEARLY, differs=distance > _DIFFERENT)
     return Validated(table, curves, stretches, plain, augmented, fitted_by, contradicts)
 
 
-def _falls(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted) -> bool:
-    """Whether the whitened error is clearly smaller with the physics."""
+def _change(
+    case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted
+) -> tuple[float, float]:
+    """Fall of the whitened squared error by the physics, and squared distance of both models."""
     misfit = restricted(case.plain, scored)
-    before, after = (chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented))
-    return before - after > _CLEARLY
+    before, after = (misfit.residual(fitted.simulated) for fitted in (plain, augmented))
+    distance = tuple(a - b for a, b in zip(before, after, strict=True))
+    return chi2(before) - chi2(after), chi2(distance)
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:

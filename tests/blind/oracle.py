@@ -17,7 +17,10 @@ in reading and command, and S(f) the spectrum of both, 2 x 2, of what is no phys
 For noise of this spectrum the gain is the expected drop of chi2 by the true effect. The logger's
 convention counts as known. A twin in open loop knows nothing of the loop that made its recordings:
 it runs on the command that was recorded, noise included, from where the recording starts, and its
-reading alone is compared.
+reading alone is compared. Noise of the command drifts without end there, so that the frequencies of
+a taper's transform are no longer independent, and a constant push would be worth a hundred times
+what can be told from noise. What is slower than `FORGETS` is therefore taken off first, from
+differences, noise and signals alike.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.signal import bilinear, lfilter
 from scipy.signal.windows import tukey
 
 from tests.blind.machines import Machine
@@ -44,6 +48,9 @@ TOLERANCE = 0.005
 
 NUISANCES = {"lag": 1e-4, "shift": 1e-4, "skew": 1e-4, "scale": 0.02, "drive": 0.02}
 """[s, s, 1, 1, 1] Standard deviations of errors that are no physics."""
+
+FORGETS = 10.0
+"""[rad/s] Below which a plant in open loop is not compared: two poles there."""
 
 REALISATIONS = 4
 NEIGHBOURS = 4
@@ -112,19 +119,27 @@ class Oracle:
                     noisy = _driven(values, signals + np.outer(drive, [0.0, 1.0]))
                     noisy[:, 0] += noise[PREROLL:]
                     noisy[:, 1] = signals[:, 1]
-                    spectra.append(_spectrum(noisy - _driven(values, signals)))
+                    spectra.append(_spectrum(_lasting(noisy - _driven(values, signals), values)))
                 else:
                     spectra.append(
                         _spectrum(_signals(simulate(values, one.reference, noise)) - signals)
                     )
             n = np.array(spectra)
-            s = _smoothed(np.einsum("rfi,rfj->fij", n, n.conj()) / REALISATIONS)
+            s = _smoothed(np.einsum("rfi,rfj->fij", n, n.conj()) / REALISATIONS, self._steep(rows))
             s[:, 1, 1] += self.machine.command_noise**2 * np.sum(_window(rows) ** 2)
-            own = np.abs(_spectrum(signals)) ** 2
+            shown = _lasting(signals - signals[0], values) if self.machine.is_open_loop else signals
+            own = np.abs(_spectrum(shown)) ** 2
             for signal in range(2):
                 s[:, signal, signal] += TOLERANCE**2 * _over_an_octave(own[:, signal])
             factors.append(np.linalg.inv(np.linalg.cholesky(s)))
         return factors
+
+    def _steep(self, rows: int) -> Vector:
+        """Frequencies to the fourth where a command's noise moves a free axis, from `FORGETS`."""
+        kept = int(HIGHEST * rows * SAMPLE) + 1
+        frequency = np.arange(kept) / (rows * SAMPLE)
+        own = np.maximum(2.0 * np.pi * frequency / FORGETS, 1.0) ** 4
+        return (own if self.machine.is_open_loop else np.ones(kept))[:, None, None]
 
     def _white(self, differences: Sequence[Vector]) -> Vector:
         """Whitened differences of all experiments, as one real vector."""
@@ -144,10 +159,16 @@ class Oracle:
         shown = np.array([1.0, 0.0 if self.machine.is_open_loop else 1.0])
         slopes = [np.gradient(one, SAMPLE, axis=0) * shown for one in clean]
         ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
+        moved = [t * v for t, v in zip(ages, slopes, strict=True)]
+        if self.machine.is_open_loop:
+            slopes, moved = (
+                [_lasting(v, self.values) for v in slopes],
+                [_lasting(v, self.values) for v in moved],
+            )
         columns = [
             self._white(self._unlike([_signals(run) for run in self.runs({"torque_lag": lag})])),
             NUISANCES["shift"] * self._white(slopes),
-            NUISANCES["skew"] * self._white([t * v for t, v in zip(ages, slopes, strict=True)]),
+            NUISANCES["skew"] * self._white(moved),
         ]
         if self.machine.is_open_loop:
             louder = [one * np.array([1.0, 1.0 + scale]) for one in clean]
@@ -176,7 +197,7 @@ class Oracle:
             model = self._nominal if changes is None else map(_signals, self.runs(changes))
             return [a - b for a, b in zip(true, model, strict=True)]
         return [
-            a - _driven({**self.values, **one.gains, **(changes or {})}, a)
+            _lasting(a - _driven({**self.values, **one.gains, **(changes or {})}, a), self.values)
             for a, one in zip(true, self.experiments, strict=True)
         ]
 
@@ -254,6 +275,16 @@ def _driven(values: Mapping[str, float], signals: Vector) -> Vector:
     return np.column_stack([run.reading, held])
 
 
+def _lasting(signals: Vector, values: Mapping[str, float]) -> Vector:
+    """What a plant in open loop shows faster than it drifts, shape (rows, 2).
+
+    The zeros are the plant's own poles: a constant push stays a constant.
+    """
+    own = [1.0, values["viscous"] / values["inertia"], 0.0]
+    b, a = bilinear(own, [1.0, 2.0 * FORGETS, FORGETS**2], fs=1.0 / SAMPLE)
+    return np.asarray(lfilter(b, a, signals, axis=0))
+
+
 def _signals(run: TrueRun) -> Vector:
     return np.column_stack([run.reading, run.held])
 
@@ -269,12 +300,13 @@ def _spectrum(signals: Vector) -> Complex:
     return np.asarray(np.fft.rfft(signals * _window(rows)[:, None], axis=0)[:kept])
 
 
-def _smoothed(s: Complex) -> Complex:
-    """Mean over neighbouring frequencies."""
+def _smoothed(s: Complex, steep: Vector) -> Complex:
+    """Mean over neighbouring frequencies, of what is even where `steep` has been multiplied."""
+    s = s * steep
     width = 2 * NEIGHBOURS + 1
     padded = np.pad(s, ((NEIGHBOURS, NEIGHBOURS), (0, 0), (0, 0)), mode="symmetric")
     total = np.cumsum(np.concatenate([np.zeros((1, 2, 2)), padded]), axis=0)
-    return np.asarray((total[width:] - total[:-width]) / width)
+    return np.asarray((total[width:] - total[:-width]) / width / steep)
 
 
 def _over_an_octave(power: Vector) -> Vector:

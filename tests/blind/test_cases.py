@@ -162,6 +162,21 @@ def test_the_gain_of_a_small_effect_grows_with_its_square(oracle: Oracle) -> Non
     assert gains[1] == pytest.approx(4.0 * gains[0], rel=0.1)
 
 
+def test_in_open_loop_a_push_is_worth_what_the_noise_of_the_command_leaves_of_it() -> None:
+    """A push p in n rows of white torque noise s: no unbiased test knows more than n (p / s)^2.
+
+    Taken as independent, the frequencies of a drift would give about a hundred times as much.
+    """
+    rng = np.random.default_rng(0)
+    machine = MACHINES["bench"]
+    values = variation(machine, rng)
+    reference = machine.strokes["multisine"] * SHAPES["multisine"](rng, 2500)
+    oracle = Oracle(machine, values, [Experiment("multisine", reference, {})], seed=1)
+    push = 3e-4
+    known = 2500 * (push / (values["torque_gain"] * machine.command_noise)) ** 2
+    assert 0.2 * known < oracle.gain({"push": push}) < 1.5 * known
+
+
 def test_the_oracle_calls_a_lag_as_in_a_stressed_null_no_physics(oracle: Oracle) -> None:
     """A tenth of a millisecond costs one standard deviation; ten of them are an effect."""
     lag = oracle.values["torque_lag"]
