@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.records import Record, ScoredSignal
 from gmfbo.diagnosis.simulated import Point, Simulated
 from gmfbo.diagnosis.simulations import Simulations
-from gmfbo.diagnosis.untracked import left_by_tracking
 from gmfbo.sources.twin_entries import OutputEntry
 
 Direction = tuple[NDArray[np.float64], ...]
@@ -86,9 +85,7 @@ def record_directions(
     """
     directions = []
     skew: list[NDArray[np.float64]] = []
-    for i, (signal, run) in enumerate(zip(record.signals, simulated.signals, strict=True)):
-        # A twin that is kept near its recording follows the errors of what it is kept near.
-        values = run if signal.driving is None else left_by_tracking(run, signal.spacing)
+    for i, (signal, values) in enumerate(zip(record.signals, simulated.signals, strict=True)):
         rate = _rate(signal, values)
         skew.append(CLOCK_SKEW * (signal.time - record.start) * rate)
         prior = alignments[signal.name]
@@ -173,9 +170,28 @@ def nuisance_directions(
     def one(k: int) -> list[Direction]:
         record = simulations.records[k]
         own = record_directions(record, base[k], alignments)
+        if simulations.tracking is not None:
+            own = [_followed(simulations, point, base[k], k, one) for one in own]
         return own + actuator_directions(simulations, point, base, k, torque_per_command)
 
     return list(simulations.map(one, range(len(base))))
+
+
+def _followed(
+    simulations: Simulations, point: Point, base: Simulated, record: int, direction: Direction
+) -> Direction:
+    """What an error of a recorded position leaves of itself, where the twin is kept near it."""
+    encoder, signals = simulations.encoder, simulations.records[record].signals
+    place = next((i for i, s in enumerate(signals) if encoder and s.name == encoder.signal), None)
+    if encoder is None or place is None:
+        return direction
+    grid = simulations.records[record].plan.grid
+    error = np.interp(grid, signals[place].time, direction[place]) / encoder.to_si
+    run = simulations.run_one(point, record, measured_noise=error)
+    if not run.finite:
+        return direction
+    moved = zip(direction, run.signals, base.signals, strict=True)
+    return tuple(one - (after - before) for one, after, before in moved)
 
 
 def _rate(signal: ScoredSignal, values: NDArray[np.float64]) -> NDArray[np.float64]:

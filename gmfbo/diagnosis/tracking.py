@@ -7,14 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import bilinear, lfilter
 
 from gmfbo.diagnosis.rig import Rig
 from gmfbo.diagnosis.simulated import Tracking
 from gmfbo.diagnosis.simulations import Simulations
-from gmfbo.diagnosis.untracked import TRACKING_DAMPING, TRACKING_RAD_S, left_by_tracking
+
+TRACKING_RAD_S = 10.0
+"""[rad/s] Bandwidth of the loop that keeps an open-loop twin from drifting off its recordings.
+
+Low, so that it hardly reacts to the noise of what it follows: a loop that held the twin by force
+would turn that noise into torque in proportion to its inertia, and the least inertia would fit.
+"""
 
 HOLDING_RAD_S = 90.0
 """[rad/s] The same for a loop whose effort is read as the torque that is missing."""
+
+_TRACKING_DAMPING = 0.8
 
 
 def tracking_loop(
@@ -35,7 +44,7 @@ def tracking_loop(
     """
     settings = {
         "tracking.kp": inertia * bandwidth**2,
-        "tracking.kd": 2.0 * TRACKING_DAMPING * inertia * bandwidth,
+        "tracking.kd": 2.0 * _TRACKING_DAMPING * inertia * bandwidth,
     }
     return Tracking(settings, tuple(measured))
 
@@ -60,7 +69,7 @@ def track_recordings(simulations: Simulations, rig: Rig, inertia: float) -> None
         grid = record.plan.grid
         on_grid = np.interp(grid, record.plan.recording.time[known], column[known])
         measured.append(on_grid / rig.position_to_si)
-        fast = left_by_tracking(on_grid, float(grid[1] - grid[0]))
+        fast = _untracked(on_grid, grid)
         signals = tuple(
             replace(s, driving=np.interp(s.time, grid, fast)) if s.name in rig.positions else s
             for s in record.signals
@@ -68,3 +77,12 @@ def track_recordings(simulations: Simulations, rig: Rig, inertia: float) -> None
         records.append(replace(record, signals=signals))
     simulations.tracking = tracking_loop(inertia, measured)
     simulations.replace_records(records)
+
+
+def _untracked(column: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Faster part of a position on the communication grid: what the loop leaves to be scored."""
+    w = TRACKING_RAD_S
+    closed = [1.0, 2.0 * _TRACKING_DAMPING * w, w**2]
+    b, a = bilinear([1.0, 0.0, 0.0], closed, fs=1.0 / float(grid[1] - grid[0]))
+    fast: NDArray[np.float64] = lfilter(b, a, column - column[0])
+    return fast
