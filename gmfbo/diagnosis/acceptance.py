@@ -24,7 +24,8 @@ _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a f
 _PLAIN_WORTH = 0.5  # thresholds that a larger law has to gain over its limit
 _VAGUE_WORTH = 4.0  # the same where what sets it apart may as well be zero
 _ALIKE = 0.3  # cosine of two effects' changes, above which the lesser is the other's shadow
-_CLEAR, _SMALL = 10.0, 0.5  # times what is asked for: then this share of a floor will do
+_CLEAR, _SMALL = 5.0, 0.5  # times what is asked for: then this share of a floor will do
+_NO_CHANCE = 0.9  # of the gain of what passed once, which a law without a clock explains
 _SEEN = 2.0  # the same of friction and play, whose floors are no tolerance of twins
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which recordings may lose together
@@ -240,8 +241,17 @@ def _worth(larger: Evidence, simpler: str) -> float:
     return _VAGUE_WORTH if _may_vanish(larger, simpler) else _PLAIN_WORTH
 
 
+def _passes(evidence: Evidence) -> bool:
+    """Whether it acted once, at a time that was searched."""
+    law = evidence.effect.law
+    return law.is_searched and not law.is_line
+
+
 def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Evidence:
     """The best, or its simplest limit over which it does not gain the threshold or the slack.
+
+    A push at some time makes up for whatever happens once. That it comes just where a law without
+    a clock would act is no chance: a law that explains nearly as much is preferred.
 
     Parameters
     ----------
@@ -257,6 +267,9 @@ def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Ev
         # Where one stretch alone shows a limit, the others do not know it: its gain is too small.
         limits = [e for e in accepted if e.effect.law.family == _LIMIT]
         best = min(limits, key=lambda e: e.chi2 + _freedom(e.effect))
+    elif _passes(best):
+        laws = [e for e in accepted if not _passes(e) and e.gain > _NO_CHANCE * best.gain]
+        best = max(laws, key=lambda e: e.gain, default=best)
     while True:
         simpler = [
             e

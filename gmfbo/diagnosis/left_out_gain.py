@@ -12,7 +12,7 @@ from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.threshold import left_out_square
 
-_PLAIN = 300.0  # gain on all, from which a limit is there, and the others only tell its size
+_PLAIN = 100.0  # gain on all, from which a limit is there, and the others only tell its size
 _COMMENSURATE = 1.25  # times the square of its change, which an effect may gain
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
 

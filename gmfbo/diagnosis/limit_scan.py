@@ -30,7 +30,16 @@ Array = NDArray[np.float64]
 _ROWS = (2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)  # beyond the limit, over all recordings
 _FIRST_STEP = 0.005  # of a size, by which the best of them is first moved
 _REFINING = 40  # sizes that are tried about it
+_WORTH_REFINING = 0.3  # of what the best size explains
 _SLOPES = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the largest command per largest speed
+_OCTAVES = 12  # of rates, down from the one by which the largest jump is followed at once
+_ZONES = (1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1)  # of the largest command
+_SCANNED = (
+    "actuator_saturation",
+    "supply_voltage_limit",
+    "actuator_rate_limit",
+    "actuator_dead_zone",
+)
 
 
 def scan_limits(
@@ -55,7 +64,7 @@ def scan_limits(
     -------
     list of (gain, Candidate), best first
     """
-    wanted = [n for n in names if n in ("actuator_saturation", "supply_voltage_limit")]
+    wanted = [n for n in _SCANNED if n in names]
     response = measure_port_response(case, "command", rng, model) if wanted else None
     if response is None:
         return []
@@ -76,12 +85,22 @@ def scan_limits(
 
     found = []
     for name in wanted:
-        tried = [(gain(name, values), values) for values in _sizes(name, states)]
-        best = max(tried, key=lambda entry: entry[0], default=None)
-        if best is not None and best[0] > least:
-            between = _refined(partial(gain, name), best[1])
-            found.append((best[0], _better(case, model, name, [between, best[1]])))
+        tried = [_best(partial(gain, name), sizes) for sizes in _sizes(case, name, states)]
+        most = max((value for value, _ in tried), default=0.0)
+        if most <= least:
+            continue
+        best = max(tried, key=lambda entry: entry[0])[1]
+        worth = [size for value, size in tried if value > max(least, _WORTH_REFINING * most)]
+        between = [_refined(partial(gain, name), size) for size in worth]
+        value, refined = max(((gain(name, size), size) for size in between), key=lambda e: e[0])
+        found.append((max(value, most), _better(case, model, name, [refined, best])))
     return sorted(found, key=lambda entry: -entry[0])
+
+
+def _best(
+    gain: Callable[[Mapping[str, float]], float], sizes: Sequence[Mapping[str, float]]
+) -> tuple[float, Mapping[str, float]]:
+    return max(((gain(size), size) for size in sizes), key=lambda entry: entry[0])
 
 
 def _better(
@@ -128,20 +147,27 @@ def _as_recorded(case: Case, k: int, states: States) -> States:
     return states
 
 
-def _sizes(name: str, states: Sequence[States]) -> Iterator[Mapping[str, float]]:
-    """Limits that a few rows pass, then more."""
+def _sizes(
+    case: Case, name: str, states: Sequence[States]
+) -> Iterator[Sequence[Mapping[str, float]]]:
+    """Sizes in rows along which only one value changes."""
     command = np.concatenate([np.abs(s.command) for s in states])
-    if name == "actuator_saturation":
-        for limit in _quantiles(command):
-            yield {"limit": limit}
-        return
     speed = np.concatenate([np.abs(s.velocity) for s in states])
-    if not speed.any() or not command.any():
-        return
-    for share in _SLOPES:
-        slope = share * float(command.max()) / float(np.quantile(speed, 0.999))
-        for limit in _quantiles(command + slope * speed):
-            yield {"limit": limit, "slope": slope}
+    largest = float(command.max())
+    if name == "actuator_saturation":
+        limits = [{"limit": limit} for limit in _quantiles(command)]
+        yield from [limits] if limits else []
+    elif name == "actuator_dead_zone" and largest > 0.0:
+        yield [{"width": share * largest} for share in _ZONES]
+    elif name == "actuator_rate_limit":
+        (rate,) = CATALOGUE[name].parameters
+        fastest = rate.high(case.setting.excitation)
+        yield [{"rate": fastest * 0.5**octave} for octave in range(_OCTAVES)]
+    elif name == "supply_voltage_limit" and speed.any() and largest > 0.0:
+        for share in _SLOPES:
+            slope = share * largest / float(np.quantile(speed, 0.999))
+            limits = [{"limit": v, "slope": slope} for v in _quantiles(command + slope * speed)]
+            yield from [limits] if limits else []
 
 
 def _quantiles(values: Array) -> list[float]:
@@ -158,10 +184,29 @@ def _without(
     values: Mapping[str, float],
 ) -> Blocks:
     """Residual less what a limit of this size makes of the outputs."""
-    law = CATALOGUE[name]
-    assert law.signal is not None, "limits have a signal"
-    changes = [
-        response.filtered(k, np.asarray(law.signal(own, values))) for k, own in enumerate(states)
-    ]
+    changes = [response.filtered(k, _taken(name, own, values)) for k, own in enumerate(states)]
     columns = case.misfit.whitened(changes)
     return tuple(r - c for r, c in zip(model.residual, columns, strict=True))
+
+
+def _taken(name: str, states: States, values: Mapping[str, float]) -> Array:
+    """What a limit adds to each row of a command, on average over the row."""
+    if name == "actuator_rate_limit":
+        return _behind(states, values["rate"])
+    law = CATALOGUE[name]
+    assert law.signal is not None, "limits have a signal"
+    return np.asarray(law.signal(states, values))
+
+
+def _behind(states: States, rate: float) -> Array:
+    """The same for a rate limit: within a row, its output moves along a line to the command."""
+    reach = rate * states.step
+    behind = np.empty_like(states.command)
+    output = float(states.command[0])
+    for row, command in enumerate(states.command.tolist()):
+        gap = command - output
+        moved = min(max(gap, -reach), reach)
+        arrives = abs(moved) / reach  # share of the row for which it moves
+        behind[row] = -gap + moved * (1.0 - 0.5 * arrives)
+        output += moved
+    return behind

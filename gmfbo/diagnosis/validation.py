@@ -132,8 +132,9 @@ def _scored(
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
     least: float,
 ) -> Validated:
+    falls, distance = _change(case, scored, plain, augmented)
     removed = None
-    if augmented.hypothesis.effects:
+    if distance > _DIFFERENT:
         removed = _removed(case, scored, plain, augmented, best, least)
     shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
@@ -144,7 +145,6 @@ def _scored(
         # What noise bridges or shakes loose is another axis without it, and not a wrong law.
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
-    falls, distance = _change(case, scored, plain, augmented)
     contradicts = contradicts_names(judged, falls=falls > _CLEARLY, differs=distance > _DIFFERENT)
     return Validated(table, curves, stretches, plain, augmented, fitted_by, contradicts)
 
