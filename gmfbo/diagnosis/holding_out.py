@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.leaving_out import normal_equations, solve_weakly_bound
 from gmfbo.diagnosis.misfit import Blocks, Misfit
 
 _WHOLE_FROM = 3  # recordings, from which whole ones are held out
 _SHARE = 0.3  # of the recordings
+_LESS_SURE = 3.0  # times the standard deviation that all recordings leave of a value
 
 
 @dataclass(frozen=True)
@@ -33,11 +36,13 @@ class Split:
     names_held_out: tuple[str, ...]
 
 
-def split_of(case: Case, changes: Sequence[Blocks]) -> Split:
+def split_of(case: Case, changes: Sequence[Blocks], model: Fitted) -> Split:
     """Hold out whole recordings where there are three, else the last stretch of each.
 
     Recordings that show the named physics well are held out, so that the score says something,
-    though not the one that shows an effect best: it may be the only one that tells its size.
+    though not the one that shows an effect best: it may be the only one that tells its size. Nor
+    one without which a value would be open: a limit that falls with speed is told by two of them,
+    each at one speed, and the one would foretell nothing of the other.
 
     Parameters
     ----------
@@ -45,11 +50,13 @@ def split_of(case: Case, changes: Sequence[Blocks]) -> Split:
         Twin and recordings.
     changes : sequence of Blocks
         What each named effect changes, the first one first.
+    model : Fitted
+        The twin with all of them, fitted to all recordings.
     """
     windows, records = case.budget.windows, case.simulations.records
     count = len(records)
     if count >= _WHOLE_FROM:
-        out = _whole_recordings(case, changes)
+        out = _whole_recordings(case, changes, model)
         fitted = tuple(i for i, w in enumerate(windows) if w.record not in out)
         held = tuple(i for i, w in enumerate(windows) if w.record in out)
         names = [record.name for record in records]
@@ -67,17 +74,41 @@ def split_of(case: Case, changes: Sequence[Blocks]) -> Split:
     return Split(fitted, held, _stretches(case, fitted), _stretches(case, held))
 
 
-def _whole_recordings(case: Case, changes: Sequence[Blocks]) -> set[int]:
+def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> set[int]:
     """Recordings that are held out: one in any case, of few that show several effects."""
+    records = [window.record for window in case.budget.windows]
     count = len(case.simulations.records)
     strengths = np.zeros((max(len(changes), 1), count))
     for strength, change in zip(strengths, changes, strict=False):
-        for window, block in zip(case.budget.windows, change, strict=True):
-            strength[window.record] += float(block @ block)
+        for record, block in zip(records, change, strict=True):
+            strength[record] += float(block @ block)
     order = np.argsort(-strengths.sum(axis=0), kind="stable").tolist()
     best = [int(np.argmax(strength)) for strength in strengths]
     others = [k for k in order if k not in best] or [k for k in order if k != best[0]]
-    return set(others[: max(1, round(_SHARE * count))])
+    matrices = normal_equations(model.residual, model.sensitivity, records).matrix
+    out: set[int] = set()
+    while len(out) < min(len(others), max(1, round(_SHARE * count))):
+        left = [k for k in others if k not in out]
+        doubts = {k: _doubt_without(matrices, model.prior, out | {k}) for k in left}
+        foretold = [k for k in left if doubts[k] < _LESS_SURE]
+        if out and not foretold:
+            break
+        out.add(foretold[0] if foretold else min(left, key=lambda k: doubts[k]))
+    return out
+
+
+def _doubt_without(
+    matrices: NDArray[np.float64], prior: NDArray[np.float64], out: set[int]
+) -> float:
+    """Times by which the value that is known worst is less sure without some recordings."""
+    if not prior.size:
+        return 1.0
+    kept = [k for k in range(len(matrices)) if k not in out]
+    variances = [
+        np.diag(solve_weakly_bound(matrix, np.eye(prior.size), prior))
+        for matrix in (matrices[kept].sum(axis=0), matrices.sum(axis=0))
+    ]
+    return float(np.sqrt(np.max(variances[0] / variances[1])))
 
 
 def restricted(misfit: Misfit, chosen: Sequence[int]) -> Misfit:

@@ -192,21 +192,29 @@ def _without(
 def _taken(name: str, states: States, values: Mapping[str, float]) -> Array:
     """What a limit adds to each row of a command, on average over the row."""
     if name == "actuator_rate_limit":
-        return _behind(states, values["rate"])
+        return behind(states, values["rate"])
     law = CATALOGUE[name]
     assert law.signal is not None, "limits have a signal"
     return np.asarray(law.signal(states, values))
 
 
-def _behind(states: States, rate: float) -> Array:
-    """The same for a rate limit: within a row, its output moves along a line to the command."""
+def behind(states: States, rate: float) -> Array:
+    """What a rate limit adds to each row, on average: its output moves along a line to the command.
+
+    Parameters
+    ----------
+    states : States
+        Whose command it follows.
+    rate : float
+        [command/s]
+    """
     reach = rate * states.step
-    behind = np.empty_like(states.command)
+    added = np.empty_like(states.command)
     output = float(states.command[0])
     for row, command in enumerate(states.command.tolist()):
         gap = command - output
         moved = min(max(gap, -reach), reach)
         arrives = abs(moved) / reach  # share of the row for which it moves
-        behind[row] = -gap + moved * (1.0 - 0.5 * arrives)
+        added[row] = -gap + moved * (1.0 - 0.5 * arrives)
         output += moved
-    return behind
+    return added

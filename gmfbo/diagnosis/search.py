@@ -293,7 +293,7 @@ class Search:
             tuple(a - b for a, b in zip(with_it.residual, without.residual, strict=True))
             for without, with_it in pairwise(models)
         ]
-        split = split_of(case, changes)
+        split = split_of(case, changes, model)
         return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
 
     def _take_names_back(self, decision: Decision, why: str) -> None:

@@ -43,3 +43,11 @@ def test_laws_that_are_no_limits_are_chosen_by_what_was_left_out() -> None:
         shown("cogging_torque", 89.0, 800.0),
     )
     assert simplest([friction, cogging], THRESHOLD, 0.0) is friction
+
+
+def test_a_law_without_a_clock_is_preferred_to_a_pulse_that_explains_little_more() -> None:
+    """That a push came just where a supply would fail is no chance; far from all of it may be."""
+    pulse = shown("pulse_disturbance", 400.0, 800.0)
+    nearly, hardly = (shown("supply_voltage_limit", gain, 1200.0 - gain) for gain in (370.0, 300.0))
+    assert simplest([nearly, pulse], THRESHOLD, 0.0) is nearly
+    assert simplest([hardly, pulse], THRESHOLD, 0.0) is pulse

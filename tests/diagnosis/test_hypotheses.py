@@ -190,7 +190,7 @@ def test_whole_recordings_are_held_out_from_three_on_and_last_stretches_before(
     recordings = SERVO.recordings({}, references, seconds=2.6)  # type: ignore[arg-type]
     case = open_small(SERVO.twin(), recordings)
     try:
-        split = split_of(case, [])
+        split = split_of(case, [], case.base)
     finally:
         case.simulations.close()
     windows = range(len(case.budget.windows))
@@ -216,8 +216,26 @@ def test_the_recording_that_shows_a_small_effect_best_is_fitted() -> None:
 
     try:
         strong, weak = change(3.0, 1.0, 2.0, 1.5), change(0.0, 0.0, 0.1, 0.0)
-        assert split_of(case, [strong]).names_held_out == ("rec2.csv",)
-        assert split_of(case, [strong, weak]).names_held_out == ("rec3.csv",)
+        assert split_of(case, [strong], case.base).names_held_out == ("rec2.csv",)
+        assert split_of(case, [strong, weak], case.base).names_held_out == ("rec3.csv",)
+    finally:
+        case.simulations.close()
+
+
+def test_a_recording_without_which_a_value_would_be_open_is_fitted() -> None:
+    """Of what is known from two recordings, each about another direction, both are needed."""
+    references = (multisine, moves, triangle, moves)
+    case = open_small(SERVO.twin(), SERVO.recordings({}, references, seconds=2.6))
+
+    # The first value is told by the first recording, the second one by the third alone.
+    shares = np.array([[1.0, 1e-3, 1e-3, 0.5], [1e-3, 1e-3, 1.0, 1e-3]])
+    try:
+        pairs = list(zip(case.budget.windows, case.base.residual, strict=True))
+        sensitivity = tuple(np.outer(shares[:, w.record], 1e3 * np.ones(b.size)) for w, b in pairs)
+        strong = tuple(np.full(b.size, (3.0, 1.0, 2.0, 1.5)[w.record]) for w, b in pairs)
+        model = replace(case.base, sensitivity=sensitivity)
+        assert split_of(case, [strong], case.base).names_held_out == ("rec2.csv",)
+        assert split_of(case, [strong], model).names_held_out == ("rec3.csv",)
     finally:
         case.simulations.close()
 

@@ -11,6 +11,7 @@ from gmfbo.diagnosis import limit_scan
 from gmfbo.diagnosis.confirming import confirm
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.limit_scan import scan_limits
+from gmfbo.physics import States
 from tests.diagnosis.planted_noise import opened, planted
 
 LIMITS = ("actuator_saturation", "supply_voltage_limit")
@@ -47,6 +48,40 @@ def test_a_saturation_of_a_few_ms_is_found_and_fits_at_its_size(
     assert gain > 10.0 * LEAST
     assert start.values["limit"] == pytest.approx(limit, rel=scan_within)
     assert fits[0].values["limit"] == pytest.approx(limit, rel=0.005)
+
+
+def test_a_rate_limit_within_a_row_is_found_by_the_jumps_of_the_command() -> None:
+    """The command jumps by at most 0.23 N m a row of 1 ms, which takes 1.5 rows at 150 N m/s."""
+    ((gain, start),), (fitted,), _ = scanned(
+        {"actuator_rate_limit.rate": 150.0}, ("actuator_rate_limit",)
+    )
+    assert gain > LEAST
+    assert start.values["rate"] == pytest.approx(150.0, rel=0.15)
+    assert fitted.values["rate"] == pytest.approx(150.0, rel=0.04)
+
+
+def test_what_a_rate_limit_takes_off_a_row_is_the_mean_of_its_line() -> None:
+    """One jump of 3 at 2000 a second: rows of 1 ms start 3 and 1 behind, and end 1 and 0 behind."""
+    time = np.arange(6) * 1e-3
+    command = np.array([0.0, 0.0, 3.0, 3.0, 3.0, 3.0])
+    still = np.zeros(6)
+    behind = limit_scan.behind(States(time, still, still, command, command), 2000.0)
+    np.testing.assert_allclose(behind, [0.0, 0.0, -2.0, -0.25, 0.0, 0.0])
+
+
+def test_a_supply_limit_far_from_the_grid_is_found() -> None:
+    physics = {"supply_voltage_limit.limit": 1.8, "supply_voltage_limit.slope": 0.25}
+    ((_, start),), (fitted,), _ = scanned(physics, LIMITS[1:])
+    assert start.values["slope"] == pytest.approx(0.25, rel=0.15)
+    assert fitted.values["limit"] == pytest.approx(1.8, rel=0.01)
+
+
+def test_a_dead_zone_begins_at_its_width() -> None:
+    ((_, start),), (fitted,), _ = scanned(
+        {"actuator_dead_zone.width": 0.02}, ("actuator_dead_zone",)
+    )
+    assert start.values["width"] == pytest.approx(0.02, rel=0.05)
+    assert fitted.values["width"] == pytest.approx(0.02, rel=0.05)
 
 
 def test_of_two_limits_the_one_that_gains_most_comes_first() -> None:

@@ -9,10 +9,12 @@ import pytest
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.deciding import groups_of
 from gmfbo.diagnosis.fitting import Fitted, fit
+from gmfbo.diagnosis.holding_out import split_of
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.left_out_gain import evidence_of
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.simulated import Point, Simulated
+from gmfbo.diagnosis.validation import validate
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 
 LIMIT = 1.25  # [N m] of 1.4 that the moves ask for; nothing else asks for more than 1.1
@@ -71,3 +73,16 @@ def test_a_limit_that_one_recording_shows_keeps_nearly_all_of_its_gain(
     inside = squares(case.base.residual, groups) - squares(fitted.residual, groups)
     assert inside.sum() > 1e4
     assert evidence_of(case, case.base, fitted, groups).gain > 0.95 * inside.sum()
+
+
+def test_recordings_that_never_reach_a_limit_say_nothing_of_it(
+    limited: tuple[Case, Fitted],
+) -> None:
+    """Neither that it removes nothing of their error, nor that their drift contradicts it."""
+    case, fitted = limited
+    change = tuple(a - b for a, b in zip(fitted.residual, case.base.residual, strict=True))
+    split = split_of(case, [change], fitted)
+    assert "rec1.csv" in split.names_fitted  # the moves
+    result = validate(case, fitted, split, None)
+    assert result.fit.explainable_error_removed is None
+    assert not result.contradicts_names
