@@ -23,6 +23,7 @@ MOST = 6
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
 _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
+_BRIDGED = ("actuator_dead_zone", "backlash")  # by noise: without it, worse than none
 _WORTH_OTHERS = 15.0  # gain from which other values of what is not fitted are tried
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
@@ -116,7 +117,8 @@ def confirm(
         return None if found is None else _otherwise(misfit, base, found)
 
     def again(found: Fitted) -> Fitted:
-        if base.chi2 - found.chi2 < least:
+        is_bridged = found.hypothesis.effects[-1].law.name in _BRIDGED
+        if base.chi2 - found.chi2 < least and not is_bridged:
             return found
         noisy = under_noise(misfit, found)
         if noisy is None:
