@@ -241,12 +241,6 @@ def _worth(larger: Evidence, simpler: str) -> float:
     return _VAGUE_WORTH if _may_vanish(larger, simpler) else _PLAIN_WORTH
 
 
-def _passes(evidence: Evidence) -> bool:
-    """Whether it acted once, at a time that was searched."""
-    law = evidence.effect.law
-    return law.is_searched and not law.is_line
-
-
 def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Evidence:
     """The best, or its simplest limit over which it does not gain the threshold or the slack.
 
@@ -267,9 +261,10 @@ def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Ev
         # Where one stretch alone shows a limit, the others do not know it: its gain is too small.
         limits = [e for e in accepted if e.effect.law.family == _LIMIT]
         best = min(limits, key=lambda e: e.chi2 + _freedom(e.effect))
-    elif _passes(best):
-        laws = [e for e in accepted if not _passes(e) and e.gain > _NO_CHANCE * best.gain]
-        best = max(laws, key=lambda e: e.gain, default=best)
+    elif best.effect.law.is_passing:
+        lasting = [e for e in accepted if not e.effect.law.is_passing]
+        nearly = [e for e in lasting if e.gain > _NO_CHANCE * best.gain]
+        best = max(nearly, key=lambda e: e.gain, default=best)
     while True:
         simpler = [
             e

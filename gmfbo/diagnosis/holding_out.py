@@ -86,10 +86,18 @@ def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> s
     best = [int(np.argmax(strength)) for strength in strengths]
     others = [k for k in order if k not in best] or [k for k in order if k != best[0]]
     matrices = normal_equations(model.residual, model.sensitivity, records).matrix
+    known = _variances(matrices.sum(axis=0), model.prior)
+
+    def doubt_without(out: set[int]) -> float:
+        """Times by which the value that loses most is less sure."""
+        kept = [k for k in range(count) if k not in out]
+        lost = _variances(matrices[kept].sum(axis=0), model.prior) / known
+        return float(np.sqrt(np.max(lost, initial=1.0)))
+
     out: set[int] = set()
     while len(out) < min(len(others), max(1, round(_SHARE * count))):
         left = [k for k in others if k not in out]
-        doubts = {k: _doubt_without(matrices, model.prior, out | {k}) for k in left}
+        doubts = {k: doubt_without(out | {k}) for k in left}
         foretold = [k for k in left if doubts[k] < _LESS_SURE]
         if out and not foretold:
             break
@@ -97,18 +105,8 @@ def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> s
     return out
 
 
-def _doubt_without(
-    matrices: NDArray[np.float64], prior: NDArray[np.float64], out: set[int]
-) -> float:
-    """Times by which the value that is known worst is less sure without some recordings."""
-    if not prior.size:
-        return 1.0
-    kept = [k for k in range(len(matrices)) if k not in out]
-    variances = [
-        np.diag(solve_weakly_bound(matrix, np.eye(prior.size), prior))
-        for matrix in (matrices[kept].sum(axis=0), matrices.sum(axis=0))
-    ]
-    return float(np.sqrt(np.max(variances[0] / variances[1])))
+def _variances(matrix: NDArray[np.float64], prior: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.diag(solve_weakly_bound(matrix, np.eye(prior.size), prior))
 
 
 def restricted(misfit: Misfit, chosen: Sequence[int]) -> Misfit:

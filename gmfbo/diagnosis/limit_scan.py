@@ -191,30 +191,25 @@ def _without(
 
 def _taken(name: str, states: States, values: Mapping[str, float]) -> Array:
     """What a limit adds to each row of a command, on average over the row."""
-    if name == "actuator_rate_limit":
-        return behind(states, values["rate"])
     law = CATALOGUE[name]
     assert law.signal is not None, "limits have a signal"
-    return np.asarray(law.signal(states, values))
+    added = np.asarray(law.signal(states, values))
+    return over_rows(states, added, values["rate"]) if "rate" in values else added
 
 
-def behind(states: States, rate: float) -> Array:
-    """What a rate limit adds to each row, on average: its output moves along a line to the command.
+def over_rows(states: States, behind: Array, rate: float) -> Array:
+    """What a rate limit adds to each row: within it, its output moves along a line to the command.
 
     Parameters
     ----------
     states : States
         Whose command it follows.
+    behind : ndarray, shape (n,)
+        [command] What it adds at the end of each row.
     rate : float
         [command/s]
     """
-    reach = rate * states.step
-    added = np.empty_like(states.command)
-    output = float(states.command[0])
-    for row, command in enumerate(states.command.tolist()):
-        gap = command - output
-        moved = min(max(gap, -reach), reach)
-        arrives = abs(moved) / reach  # share of the row for which it moves
-        added[row] = -gap + moved * (1.0 - 0.5 * arrives)
-        output += moved
-    return added
+    reached = states.command + behind
+    moved = np.diff(reached, prepend=states.command[:1])
+    arrives = np.abs(moved) / (rate * states.step)  # share of the row for which it moves
+    return np.asarray(behind - 0.5 * arrives * moved)

@@ -171,7 +171,7 @@ def nuisance_directions(
         record = simulations.records[k]
         own = record_directions(record, base[k], alignments)
         if simulations.tracking is not None:
-            own = [_followed(simulations, point, base[k], k, one) for one in own]
+            own = [_followed(simulations, point, base[k], k, error) for error in own]
         return own + actuator_directions(simulations, point, base, k, torque_per_command)
 
     return list(simulations.map(one, range(len(base))))

@@ -172,8 +172,7 @@ def _at_sensor(
 
 def _passes_by(decision: Decision) -> bool:
     """Whether all that is named passed once, in recordings that nothing else explains."""
-    laws = [entry.winner.effect.law for entry in decision.rounds]
-    return all(law.is_searched and not law.is_line for law in laws)
+    return all(entry.winner.effect.law.is_passing for entry in decision.rounds)
 
 
 def _most_fall(model: Unnamed) -> float:

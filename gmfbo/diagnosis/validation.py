@@ -132,9 +132,10 @@ def _scored(
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
     least: float,
 ) -> Validated:
-    falls, distance = _change(case, scored, plain, augmented)
+    fall, distance = _change(case, scored, plain, augmented)
+    differs = distance > _DIFFERENT
     removed = None
-    if distance > _DIFFERENT:
+    if differs:
         removed = _removed(case, scored, plain, augmented, best, least)
     shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
     signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
@@ -145,7 +146,7 @@ def _scored(
         # What noise bridges or shakes loose is another axis without it, and not a wrong law.
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
-    contradicts = contradicts_names(judged, falls=falls > _CLEARLY, differs=distance > _DIFFERENT)
+    contradicts = contradicts_names(judged, falls=fall > _CLEARLY, differs=differs)
     return Validated(table, curves, stretches, plain, augmented, fitted_by, contradicts)
 
 

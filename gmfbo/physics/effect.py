@@ -220,7 +220,12 @@ class Effect:
     @property
     def is_line(self) -> bool:
         """It repeats over position or time."""
-        return self.is_searched and "start" not in {p.name for p in self.parameters}
+        return self.is_searched and not self.is_passing
+
+    @property
+    def is_passing(self) -> bool:
+        """It acts once, from an instant that was looked for."""
+        return "start" in {parameter.name for parameter in self.parameters}
 
     def bounds(self, excitation: Excitation) -> dict[str, tuple[float, float]]:
         """Lower and upper bound of each fitted parameter, by name.

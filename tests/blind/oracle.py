@@ -119,7 +119,7 @@ class Oracle:
                     noisy = _driven(values, signals + np.outer(drive, [0.0, 1.0]))
                     noisy[:, 0] += noise[PREROLL:]
                     noisy[:, 1] = signals[:, 1]
-                    spectra.append(_spectrum(_lasting(noisy - _driven(values, signals), values)))
+                    spectra.append(_spectrum(self._compared(noisy - _driven(values, signals))))
                 else:
                     spectra.append(
                         _spectrum(_signals(simulate(values, one.reference, noise)) - signals)
@@ -127,12 +127,23 @@ class Oracle:
             n = np.array(spectra)
             s = _smoothed(np.einsum("rfi,rfj->fij", n, n.conj()) / REALISATIONS, self._steep(rows))
             s[:, 1, 1] += self.machine.command_noise**2 * np.sum(_window(rows) ** 2)
-            shown = _lasting(signals - signals[0], values) if self.machine.is_open_loop else signals
-            own = np.abs(_spectrum(shown)) ** 2
+            start = signals[0] if self.machine.is_open_loop else 0.0
+            own = np.abs(_spectrum(self._compared(signals - start))) ** 2
             for signal in range(2):
                 s[:, signal, signal] += TOLERANCE**2 * _over_an_octave(own[:, signal])
             factors.append(np.linalg.inv(np.linalg.cholesky(s)))
         return factors
+
+    def _compared(self, signals: Vector) -> Vector:
+        """Of a plant in open loop what is faster than it drifts, shape (rows, 2); else all.
+
+        The zeros are the plant's own poles: a constant push stays a constant.
+        """
+        if not self.machine.is_open_loop:
+            return signals
+        own = [1.0, self.values["viscous"] / self.values["inertia"], 0.0]
+        b, a = bilinear(own, [1.0, 2.0 * FORGETS, FORGETS**2], fs=1.0 / SAMPLE)
+        return np.asarray(lfilter(b, a, signals, axis=0))
 
     def _steep(self, rows: int) -> Vector:
         """Frequencies to the fourth where a command's noise moves a free axis, from `FORGETS`."""
@@ -160,15 +171,10 @@ class Oracle:
         slopes = [np.gradient(one, SAMPLE, axis=0) * shown for one in clean]
         ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
         moved = [t * v for t, v in zip(ages, slopes, strict=True)]
-        if self.machine.is_open_loop:
-            slopes, moved = (
-                [_lasting(v, self.values) for v in slopes],
-                [_lasting(v, self.values) for v in moved],
-            )
         columns = [
             self._white(self._unlike([_signals(run) for run in self.runs({"torque_lag": lag})])),
-            NUISANCES["shift"] * self._white(slopes),
-            NUISANCES["skew"] * self._white(moved),
+            NUISANCES["shift"] * self._white([self._compared(v) for v in slopes]),
+            NUISANCES["skew"] * self._white([self._compared(v) for v in moved]),
         ]
         if self.machine.is_open_loop:
             louder = [one * np.array([1.0, 1.0 + scale]) for one in clean]
@@ -197,7 +203,7 @@ class Oracle:
             model = self._nominal if changes is None else map(_signals, self.runs(changes))
             return [a - b for a, b in zip(true, model, strict=True)]
         return [
-            _lasting(a - _driven({**self.values, **one.gains, **(changes or {})}, a), self.values)
+            self._compared(a - _driven({**self.values, **one.gains, **(changes or {})}, a))
             for a, one in zip(true, self.experiments, strict=True)
         ]
 
@@ -273,16 +279,6 @@ def _driven(values: Mapping[str, float], signals: Vector) -> Vector:
     alone = {**values, "kind": KINDS["none"], "start": float(reading[0])}
     run = simulate(alone, command, preroll=0)
     return np.column_stack([run.reading, held])
-
-
-def _lasting(signals: Vector, values: Mapping[str, float]) -> Vector:
-    """What a plant in open loop shows faster than it drifts, shape (rows, 2).
-
-    The zeros are the plant's own poles: a constant push stays a constant.
-    """
-    own = [1.0, values["viscous"] / values["inertia"], 0.0]
-    b, a = bilinear(own, [1.0, 2.0 * FORGETS, FORGETS**2], fs=1.0 / SAMPLE)
-    return np.asarray(lfilter(b, a, signals, axis=0))
 
 
 def _signals(run: TrueRun) -> Vector:

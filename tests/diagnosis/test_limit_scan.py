@@ -11,7 +11,7 @@ from gmfbo.diagnosis import limit_scan
 from gmfbo.diagnosis.confirming import confirm
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.limit_scan import scan_limits
-from gmfbo.physics import States
+from gmfbo.physics import CATALOGUE, States
 from tests.diagnosis.planted_noise import opened, planted
 
 LIMITS = ("actuator_saturation", "supply_voltage_limit")
@@ -65,8 +65,11 @@ def test_what_a_rate_limit_takes_off_a_row_is_the_mean_of_its_line() -> None:
     time = np.arange(6) * 1e-3
     command = np.array([0.0, 0.0, 3.0, 3.0, 3.0, 3.0])
     still = np.zeros(6)
-    behind = limit_scan.behind(States(time, still, still, command, command), 2000.0)
-    np.testing.assert_allclose(behind, [0.0, 0.0, -2.0, -0.25, 0.0, 0.0])
+    states = States(time, still, still, command, command)
+    behind = CATALOGUE["actuator_rate_limit"].signal(states, {"rate": 2000.0})
+    np.testing.assert_allclose(
+        limit_scan.over_rows(states, behind, 2000.0), [0.0, 0.0, -2.0, -0.25, 0.0, 0.0]
+    )
 
 
 def test_a_supply_limit_far_from_the_grid_is_found() -> None:
