@@ -62,11 +62,13 @@ def test_a_rate_limit_within_a_row_is_found_by_the_jumps_of_the_command() -> Non
 
 def test_what_a_rate_limit_takes_off_a_row_is_the_mean_of_its_line() -> None:
     """One jump of 3 at 2000 a second: rows of 1 ms start 3 and 1 behind, and end 1 and 0 behind."""
-    time = np.arange(6) * 1e-3
+    time = 1e-3 * np.arange(6.0)
     command = np.array([0.0, 0.0, 3.0, 3.0, 3.0, 3.0])
     still = np.zeros(6)
     states = States(time, still, still, command, command)
-    behind = CATALOGUE["actuator_rate_limit"].signal(states, {"rate": 2000.0})
+    signal = CATALOGUE["actuator_rate_limit"].signal
+    assert signal is not None
+    behind = signal(states, {"rate": 2000.0})
     np.testing.assert_allclose(
         limit_scan.over_rows(states, behind, 2000.0), [0.0, 0.0, -2.0, -0.25, 0.0, 0.0]
     )
