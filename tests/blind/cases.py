@@ -177,14 +177,14 @@ def _hide(plan: Plan, setting: Setting, oracle: Oracle, rng: Rng) -> _Hidden:
 
 def _gains_together(hidden: _Hidden, oracle: Oracle) -> None:
     """What each effect adds to the others."""
-    runs = oracle.runs(hidden.changes)
-    hidden.gain = oracle.gain(hidden.changes, runs=runs)
+    means = oracle.means(hidden.changes)
+    hidden.gain = oracle.gain(hidden.changes, means=means)
     for effect in hidden.effects:
         others: Changes = {}
         for other in hidden.effects:
             if other is not effect:
                 others.update(other["changes"])
-        effect["added_gain"] = oracle.gain(hidden.changes, known=others, runs=runs)
+        effect["added_gain"] = oracle.gain(hidden.changes, known=others, means=means)
 
 
 def _add_windows(hidden: _Hidden, oracle: Oracle, names: Sequence[str]) -> None:

@@ -3,8 +3,9 @@
 gain = min over what the twin knows only roughly (inertia and viscous friction) of
        sum over recordings and frequencies to 200 Hz of e^H S^-1 e
 
-where e is the difference between the noise-free truth and the noise-free truth without its effect,
-in reading and command, and S(f) the spectrum of both, 2 x 2, of what is no physics:
+where e is the difference between the truth and the truth without its effect under the same noise,
+in reading and command, as the mean over a few runs, and S(f) the spectrum of both, 2 x 2, of what
+is no physics:
 
 - the noise of the encoder as the loop carries it to both signals, from repeated runs, and that
   of the command's column;
@@ -14,13 +15,14 @@ in reading and command, and S(f) the spectrum of both, 2 x 2, of what is no phys
   The stressed nulls hold such errors, and there they must not be called physics. Where inertia
   and viscous friction are no free parameters, 2 % in the gain of the drive too.
 
-For noise of this spectrum the gain is the expected drop of chi2 by the true effect. The logger's
-convention counts as known. A twin in open loop knows nothing of the loop that made its recordings:
-it runs on the command that was recorded, noise included, from where the recording starts, and its
-reading alone is compared. Noise of the command drifts without end there, so that the frequencies of
-a taper's transform are no longer independent, and a constant push would be worth a hundred times
-what can be told from noise. What is slower than `FORGETS` is therefore taken off first, from
-differences, noise and signals alike.
+For noise of this spectrum the gain is the expected drop of chi2 by the true effect. Noise belongs
+to the plant in a loop: it dithers friction, gaps and dead zones away, and drives a command into a
+limit that it would not reach without. The logger's convention counts as known. A twin in open loop
+knows nothing of the loop that made its recordings: it runs on the command that was recorded, noise
+included, from where the recording starts, and its reading alone is compared. Noise of the command
+drifts without end there, so that the frequencies of a taper's transform are no longer independent,
+and a constant push would be worth a hundred times what can be told from noise. What is slower than
+`FORGETS` is therefore taken off first, from differences, noise and signals alike.
 """
 
 from __future__ import annotations
@@ -102,6 +104,34 @@ class Oracle:
         """Noise-free runs without any effect."""
         return self.runs({})
 
+    def means(self, changes: Mapping[str, float]) -> list[Vector]:
+        """Reading and command of the same runs, as the mean under each noise of `_noises`."""
+        if self.machine.is_open_loop:
+            return [_signals(run) for run in self.runs(changes)]
+        return [
+            np.mean(
+                [
+                    _signals(simulate({**self.values, **one.gains, **changes}, one.reference, n))
+                    for n in noises
+                ],
+                axis=0,
+            )
+            for one, noises in zip(self.experiments, self._noises, strict=True)
+        ]
+
+    @cached_property
+    def _noises(self) -> list[list[Vector]]:
+        """Of the encoder, a few for each experiment, each of shape (PREROLL + rows,) [position]."""
+        rng = np.random.default_rng([self.seed, 1])
+        jitter = np.hypot(self.machine.jitter, self.machine.quantum / np.sqrt(12.0))
+        return [
+            [
+                jitter * rng.standard_normal(PREROLL + len(one.reference))
+                for _ in range(REALISATIONS)
+            ]
+            for one in self.experiments
+        ]
+
     @cached_property
     def _whitening(self) -> list[Complex]:
         """Inverse Cholesky factors of S, shape (frequencies, 2, 2) for each experiment."""
@@ -166,13 +196,13 @@ class Oracle:
         """Directions (orthonormal columns) of the nuisances, and what they leave of each."""
         scale = self.uncertain_scale or NUISANCES["scale"]
         lag = self.values.get("torque_lag", 0.0) + NUISANCES["lag"]
-        clean = self._nominal
+        clean = [_signals(run) for run in self.clean]
         shown = np.array([1.0, 0.0 if self.machine.is_open_loop else 1.0])
         slopes = [np.gradient(one, SAMPLE, axis=0) * shown for one in clean]
         ages = [np.arange(len(one))[:, None] * SAMPLE for one in clean]
         moved = [t * v for t, v in zip(ages, slopes, strict=True)]
         columns = [
-            self._white(self._unlike([_signals(run) for run in self.runs({"torque_lag": lag})])),
+            self._white(self._unlike(self.means({"torque_lag": lag}))),
             NUISANCES["shift"] * self._white([self._compared(v) for v in slopes]),
             NUISANCES["skew"] * self._white([self._compared(v) for v in moved]),
         ]
@@ -183,8 +213,8 @@ class Oracle:
             columns.append(scale * self._white([one * np.array([0.0, 1.0]) for one in clean]))
         if self.machine.is_measured:
             step = 0.1 * NUISANCES["drive"]
-            stronger = [_signals(run) for run in self.runs({"drive_gain_error": step})]
-            columns.append(NUISANCES["drive"] / step * self._white(self._unlike(stronger)))
+            stronger = self._unlike(self.means({"drive_gain_error": step}))
+            columns.append(NUISANCES["drive"] / step * self._white(stronger))
         u, size, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
         return u, 1.0 / np.sqrt(1.0 + size**2)
 
@@ -200,7 +230,7 @@ class Oracle:
     ) -> list[Vector]:
         """What happened less what a twin with some parameters changed shows of it."""
         if not self.machine.is_open_loop:
-            model = self._nominal if changes is None else map(_signals, self.runs(changes))
+            model = self._nominal if changes is None else self.means(changes)
             return [a - b for a, b in zip(true, model, strict=True)]
         return [
             self._compared(a - _driven({**self.values, **one.gains, **(changes or {})}, a))
@@ -212,7 +242,7 @@ class Oracle:
 
     @cached_property
     def _nominal(self) -> list[Vector]:
-        return [_signals(run) for run in self.clean]
+        return self.means({})
 
     @cached_property
     def _sensitivities(self) -> Vector:
@@ -224,9 +254,9 @@ class Oracle:
         rows = sum(2 * f.shape[0] * 2 for f in self._whitening)
         return np.linalg.qr(np.array(columns).reshape(-1, rows).T)[0]
 
-    def quick_gain(self, true: Sequence[TrueRun]) -> float:
-        """Gain of true runs with the parameters' influence taken as linear: to choose a size."""
-        e = self._residual(self._unlike([_signals(run) for run in true]))
+    def quick_gain(self, true: Sequence[Vector]) -> float:
+        """Gain of true means with the parameters' influence taken as linear: to choose a size."""
+        e = self._residual(self._unlike(true))
         basis = self._sensitivities
         return float(e @ e - np.sum((basis.T @ e) ** 2))
 
@@ -234,7 +264,7 @@ class Oracle:
         self,
         changes: Mapping[str, float],
         known: Mapping[str, float] | None = None,
-        runs: Sequence[TrueRun] | None = None,
+        means: Sequence[Vector] | None = None,
     ) -> float:
         """Gain of the true plant's changes over parameters alone.
 
@@ -244,10 +274,10 @@ class Oracle:
             Truth parameters of all hidden effects.
         known : mapping of str to float, optional
             Those of the effects that the model has already.
-        runs : sequence of TrueRun, optional
+        means : sequence of ndarray, optional
             The plant's, where they have been made.
         """
-        true = [_signals(run) for run in (self.runs(changes) if runs is None else runs)]
+        true = self.means(changes) if means is None else means
         free, known = self.machine.free, dict(known or {})
 
         def residual(p: Vector) -> Vector:

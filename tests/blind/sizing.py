@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.blind.hidden import Changes, Hidden, Rng, Setting
 from tests.blind.oracle import Oracle
-from tests.blind.truth import Diverged, TrueRun
+from tests.blind.truth import Diverged
 
 BANDS = {"below": (1.5, 15.0), "around": (15.0, 250.0), "above": (250.0, 1e4)}
 """Oracle gains of single effects, in the units of a decision threshold of about 15."""
@@ -75,12 +75,12 @@ def _next(low: float, high: float, known: Mapping[float, float]) -> float:
 
 def _plausible_gain(oracle: Oracle, changes: Changes, reach: Sequence[float]) -> float | None:
     try:
-        runs: list[TrueRun] = oracle.runs(changes)
+        runs, means = oracle.runs(changes), oracle.means(changes)
     except Diverged:
         return None
     if any(np.max(np.abs(run.position)) > most for run, most in zip(runs, reach, strict=True)):
         return None
-    return oracle.quick_gain(runs)
+    return oracle.quick_gain(means)
 
 
 def _rounded(log_size: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -160,6 +161,24 @@ def test_the_gain_of_a_small_effect_grows_with_its_square(oracle: Oracle) -> Non
     gains = [oracle.gain({"wave_1": size, "wave_number_1": 11.0}) for size in (1e-3, 2e-3)]
     assert gains[0] > 1.0
     assert gains[1] == pytest.approx(4.0 * gains[0], rel=0.1)
+
+
+def test_noise_is_part_of_what_an_effect_does(oracle: Oracle) -> None:
+    """It drives a command into a limit that it would not reach, and bridges a dead zone."""
+    peak = max(float(np.max(np.abs(run.new))) for run in oracle.clean)
+    limit, zone = {"drive_limit": 1.001 * peak}, {"dead_width": 0.005}
+    quiet, loud = _under_noise(oracle, 0.0), _under_noise(oracle, 20.0)
+    assert quiet.gain(limit) == 0.0
+    assert oracle.gain(limit) > 1.0
+    assert 0.02 * quiet.gain(zone) < loud.gain(zone) < 0.5 * quiet.gain(zone)
+
+
+def _under_noise(oracle: Oracle, factor: float) -> Oracle:
+    """The same plant under another noise, judged as the first one."""
+    jitter = factor * np.hypot(oracle.machine.jitter, oracle.machine.quantum / np.sqrt(12.0))
+    under = replace(oracle, machine=replace(oracle.machine, jitter=float(jitter), quantum=0.0))
+    under.__dict__["_whitening"] = oracle._whitening
+    return under
 
 
 def test_in_open_loop_a_push_is_worth_what_the_noise_of_the_command_leaves_of_it() -> None:
