@@ -57,6 +57,17 @@ def test_references_begin_at_zero_and_at_rest(shape: str) -> None:
     assert 0.3 < np.max(np.abs(wave)) <= 1.0
 
 
+@pytest.mark.parametrize("name", [n for n, m in MACHINES.items() if not m.is_open_loop])
+def test_recordings_begin_where_the_loop_has_come_to_rest(name: str) -> None:
+    """Whatever it was pulled to: an offset of the sensor, which an integral part only creeps to."""
+    machine, rng = MACHINES[name], np.random.default_rng(3)
+    values = variation(machine, rng)
+    offset = 0.3 * machine.strokes["moves"]
+    run = simulate({**values, "sensor_zero": offset}, np.zeros(500))
+    still = np.hypot(machine.jitter, machine.quantum / np.sqrt(12.0))
+    assert np.ptp(run.reading) < 0.3 * still
+
+
 def test_hard_friction_stops_a_mass_after_the_closed_form_distance() -> None:
     """Pushed with u for T: then it slides v^2 J / (2 F), and rests there for good."""
     push, friction, samples = 0.5, 0.2, 100

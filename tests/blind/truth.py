@@ -22,8 +22,9 @@ SOURCE = Path(__file__).with_name("truth.c")
 SAMPLE = 1e-3
 """[s] Period of every controller and of every recording."""
 
-PREROLL = 1000
-"""Samples under the first reference before a recording, so that it starts at rest."""
+PREROLL = 3000
+"""Samples under the first reference before a recording, so that it starts at rest: integral parts
+take a quarter of a second to forget an offset of the sensor, by e."""
 
 KINDS = {"none": 0.0, "servo_pd": 1.0, "axis_pv": 2.0, "pid": 3.0, "cascade_p_pi": 4.0, "pd": 5.0}
 """Controllers; with none the reference is the command."""
