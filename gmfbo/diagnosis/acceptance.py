@@ -29,6 +29,7 @@ _NO_CHANCE = 0.9  # of the gain of what passed once, which a law without a clock
 _SEEN = 2.0  # the same of friction and play, whose floors are no tolerance of twins
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which recordings may lose together
+_LASTING = 0.2  # of the gain of an offset, which it has after the first stretches of recordings
 _LIMIT = "limit"  # family of what is only met now and then
 
 
@@ -166,6 +167,8 @@ def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float)
         return False
     if not _holds_between_recordings(case, evidence, decision):
         return False
+    if _is_where_friction_held(case, evidence, decision):
+        return False
     return _acts_long_enough(case, evidence, needed)
 
 
@@ -212,6 +215,21 @@ def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision
     assert decision.model is not None
     outside = left_out_square(decision.model, records) - left_out_square(evidence.fitted, records)
     return float(outside.sum()) > _BETWEEN_SHARE * evidence.gain
+
+
+def _is_where_friction_held(case: Case, evidence: Evidence, decision: Decision) -> bool:
+    """Whether an offset of the sensor shows only in how recordings begin, beside friction.
+
+    Within friction an axis rests where it was left, and no recording tells where that was.
+    """
+    assert decision.model is not None
+    beside = {c.law.family for c in decision.model.hypothesis.effects}
+    if evidence.name != "sensor_offset" or "friction" not in beside:
+        return False
+    records = [w.record for w in case.budget.windows]
+    begins = [k == 0 or record != records[k - 1] for k, record in enumerate(records)]
+    later = np.asarray(evidence.signature)[~np.array(begins)]
+    return later.size > 0 and float(later.sum()) < _LASTING * float(np.sum(evidence.signature))
 
 
 def _freedom(effect: Candidate) -> float:

@@ -32,7 +32,7 @@ from gmfbo.diagnosis.leaving_out import normal_equations
 from gmfbo.diagnosis.left_out_gain import evidence_of
 from gmfbo.diagnosis.limit_scan import scan_limits
 from gmfbo.diagnosis.misfit import Blocks, Misfit, chi2
-from gmfbo.diagnosis.rivals import rivals_of
+from gmfbo.diagnosis.rivals import rivals_beside, rivals_of
 from gmfbo.diagnosis.screening import Probe, Screened, probes, refined, screen
 from gmfbo.diagnosis.threshold import NullGains
 
@@ -89,8 +89,17 @@ def decide(
     if exchange_first(case, decision, needed_gain(decision)):
         go_on(decision)
     elif len(decision.rounds) == 1:
-        return _as_pair(case, decision, go_on)
+        decision = _as_pair(case, decision, go_on)
+    _judge_early_rivals(case, decision)
     return decision
+
+
+def _judge_early_rivals(case: Case, decision: Decision) -> None:
+    """What was found later tells many a rival from the effect that came first."""
+    assert decision.model is not None
+    for place, entry in enumerate(decision.rounds[:-1]):
+        kept = rivals_beside(case, decision.model, place, entry.rivals)
+        decision.rounds[place] = replace(entry, rivals=kept)
 
 
 def _as_pair(case: Case, decision: Decision, go_on: Callable[[Decision], None]) -> Decision:

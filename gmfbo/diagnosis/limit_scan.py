@@ -32,7 +32,7 @@ _FIRST_STEP = 0.005  # of a size, by which the best of them is first moved
 _REFINING = 40  # sizes that are tried about it
 _WORTH_REFINING = 0.3  # of what the best size explains
 _SLOPES = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the largest command per largest speed
-_OCTAVES = 12  # of rates, down from the one by which the largest jump is followed at once
+_OCTAVES = 14  # of rates, down from the one by which the largest jump is followed at once
 _ZONES = (1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1)  # of the largest command
 _SCANNED = (
     "actuator_saturation",

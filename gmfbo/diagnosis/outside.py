@@ -17,6 +17,7 @@ from gmfbo.diagnosis.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.residual_test import ResidualTest
 from gmfbo.diagnosis.shape import Unnamed, unnamed
 from gmfbo.diagnosis.state_features import families_with_ways
+from gmfbo.errors import SimulationError
 
 _FOLLOWS = 1.2  # times what chance and tolerance allow
 _MOSTLY = 0.5  # of the error, which has to follow
@@ -54,11 +55,11 @@ class Outside:
     Attributes
     ----------
     model : Unnamed
-        Fitted about the twin with its parameters refitted.
+        Fitted about the twin with its parameters refitted, at the port where it explains more.
     gain : float
         Fall of chi2 on what was left out, by the best function of a state.
     named : float
-        The same by all named effects together.
+        The same by all named effects together, or by the one that is too small to be named.
     is_better : bool
         The function explains what no name does.
     """
@@ -89,14 +90,15 @@ def look_outside(
     # By the budget alone: what the best name leaves must not count as noise here.
     plain = case.plain
     base, with_names = case.base.measured_by(plain), decision.model.measured_by(plain)
-    model = unnamed(replace(case, misfit=plain, base=base), base, response)
-    gain = _best(model)
+    alone = replace(case, misfit=plain, base=base)
+    model = unnamed(alone, base, response)
     named = base.chi2 - with_names.chi2
-    dof = sum(w.n_residuals for w in plain.whiteners)
-    left = max(1.0, (base.chi2 - gain) / dof)
-    is_large = gain / left > _THRESHOLDS * decision.threshold
-    is_most = gain > _EXCESS_SHARE * (base.chi2 - dof)
-    is_better = is_large and is_most and named < _BETTER * gain
+    if decision.too_small is not None:
+        named = max(named, decision.too_small.gain)
+    if not decision.rounds:
+        others = [unnamed(alone, base, there) for there in _elsewhere(case, rng)]
+        model = max([model, *others], key=_best)
+    is_better = _explains_instead(alone, decision, model, named)
     if decision.rounds and not is_better:
         judged = replace(case, misfit=plain, base=with_names)
         is_better = any(
@@ -109,7 +111,32 @@ def look_outside(
         # Last, as it may simulate each stretch: only where nothing else has spoken.
         is_clear = base.chi2 >= _CLEAR * case.budget.noise
         is_better = is_better or (not is_clear and _differs_between_stretches(case, decision))
-    return Outside(model, gain, named, is_better)
+    return Outside(model, _best(model), named, is_better)
+
+
+def _explains_instead(alone: Case, decision: Decision, model: Unnamed, named: float) -> bool:
+    """Whether a free function explains most of what is beyond noise, and more than names."""
+    gain, square = _best(model), alone.base.chi2
+    dof = sum(w.n_residuals for w in alone.misfit.whiteners)
+    left = max(1.0, (square - gain) / dof)
+    is_large = gain / left > _THRESHOLDS * decision.threshold
+    is_most = gain > _EXCESS_SHARE * (square - dof)
+    return is_large and is_most and named < _BETTER * gain
+
+
+def _elsewhere(case: Case, rng: np.random.Generator) -> list[PortResponse]:
+    """Responses of the other ports, where no loop holds the twin on its recordings."""
+    if case.simulations.tracking is not None:
+        return []
+    found = []
+    for port in ("sensor", "command"):
+        try:
+            response = measure_port_response(case, port, rng)
+        except SimulationError:
+            continue  # what a port cannot bear says nothing
+        if response is not None:
+            found.append(response)
+    return found
 
 
 def _explains_more_beside(

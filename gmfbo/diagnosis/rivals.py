@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Evidence
+from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.physics.effect import Effect
 
 AS_GOOD = 0.8
@@ -35,14 +38,48 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
         if other.name in winner.effect.law.same_loop and other.gain > AS_GOOD * winner.gain:
             rivals.append(other)
             continue
-        distance = sum(
-            float(np.sum((a - b) ** 2))
-            for a, b in zip(other.fitted.residual, winner.fitted.residual, strict=True)
-        )
-        bound = max(0.0, -distance + 2.0 * _QUANTILE * np.sqrt(distance))
-        if other.chi2 - winner.chi2 <= bound:
+        if _does_as_well(other.fitted, winner.fitted):
             rivals.append(other)
     return rivals
+
+
+def rivals_beside(
+    case: Case, model: Fitted, place: int, rivals: Sequence[Evidence]
+) -> tuple[Evidence, ...]:
+    """Those of an effect's rivals that still are, where they stand beside what was found later.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    model : Fitted
+        The twin with all named effects.
+    place : int
+        Which of them has the rivals.
+    rivals : sequence of Evidence
+        Each fitted without what was found later.
+    """
+    effects = model.hypothesis.effects
+    winner, others = effects[place], effects[:place] + effects[place + 1 :]
+    kept = []
+    for rival in rivals:
+        if rival.name in {c.effect for c in others}:
+            continue
+        if rival.name not in winner.law.same_loop:
+            hypothesis = replace(model.hypothesis, effects=(*others, rival.effect))
+            fitted = fit(case.misfit, hypothesis, rival.fitted.parameters, parallel=True)
+            if fitted is None or not _does_as_well(fitted, model):
+                continue
+        kept.append(rival)
+    return tuple(kept)
+
+
+def _does_as_well(other: Fitted, winner: Fitted) -> bool:
+    """Whether the other one would fit as much worse if it were the truth."""
+    residuals = zip(other.residual, winner.residual, strict=True)
+    distance = sum(float(np.sum((a - b) ** 2)) for a, b in residuals)
+    bound = max(0.0, -distance + 2.0 * _QUANTILE * np.sqrt(distance))
+    return bool(other.chi2 - winner.chi2 <= bound)
 
 
 def _has_as_limit(law: Effect, name: str) -> bool:

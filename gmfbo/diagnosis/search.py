@@ -106,16 +106,18 @@ class Search:
         self._look_for_lines()
         reasons = self._reasons()
         decision = self._decision(reasons)
-        note_what_is_not_named(case, decision)
         probabilities = self._probabilities(decision)
         drop_improbable(case, decision, probabilities)
         outside = None
         if self._response is not None:
             self.progress("looking outside the library", 0.8)
             outside = look_outside(case, decision, self._response, self.rng)
+            if outside.is_better:
+                decision.too_small = None
             if outside.is_better and not is_known(decision):
                 decision.model = case.base
                 decision.rounds.clear()
+        note_what_is_not_named(case, decision)
         if leaves_most(case, decision):
             self._take_names_back(decision, "leaves most of what is beyond noise")
         self.progress("validating", 0.85)
@@ -335,7 +337,13 @@ class Search:
             return None
         units = self.units
         return outside.model.shape(
-            {"torque": units.torque, "position": units.position, "velocity": units.velocity}
+            {
+                "torque": units.torque,
+                "sensor": units.position,
+                "command": units.command,
+                "position": units.position,
+                "velocity": units.velocity,
+            }
         )
 
     def _latent(self, outside: Outside | None, decision: Decision) -> Shape | None:

@@ -161,7 +161,8 @@ def unnamed(
     states = [states_of(run, record) for run, record in zip(base.simulated, records, strict=True)]
     regression = Regression(case.misfit, base)
     excitation = case.setting.excitation
-    size = excitation.stroke if response.port == "sensor" else excitation.torque
+    sizes = {"sensor": excitation.stroke, "command": excitation.command}
+    size = sizes.get(response.port, excitation.torque)
     fits = {family.name: _FamilyFit(regression, response, family, size) for family in of(states)}
     found = [fit.fitted() for fit in fits.values()]
     return Unnamed(_ranked(found), fits, response.port)

@@ -61,11 +61,15 @@ def port_case(case: Case) -> PortCase:
 
 
 def open_servo(
-    physics: Mapping[str, float], twin: FmuTwin | None = None, law: Law | None = None
+    physics: Mapping[str, float],
+    twin: FmuTwin | None = None,
+    law: Law | None = None,
+    port: str = "torque",
 ) -> Case:
     """Open the case of a servo axis that moves with hidden physics and a sensor's noise.
 
-    A hidden law gives a torque for each velocity and position; the recordings satisfy it.
+    A hidden law gives what a port is given for each velocity and position; the recordings satisfy
+    it.
     """
     rng = np.random.default_rng(5)
     recordings = []
@@ -80,8 +84,9 @@ def open_servo(
             for _ in range(_ROUNDS):
                 if law is None:
                     break
-                torque = between_points(law(run.states["velocity"], run.states["position"]))
-                run = simulator.run(plan, _TRUTH, physics, excitation={**added, "torque": torque})
+                given = between_points(law(run.states["velocity"], run.states["position"]))
+                acting = {**added, port: added.get(port, 0.0) + given}
+                run = simulator.run(plan, _TRUTH, physics, excitation=acting)
             command = run.held["torque_command"] + 0.02 * rng.standard_normal(time.size)
             signals = {"position": run.held["position"], "torque_command": command}
             recordings.append(

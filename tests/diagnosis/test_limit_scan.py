@@ -60,6 +60,16 @@ def test_a_rate_limit_within_a_row_is_found_by_the_jumps_of_the_command() -> Non
     assert fitted.values["rate"] == pytest.approx(150.0, rel=0.04)
 
 
+def test_a_rate_limit_that_the_fastest_command_hardly_passes_is_found() -> None:
+    """The command changes by at most 160 N m/s, but for steps within a row: their means tell."""
+    ((gain, start),), (fitted,), _ = scanned(
+        {"actuator_rate_limit.rate": 205.0}, ("actuator_rate_limit",)
+    )
+    assert gain > LEAST
+    assert start.values["rate"] == pytest.approx(205.0, rel=0.25)
+    assert fitted.values["rate"] == pytest.approx(205.0, rel=0.1)
+
+
 def test_what_a_rate_limit_takes_off_a_row_is_the_mean_of_its_line() -> None:
     """One jump of 3 at 2000 a second: rows of 1 ms start 3 and 1 behind, and end 1 and 0 behind."""
     time = 1e-3 * np.arange(6.0)

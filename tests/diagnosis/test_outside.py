@@ -35,15 +35,22 @@ def spring_of_wide_strokes(velocity: Array, position: Array) -> Array:
     return np.asarray(0.3 * (np.clip(position, -0.3, 0.3) - position))
 
 
+def late_on_one_side(velocity: Array, position: Array) -> Array:
+    """A reading that comes late by a millisecond for each radian, and early on the other side."""
+    return np.asarray(-1e-3 * position * velocity)
+
+
 def tight_spot_one_way(velocity: Array, position: Array) -> Array:
     """Coulomb friction, five times as much on one half of the way while going forth."""
     spot = 1.0 + 4.0 * (position > 0.0) * (velocity > 0.0)
     return np.asarray(-0.003 * spot * np.tanh(velocity / 1e-2))
 
 
-def looked(physics: Mapping[str, float], law: Law | None = None) -> tuple[Decision, Outside]:
-    """Decide on a servo axis with hidden torques, and look outside the library."""
-    hidden = port_case(open_servo(physics, law=law))
+def looked(
+    physics: Mapping[str, float], law: Law | None = None, port: str = "torque"
+) -> tuple[Decision, Outside]:
+    """Decide on a servo axis with something hidden at a port, and look outside the library."""
+    hidden = port_case(open_servo(physics, law=law, port=port))
     try:
         case, decision = hidden.case, decided(hidden.case, LIBRARY)
         before = case.misfit, case.base, decision.model
@@ -65,6 +72,14 @@ def test_a_law_that_no_effect_makes_is_outside_the_library(law: Law, family: str
     assert outside.model.best.family.name == family
     assert outside.gain > 1000.0 * decision.threshold
     assert outside.named < 0.7 * outside.gain
+
+
+def test_what_a_sensor_does_is_found_at_its_port() -> None:
+    decision, outside = looked({}, late_on_one_side, "sensor")
+    assert decision.rounds == []
+    assert outside.is_better
+    shape = outside.model.shape({"sensor": "rad"})
+    assert (shape.port, shape.unit_y) == ("sensor", "rad")
 
 
 def test_friction_of_the_library_is_not_outside_it() -> None:

@@ -38,9 +38,8 @@ def _acts(states: States, parameters: Values) -> Mask:
 
 
 def _fastest(excitation: Excitation) -> float:
-    """Rate at which the largest jump takes one step of the simulation."""
-    steps = max(1.0, excitation.sample / excitation.step)
-    return 1.2 * excitation.command_rate * steps
+    """Rate at which the largest jump takes so little of a sample that nothing shows it."""
+    return excitation.command_rate / _LEAST_LAG
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
