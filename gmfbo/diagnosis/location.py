@@ -66,6 +66,22 @@ def locate(
     return _of_parities(case, base, parities, units)
 
 
+def located_at(location: Location, port: str) -> Location:
+    """Where a free function acts, where the parities do not tell the part of the loop.
+
+    Parameters
+    ----------
+    location : Location
+        By the parities.
+    port : str
+        Where the function explains what is missing.
+    """
+    parts: dict[str, SignalPath] = {"torque": "plant", "command": "actuator", "sensor": "sensor"}
+    if location.signal_path is not None:
+        return location
+    return replace(location, signal_path=parts.get(port))
+
+
 def _of_effects(
     case: Case, effects: Sequence[Candidate], fitted_with: Fitted, units: Units
 ) -> Location:

@@ -32,7 +32,7 @@ from gmfbo.diagnosis.judging import (
 )
 from gmfbo.diagnosis.library import NOT_EXCITED_BY_REVERSALS, candidates, untestable
 from gmfbo.diagnosis.lines import find_lines
-from gmfbo.diagnosis.location import locate
+from gmfbo.diagnosis.location import locate, located_at
 from gmfbo.diagnosis.next_experiment import propose, propose_for
 from gmfbo.diagnosis.outside import Outside, is_mismatch, is_uneven, look_outside, unexplained
 from gmfbo.diagnosis.parities import parities
@@ -155,6 +155,8 @@ class Search:
                 augmented if effects else None,
                 self.units,
             )
+            if verdict == "outside_library" and outside is not None and outside.is_better:
+                location = located_at(location, outside.model.port)
         self.progress("choosing the next experiment", 0.97)
         experiment, reference = self._next_experiment(decision, reasons)
         self.progress("done", 1.0)

@@ -82,6 +82,7 @@ def _physics(diagnosis: Diagnosis) -> str:
 
 def _outside(diagnosis: Diagnosis) -> str:
     from gmfbo.physics import CATALOGUE
+    from gmfbo.physics.units import quantity as prefixed
 
     if len({entry.name for entry in diagnosis.not_testable}) >= len(CATALOGUE):
         return (
@@ -92,7 +93,7 @@ def _outside(diagnosis: Diagnosis) -> str:
     if shape is not None and shape.y:
         largest = max((abs(y) for y in shape.y if math.isfinite(y)), default=math.nan)
         told += (
-            f": up to {quantity(largest, shape.unit_y)} at the {words(shape.port)} port that "
+            f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that "
             f"depends on the {words(shape.against)}"
         )
     certain = " ".join(effect.statement for effect in diagnosis.effects)

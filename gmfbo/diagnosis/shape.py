@@ -76,11 +76,13 @@ class Unnamed:
     ----------
     families : tuple of UnnamedFamily
         Best first.
+    port : str
+        Where they act.
     """
 
     families: tuple[UnnamedFamily, ...]
     _fits: Mapping[str, _FamilyFit]
-    _port: str
+    port: str
 
     @property
     def best(self) -> UnnamedFamily:
@@ -127,14 +129,14 @@ class Unnamed:
             values, covariance = values[own], covariance[own, own]
         half = _TWO_SIDED * np.sqrt(np.maximum(np.diag(covariance), 0.0))
         return Shape(
-            port=self._port,
+            port=self.port,
             against=family.against,
             x=_numbers(family.knots),
             y=_numbers(values),
             y_low=_numbers(values - half),
             y_high=_numbers(values + half),
             unit_x={**units, "time": "s"}.get(family.unit, ""),
-            unit_y=units.get(self._port, ""),
+            unit_y=units.get(self.port, ""),
         )
 
 

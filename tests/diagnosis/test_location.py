@@ -14,7 +14,7 @@ from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.latent_state import rank_states
-from gmfbo.diagnosis.location import locate
+from gmfbo.diagnosis.location import locate, located_at
 from gmfbo.diagnosis.parities import Parities, parities
 from gmfbo.diagnosis.ranges import states_of
 from gmfbo.diagnosis.time_windows import Stretch, moving_parts, strongest, time_windows
@@ -119,6 +119,12 @@ def test_gravity_is_everywhere_that_the_axis_moves() -> None:
     assert overlap(with_name, "rec0.csv", 0.0, 2.0) > 1.5
     assert without.signal_path == "plant"
     assert "position" in without.region
+
+
+def test_a_free_function_tells_the_part_of_the_loop_that_parities_do_not() -> None:
+    assert located_at(Location(None), "sensor").signal_path == "sensor"
+    assert located_at(Location(None), "torque").signal_path == "plant"
+    assert located_at(Location("controller"), "sensor").signal_path == "controller"
 
 
 def test_dead_zone_without_a_name_is_placed_in_the_actuator() -> None:
