@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -28,6 +28,7 @@ _LONGEST = 3  # that many fit into a recording: what lasts longer is no passing 
 _DURATIONS = 64
 _DURATION_NORMS = 12
 _STANDS_OUT = 2.0  # times the strongest pulse elsewhere
+_SHOWN = 2  # pulses of single recordings, whose time is tried in all
 _SEPARATE = 4  # pulses of a recording that are compared
 
 
@@ -70,8 +71,20 @@ def strongest_pulse(
     seen = fields(case.misfit, response, regression.left(own))
     ranked = sorted(_boxes(case, response, seen), key=lambda pulse: -pulse.gain)
     shared = _shared(case, response, seen)
-    if shared is not None and (not ranked or shared.gain > ranked[0].gain):
-        first = shared
+    before = chi2(regression.left(own))
+
+    def measured(pulse: Pulse) -> Pulse:
+        """The same with its gain beside all columns, which boxes are ranked without."""
+        change = pulse_change(case, response, pulse)
+        return replace(pulse, gain=before - chi2(regression.left(joined(own, change))))
+
+    # One recording may show best when a pulse comes that all of them hold.
+    of_all = (
+        [] if shared is None else [shared, *(replace(p, record=EVERY) for p in ranked[:_SHOWN])]
+    )
+    best = max(map(measured, of_all), key=lambda pulse: pulse.gain, default=None)
+    if best is not None and (not ranked or best.gain > measured(ranked[0]).gain):
+        first = best
     elif not ranked or (len(ranked) > 1 and ranked[0].gain < _STANDS_OUT * ranked[1].gain):
         return None
     else:

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 import pytest
 
+from gmfbo.diagnosis import pulses
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.lines import find_lines
 from gmfbo.diagnosis.pulses import EVERY, LEAST_PULSE_GAIN, Pulse, pulse_change, strongest_pulse
@@ -72,6 +73,18 @@ def test_a_pulse_too_weak_for_one_recording_is_found_in_all_together(servo: Port
     assert every is not None
     assert every.record == EVERY
     assert one is None or one.gain < 0.6 * every.gain
+
+
+def test_where_boxes_of_all_recordings_mislead_those_of_one_tell_when(
+    servo: PortCase, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Boxes are summed without what parameters take of them, which is much of a slow loop's."""
+    elsewhere = Pulse(EVERY, START + 0.15, 0.05, LEAST_PULSE_GAIN)
+    monkeypatch.setattr(pulses, "_shared", lambda *given: elsewhere)
+    pulse = strongest(servo, pulsed(servo, ALL, 0.1, seed=4))
+    assert pulse is not None
+    assert pulse.record == EVERY
+    assert is_there(pulse)
 
 
 def test_white_residuals_hold_no_pulse(servo: PortCase) -> None:
