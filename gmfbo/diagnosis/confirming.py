@@ -23,7 +23,7 @@ MOST = 6
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
 _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
-_BRIDGED = ("actuator_dead_zone", "backlash")  # by noise: without it, worse than none
+_LIMIT = "limit"  # family that noise bridges, or reaches where the command alone does not
 _WORTH_OTHERS = 15.0  # gain from which other values of what is not fitted are tried
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
@@ -117,8 +117,9 @@ def confirm(
         return None if found is None else _otherwise(misfit, base, found)
 
     def again(found: Fitted) -> Fitted:
-        is_bridged = found.hypothesis.effects[-1].law.name in _BRIDGED
-        if base.chi2 - found.chi2 < least and not is_bridged:
+        law = found.hypothesis.effects[-1].law
+        needs_noise = law.family == _LIMIT or law.name == "backlash"
+        if base.chi2 - found.chi2 < least and not needs_noise:
             return found
         noisy = under_noise(misfit, found)
         if noisy is None:
@@ -163,7 +164,7 @@ def _best_starts(
         return [(_joined(base.hypothesis, candidate), base.parameters)]
     promising = min(acting or trials, key=lambda t: t.square)
     best = [promising]
-    if candidate.law.family == "limit":
+    if candidate.law.family == _LIMIT:
         nearest = min(acting or trials, key=lambda t: chi2(misfit.residual(t.simulated)))
         best += [] if nearest is promising else [nearest]
     return [(trial.hypothesis, trial.parameters) for trial in best]

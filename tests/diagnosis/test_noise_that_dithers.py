@@ -60,6 +60,22 @@ def test_without_it_a_smaller_size_is_found(
     assert found < (1.0 - off) * true
 
 
+@pytest.mark.parametrize(("is_played", "least", "most"), [(True, 15.0, 40.0), (False, -1.0, 3.0)])
+def test_a_supply_limit_that_noise_alone_reaches_is_found_with_the_noise_played(
+    is_played: bool, least: float, most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Negative control: without it, the command hardly reaches the limit."""
+    if not is_played:
+        monkeypatch.setattr(confirming, "under_noise", unplayed)
+    with opened(planted(3e-4, {"supply_voltage_limit.limit": 1.5})) as case:
+        start = candidates(["supply_voltage_limit"], case.setting.excitation)[0]
+        (found,) = confirm(case.misfit, case.base, [start])
+        assert least < case.base.chi2 - found.chi2 < most
+        if is_played:
+            values = found.hypothesis.effects[0].values
+            assert values["limit"] == pytest.approx(1.5, rel=0.03)
+
+
 def test_recordings_that_noise_shakes_do_not_contradict_what_they_show() -> None:
     """A twin without the noise is off by the dead zone that the recorded axis hardly has."""
     found = planted(6e-4, {"actuator_dead_zone.width": 0.12})
