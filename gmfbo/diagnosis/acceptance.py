@@ -9,6 +9,7 @@ import numpy as np
 
 from gmfbo.diagnosis.acting import seconds_at_work
 from gmfbo.diagnosis.case import Case, times_noise
+from gmfbo.diagnosis.confirming import LIMIT
 from gmfbo.diagnosis.decision import Decision, Evidence
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import spread_of
@@ -30,7 +31,6 @@ _SEEN = 2.0  # the same of friction and play, whose floors are no tolerance of t
 _BETWEEN_SHARE = 0.3  # of its gain, which a line has to keep where whole recordings are left out
 _HARM_SHARE = 0.15  # of the gain, which recordings may lose together
 _LASTING = 0.2  # of the gain of an offset, which it has after the first stretches of recordings
-_LIMIT = "limit"  # family of what is only met now and then
 
 
 MECHANICS = frozenset({"friction", "spring"})
@@ -275,9 +275,9 @@ def simplest(accepted: Sequence[Evidence], threshold: float, slack: float) -> Ev
         See `slack_of`.
     """
     best = max(accepted, key=lambda e: e.gain - _freedom(e.effect))
-    if best.effect.law.family == _LIMIT:
+    if best.effect.law.family == LIMIT:
         # Where one stretch alone shows a limit, the others do not know it: its gain is too small.
-        limits = [e for e in accepted if e.effect.law.family == _LIMIT]
+        limits = [e for e in accepted if e.effect.law.family == LIMIT]
         best = min(limits, key=lambda e: e.chi2 + _freedom(e.effect))
     elif best.effect.law.is_passing:
         lasting = [e for e in accepted if not e.effect.law.is_passing]

@@ -23,7 +23,6 @@ MOST = 6
 
 _LEAST_SHARE = 0.02  # of the best gain: less is no rival
 _WORTH_NOISE = 50.0  # gain from which it is asked whether noise shakes the axis
-_LIMIT = "limit"  # family that noise bridges, or reaches where the command alone does not
 _WORTH_OTHERS = 15.0  # gain from which other values of what is not fitted are tried
 _NEAR = 0.5  # of the best gain, from which the same is asked
 _MOST_ROUGH = 3  # effects that are fitted beside those that screening asks for
@@ -32,6 +31,9 @@ _SHORTEST = 3  # starts of a lag: no parameter hides a long one
 _A_FEW = 4  # steps that show whether a start leads anywhere
 _AGAIN = 4  # points that are tried after that
 _ROUGH = ("limit", "inertia", "spring", "gain")  # families with many minima
+
+LIMIT = "limit"
+"""Family of what is only met now and then: noise bridges it, or reaches it by itself."""
 
 LAGS = "timing"
 """Family of delay, actuator lag and sensor lag."""
@@ -118,7 +120,7 @@ def confirm(
 
     def again(found: Fitted) -> Fitted:
         law = found.hypothesis.effects[-1].law
-        needs_noise = law.family == _LIMIT or law.name == "backlash"
+        needs_noise = law.family == LIMIT or law.name == "backlash"
         if base.chi2 - found.chi2 < least and not needs_noise:
             return found
         noisy = under_noise(misfit, found)
@@ -164,7 +166,7 @@ def _best_starts(
         return [(_joined(base.hypothesis, candidate), base.parameters)]
     promising = min(acting or trials, key=lambda t: t.square)
     best = [promising]
-    if candidate.law.family == _LIMIT:
+    if candidate.law.family == LIMIT:
         nearest = min(acting or trials, key=lambda t: chi2(misfit.residual(t.simulated)))
         best += [] if nearest is promising else [nearest]
     return [(trial.hypothesis, trial.parameters) for trial in best]

@@ -119,14 +119,18 @@ class Oracle:
             for one, noises in zip(self.experiments, self._noises, strict=True)
         ]
 
+    @property
+    def _jitter(self) -> float:
+        """[position] Standard deviation of the encoder's noise and of its counts."""
+        return float(np.hypot(self.machine.jitter, self.machine.quantum / np.sqrt(12.0)))
+
     @cached_property
     def _noises(self) -> list[list[Vector]]:
         """Of the encoder, a few for each experiment, each of shape (PREROLL + rows,) [position]."""
         rng = np.random.default_rng([self.seed, 1])
-        jitter = np.hypot(self.machine.jitter, self.machine.quantum / np.sqrt(12.0))
         return [
             [
-                jitter * rng.standard_normal(PREROLL + len(one.reference))
+                self._jitter * rng.standard_normal(PREROLL + len(one.reference))
                 for _ in range(REALISATIONS)
             ]
             for one in self.experiments
@@ -136,14 +140,13 @@ class Oracle:
     def _whitening(self) -> list[Complex]:
         """Inverse Cholesky factors of S, shape (frequencies, 2, 2) for each experiment."""
         rng = np.random.default_rng(self.seed)
-        jitter = np.hypot(self.machine.jitter, self.machine.quantum / np.sqrt(12.0))
         factors = []
         for one, clean in zip(self.experiments, self.clean, strict=True):
             values, rows = {**self.values, **one.gains}, len(one.reference)
             spectra = []
             signals = _signals(clean)
             for _ in range(REALISATIONS):
-                noise = jitter * rng.standard_normal(PREROLL + rows)
+                noise = self._jitter * rng.standard_normal(PREROLL + rows)
                 if self.machine.is_open_loop:
                     drive = self.machine.command_noise * rng.standard_normal(rows)
                     noisy = _driven(values, signals + np.outer(drive, [0.0, 1.0]))
