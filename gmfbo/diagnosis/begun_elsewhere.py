@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
@@ -42,6 +44,20 @@ def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
     again = fit(plain, case.base.hypothesis, named.parameters, near=named, parallel=True)
     before = case.base.measured_by(plain).chi2
     return again if again is not None and again.chi2 < _MUCH_LESS * before else None
+
+
+def fitted_without_last(misfit: Misfit, fitted: Fitted) -> Fitted | None:
+    """Fit a model without its last effect from where the fit with it ended.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and budget.
+    fitted : Fitted
+        With the effect.
+    """
+    hypothesis = replace(fitted.hypothesis, effects=fitted.hypothesis.effects[:-1])
+    return fit(misfit, hypothesis, fitted.parameters, near=fitted, parallel=True)
 
 
 def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:

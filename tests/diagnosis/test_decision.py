@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.deciding import MOST_EFFECTS, _with_limits, decide
+from gmfbo.diagnosis.deciding import MOST_EFFECTS, decide
 from gmfbo.diagnosis.decision import Decision
 from gmfbo.diagnosis.library import candidates
+from gmfbo.diagnosis.rounds import with_limits
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, Reference, climb, moves, multisine, open_small
 
@@ -103,7 +104,7 @@ def test_a_silent_effect_that_explains_less_than_the_best_casts_no_doubt() -> No
 
 @given(st.sampled_from(sorted(CATALOGUE)))
 def test_a_named_law_takes_its_limits_and_all_laws_that_share_one(name: str) -> None:
-    taken = _with_limits({name})
+    taken = with_limits({name})
     own = {name, *CATALOGUE[name].contains}
     assert own <= taken
     for other, law in CATALOGUE.items():
@@ -112,12 +113,12 @@ def test_a_named_law_takes_its_limits_and_all_laws_that_share_one(name: str) -> 
 
 @pytest.mark.parametrize("name", ["coulomb_friction", *sorted(LAWS)])
 def test_one_named_friction_law_takes_all_others_and_nothing_else(name: str) -> None:
-    assert _with_limits({name}) == {"coulomb_friction", *LAWS}
+    assert with_limits({name}) == {"coulomb_friction", *LAWS}
 
 
 def test_effects_without_a_common_limit_leave_each_other_free() -> None:
-    assert _with_limits({"transport_delay", "viscous_friction"}) == {
+    assert with_limits({"transport_delay", "viscous_friction"}) == {
         "transport_delay",
         "viscous_friction",
     }
-    assert _with_limits(set()) == set()
+    assert with_limits(set()) == set()

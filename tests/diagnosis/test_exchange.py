@@ -7,7 +7,7 @@ from contextlib import closing
 
 import pytest
 
-from gmfbo.diagnosis import deciding
+from gmfbo.diagnosis import rounds
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.confirming import confirm, shortlist
 from gmfbo.diagnosis.deciding import groups_of
@@ -120,7 +120,7 @@ def test_where_fits_disappoint_what_was_ranked_next_is_fitted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     physics = {"presliding_friction.level": 0.05, "presliding_friction.deflection": 0.03}
-    monkeypatch.setattr(deciding, "shortlist", coulomb_first())
+    monkeypatch.setattr(rounds, "shortlist", coulomb_first())
     with closing((opened_case := opened(physics)).simulations):
         decision = decided(opened_case, ("coulomb_friction", "presliding_friction"))
     assert [entry.winner.name for entry in decision.rounds] == ["presliding_friction"]
