@@ -19,6 +19,7 @@ from gmfbo.diagnosis.threshold import left_out_square
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
 _UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect has to take away
+_PULSE_SHARE = 0.5  # the same of a pulse in one recording
 _FIRST_SHARE = 0.005  # of the first effect's gain: a law that is 7 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
@@ -50,10 +51,16 @@ def needed_gain(decision: Decision) -> float:
         # Where even the best model leaves more than noise, that may look like an effect as well.
         dof = sum(r.size for r in decision.model.residual)
         return max(decision.threshold, _UNEXPLAINED_SHARE * dof * (1.0 - 1.0 / decision.dispersion))
-    beyond_noise = decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
+    beyond_noise = _beyond_noise(decision)
     first = decision.rounds[0].winner.gain
     further = (1 + len(decision.rounds)) * decision.threshold
     return max(further, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
+
+
+def _beyond_noise(decision: Decision) -> float:
+    """Part of what the model leaves, that nothing in the library explains."""
+    assert decision.model is not None
+    return decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
 
 
 def slack_of(case: Case, decision: Decision, accepted: Sequence[Evidence]) -> float:
@@ -169,6 +176,8 @@ def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float)
         return False
     if _is_where_friction_held(case, evidence, decision):
         return False
+    if _passes_amid_misfit(evidence, decision):
+        return False
     return _acts_long_enough(case, evidence, needed)
 
 
@@ -215,6 +224,16 @@ def _holds_between_recordings(case: Case, evidence: Evidence, decision: Decision
     assert decision.model is not None
     outside = left_out_square(decision.model, records) - left_out_square(evidence.fitted, records)
     return float(outside.sum()) > _BETWEEN_SHARE * evidence.gain
+
+
+def _passes_amid_misfit(evidence: Evidence, decision: Decision) -> bool:
+    """Whether a pulse is where a named law that is not right happens to leave most.
+
+    What passes once explains the stretch that it was looked for in, whatever is wrong there.
+    """
+    if not decision.rounds or evidence.effect.only is None:
+        return False
+    return evidence.gain < _PULSE_SHARE * _beyond_noise(decision)
 
 
 def _is_where_friction_held(case: Case, evidence: Evidence, decision: Decision) -> bool:
