@@ -19,7 +19,7 @@ from gmfbo.diagnosis.threshold import left_out_square
 
 _NEXT_SHARE = 0.15  # of what is left beyond noise, which a further effect has to take away
 _UNEXPLAINED_SHARE = 0.08  # of what no model explains, which the first effect has to take away
-_PULSE_SHARE = 0.5  # the same of a pulse in one recording
+_PULSE_SHARE = 0.5  # the same of a pulse in one recording, of all that is more than noise
 _FIRST_SHARE = 0.005  # of the first effect's gain: a law that is 7 % off leaves as much
 _EACH_PARAMETER = 5.0  # gain that a further free parameter has to bring
 _SEARCHED = 15.0  # the same for a line or an instant that was looked for in a few hundred places
@@ -51,16 +51,10 @@ def needed_gain(decision: Decision) -> float:
         # Where even the best model leaves more than noise, that may look like an effect as well.
         dof = sum(r.size for r in decision.model.residual)
         return max(decision.threshold, _UNEXPLAINED_SHARE * dof * (1.0 - 1.0 / decision.dispersion))
-    beyond_noise = _beyond_noise(decision)
+    beyond_noise = decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
     first = decision.rounds[0].winner.gain
     further = (1 + len(decision.rounds)) * decision.threshold
     return max(further, _NEXT_SHARE * beyond_noise, _FIRST_SHARE * first)
-
-
-def _beyond_noise(decision: Decision) -> float:
-    """Part of what the model leaves, that nothing in the library explains."""
-    assert decision.model is not None
-    return decision.model.chi2 * (1.0 - 1.0 / decision.dispersion)
 
 
 def slack_of(case: Case, decision: Decision, accepted: Sequence[Evidence]) -> float:
@@ -233,7 +227,9 @@ def _passes_amid_misfit(evidence: Evidence, decision: Decision) -> bool:
     """
     if not decision.rounds or evidence.effect.only is None:
         return False
-    return evidence.gain < _PULSE_SHARE * _beyond_noise(decision)
+    assert decision.model is not None
+    noise = sum(block.size for block in decision.model.residual) / decision.dispersion
+    return evidence.gain < _PULSE_SHARE * (decision.model.chi2 - noise)
 
 
 def _is_where_friction_held(case: Case, evidence: Evidence, decision: Decision) -> bool:
