@@ -63,7 +63,8 @@ def exchange_first(case: Case, decision: Decision, at_work: float) -> bool:
     ]
     if not any(e.name == first.winner.name for e in proven):
         return False
-    chosen = simplest(proven, decision.threshold, 0.0)
+    # The richer law may have taken what is now found beside it: it needs a whole threshold more.
+    chosen = simplest(proven, decision.threshold, decision.threshold)
     alike = tuple(rivals_of(chosen, evidence))
     margin = margin_over_limit(decision.threshold, 0.0)
     entry = Round(chosen, alike, tuple(evidence), needed, margin)

@@ -22,7 +22,7 @@ from gmfbo.diagnosis.acceptance import (
 from gmfbo.diagnosis.begun_at_rest import begun_better
 from gmfbo.diagnosis.begun_elsewhere import fitted_without_last
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
-from gmfbo.diagnosis.confirming import LAGS, MISLED, confirm, rough_worth_fitting, shortlist
+from gmfbo.diagnosis.confirming import LAGS, MISLED, MOST, confirm, rough_worth_fitting, shortlist
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.gain_by_chance import gain_by_chance
@@ -40,6 +40,7 @@ _GROSS = 2.0  # chi2 per degree of freedom, above which refitted parameters misl
 _FAR_MORE = 2.0  # times the gain of what is proven, or of what is asked for
 _WORTH_FITTING = 8.0  # gain by screening below which no fit is tried
 _PROMISING = 200.0  # gain by screening from which it is asked whether fits keep what it promised
+_ELSEWHERE = 0.05  # of a parameter, by which a fit is another one
 _KEPT_PROMISE = 0.25  # of it, below which what it ranked next is fitted too
 
 
@@ -69,8 +70,49 @@ def fits_of_round(case: Case, decision: Decision, rng: np.random.Generator) -> l
     chosen += rough_worth_fitting(case.misfit, decision.model, tried, families, known)
     chosen = _with_limits_scanned(case, decision, tried, chosen, rng)
     fits = _confirmed(case, decision, screened, chosen)
+    fits = _begun_alone(case, decision, fits)
     decision.model, fits = begun_better(case, decision.model, fits)
     return fits
+
+
+def _begun_alone(case: Case, decision: Decision, fits: Sequence[Fitted]) -> list[Fitted]:
+    """Fit effects beside the names from where they were found alone, too, and keep the better fits.
+
+    What an effect does, parameters may have made up for while another one was fitted: from there no
+    small step leads back (a delay, behind an inertia that grew by a quarter).
+    """
+    best = {f.hypothesis.effects[-1].effect: f for f in fits}
+    model = decision.model
+    assert model is not None
+    if not decision.rounds:
+        return list(fits)
+    taken = with_limits({c.effect for c in model.hypothesis.effects})
+    alone = [
+        e.fitted
+        for e in decision.rounds[-1].fitted
+        if e.name not in taken and e.gain > decision.threshold and _is_elsewhere(e.fitted, model)
+    ][:MOST]
+
+    def beside(found: Fitted) -> Fitted | None:
+        effects = (*model.hypothesis.effects, found.hypothesis.effects[-1])
+        return fit(
+            case.misfit, replace(model.hypothesis, effects=effects), found.parameters, near=found
+        )
+
+    for moved in case.misfit.simulations.map_outer(beside, alone):
+        if moved is None:
+            continue
+        name = moved.hypothesis.effects[-1].effect
+        if name not in best or moved.chi2 < best[name].chi2:
+            best[name] = moved
+    return list(best.values())
+
+
+def _is_elsewhere(found: Fitted, model: Fitted) -> bool:
+    """Whether a fit has other parameters of the twin."""
+    own = len(model.hypothesis.setting.uncertain)
+    apart = np.abs(found.x[:own] - model.x[:own])
+    return bool(np.any(apart > _ELSEWHERE * np.abs(model.x[:own])))
 
 
 def is_led_out(case: Case, decision: Decision, fits: Sequence[Fitted]) -> bool:
