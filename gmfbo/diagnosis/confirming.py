@@ -163,7 +163,7 @@ def _best_starts(
     records = misfit.simulations.records
     acting = [t for t in trials if seconds_at_work(t.candidate, t.simulated, records)]
     if not trials:
-        return [(_joined(base.hypothesis, candidate), base.parameters)]
+        return [(with_effect(base.hypothesis, candidate), base.parameters)]
     promising = min(acting or trials, key=lambda t: t.square)
     best = [promising]
     if candidate.law.family == LIMIT:
@@ -188,7 +188,16 @@ def _otherwise(misfit: Misfit, base: Fitted, found: Fitted) -> Fitted:
     return found
 
 
-def _joined(base: Hypothesis, candidate: Candidate) -> Hypothesis:
+def with_effect(base: Hypothesis, candidate: Candidate) -> Hypothesis:
+    """One effect more.
+
+    Parameters
+    ----------
+    base : Hypothesis
+        The model so far.
+    candidate : Candidate
+        The effect, which becomes the last.
+    """
     return replace(base, effects=(*base.effects, candidate))
 
 
@@ -235,7 +244,7 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
         The effect at its start.
     """
     setting = base.hypothesis.setting
-    hypothesis = _joined(base.hypothesis, candidate)
+    hypothesis = with_effect(base.hypothesis, candidate)
     nominal = {u.name: u.nominal for u in setting.uncertain}
     trials = []
     for parameters in (base.parameters, nominal):
@@ -307,7 +316,7 @@ def _lags_beyond(misfit: Misfit, base: Fitted, starts: Sequence[Candidate]) -> l
         return next(iter(candidate.values.values()))
 
     def after_a_few_steps(candidate: Candidate) -> float:
-        hypothesis = _joined(base.hypothesis, candidate)
+        hypothesis = with_effect(base.hypothesis, candidate)
         found = fit(misfit, hypothesis, base.parameters, near=base, iterations=_A_FEW)
         return np.inf if found is None else found.chi2
 

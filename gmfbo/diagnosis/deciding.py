@@ -16,7 +16,7 @@ from gmfbo.diagnosis.fitting import Fitted, stacked
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.left_by_library import narrow_budget
 from gmfbo.diagnosis.rivals import rivals_beside
-from gmfbo.diagnosis.rounds import accept, fits_of_round, is_led_out
+from gmfbo.diagnosis.rounds import accept, fits_of_round, go_where_led
 from gmfbo.diagnosis.screening import Probe, probes, screen
 
 MOST_EFFECTS = 3
@@ -111,7 +111,7 @@ def _add_effects(
         progress(f"fitting effect {number + 1}", 0.4 + 0.15 * number)
         _look_beside(case, decision, library, look_again)
         fits = fits_of_round(case, decision, rng)
-        if is_led_out(case, decision, fits):
+        if go_where_led(case, decision, fits):
             _look_beside(case, decision, library, look_again)
             fits = fits_of_round(case, decision, rng)
         if not accept(case, decision, fits, rng):

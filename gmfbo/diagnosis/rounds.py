@@ -22,7 +22,15 @@ from gmfbo.diagnosis.acceptance import (
 from gmfbo.diagnosis.begun_at_rest import begun_better
 from gmfbo.diagnosis.begun_elsewhere import fitted_without_last
 from gmfbo.diagnosis.case import Case, chi2_per_dof, is_more_than_noise
-from gmfbo.diagnosis.confirming import LAGS, MISLED, MOST, confirm, rough_worth_fitting, shortlist
+from gmfbo.diagnosis.confirming import (
+    LAGS,
+    MISLED,
+    MOST,
+    confirm,
+    rough_worth_fitting,
+    shortlist,
+    with_effect,
+)
 from gmfbo.diagnosis.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.gain_by_chance import gain_by_chance
@@ -81,11 +89,11 @@ def _begun_alone(case: Case, decision: Decision, fits: Sequence[Fitted]) -> list
     What an effect does, parameters may have made up for while another one was fitted: from there no
     small step leads back (a delay, behind an inertia that grew by a quarter).
     """
-    best = {f.hypothesis.effects[-1].effect: f for f in fits}
     model = decision.model
     assert model is not None
     if not decision.rounds:
         return list(fits)
+    best = {f.hypothesis.effects[-1].effect: f for f in fits}
     taken = with_limits({c.effect for c in model.hypothesis.effects})
     alone = [
         e.fitted
@@ -94,10 +102,8 @@ def _begun_alone(case: Case, decision: Decision, fits: Sequence[Fitted]) -> list
     ][:MOST]
 
     def beside(found: Fitted) -> Fitted | None:
-        effects = (*model.hypothesis.effects, found.hypothesis.effects[-1])
-        return fit(
-            case.misfit, replace(model.hypothesis, effects=effects), found.parameters, near=found
-        )
+        joined = with_effect(model.hypothesis, found.hypothesis.effects[-1])
+        return fit(case.misfit, joined, found.parameters, near=found)
 
     for moved in case.misfit.simulations.map_outer(beside, alone):
         if moved is None:
@@ -115,7 +121,7 @@ def _is_elsewhere(found: Fitted, model: Fitted) -> bool:
     return bool(np.any(apart > _ELSEWHERE * np.abs(model.x[:own])))
 
 
-def is_led_out(case: Case, decision: Decision, fits: Sequence[Fitted]) -> bool:
+def go_where_led(case: Case, decision: Decision, fits: Sequence[Fitted]) -> bool:
     """Let the model go where a further effect has led it, if it needs none to stay there.
 
     A fit that stopped early goes on with nearly any effect beside it, which then has the credit.

@@ -9,12 +9,13 @@ import pytest
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.confirming import confirm
+from gmfbo.diagnosis.deciding import groups_of
 from gmfbo.diagnosis.decision import Decision, Round
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.left_out_gain import evidence_of
 from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.rounds import is_led_out
+from gmfbo.diagnosis.rounds import go_where_led
 from tests.diagnosis.port_cases import open_servo
 
 FRICTION = {"coulomb_friction.level": 0.05}
@@ -50,7 +51,7 @@ def fitted(case: Case, model: Fitted, name: str) -> Fitted:
 
 def decided(case: Case, model: Fitted, rival: Fitted) -> Decision:
     """One effect accepted, with a rival."""
-    groups = tuple(range(len(case.budget.windows)))
+    groups = groups_of(case)
     winner, other = (evidence_of(case, case.base, f, groups) for f in (model, rival))
     entry = Round(winner, (other,), (winner, other), THRESHOLD, THRESHOLD)
     return Decision([entry], model, threshold=THRESHOLD, groups=groups)
@@ -81,7 +82,7 @@ def test_what_goes_on_without_the_effect_goes_on_and_its_rivals_with_it(late: Ca
     decision = decided(late, stopped_early(late, lag), stopped_early(late, rival))
     assert decision.model is not None
     assert decision.model.chi2 > lag.chi2 + 2.0 * THRESHOLD
-    assert is_led_out(late, decision, [with_nothing_more(late, lag)])
+    assert go_where_led(late, decision, [with_nothing_more(late, lag)])
     (entry,) = decision.rounds
     assert decision.model is entry.winner.fitted
     assert decision.model.chi2 == pytest.approx(lag.chi2, abs=THRESHOLD)
@@ -95,12 +96,12 @@ def test_what_a_second_effect_explains_by_itself_is_left_to_it(loaded: Case) -> 
     decision = decided(loaded, friction, friction)
     both = fitted(loaded, friction, "gravity_torque")
     assert friction.chi2 - both.chi2 > 10.0 * THRESHOLD
-    assert not is_led_out(loaded, decision, [both])
+    assert not go_where_led(loaded, decision, [both])
     assert decision.model is friction
 
 
 def test_before_anything_is_named_nothing_is_tried(case: Case) -> None:
     friction = fitted(case, case.base, "coulomb_friction")
     runs = case.simulations.runs
-    assert not is_led_out(case, Decision(model=case.base, threshold=THRESHOLD), [friction])
+    assert not go_where_led(case, Decision(model=case.base, threshold=THRESHOLD), [friction])
     assert case.simulations.runs == runs
