@@ -15,6 +15,7 @@ from gmfbo.diagnosis.exchange import exchange_first
 from gmfbo.diagnosis.fitting import Fitted, stacked
 from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.left_by_library import narrow_budget
+from gmfbo.diagnosis.limit_scan import SCANNED
 from gmfbo.diagnosis.rivals import rivals_beside
 from gmfbo.diagnosis.rounds import accept, fits_of_round, go_where_led
 from gmfbo.diagnosis.screening import Probe, probes, screen
@@ -22,6 +23,7 @@ from gmfbo.diagnosis.screening import Probe, probes, screen
 MOST_EFFECTS = 3
 """Effects that are named at most; recordings of a few seconds do not tell more apart."""
 
+_NOTHING = "changes nothing in these recordings"
 _LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes
 
 
@@ -141,7 +143,10 @@ def _look_beside(
 def _apart_from_parameters(
     case: Case, tried: Sequence[Probe]
 ) -> tuple[list[Probe], dict[str, str]]:
-    """Leave out effects that the refitted parameters can make by themselves."""
+    """Leave out effects that the refitted parameters can make by themselves.
+
+    Limits stay where none of their grid is ever met: they are looked for at every size.
+    """
     one_group = [0] * len(case.budget.windows)
     most: dict[str, float] = {}
     for entry in screen(case.misfit, case.base, tried, one_group):
@@ -152,14 +157,15 @@ def _apart_from_parameters(
         for p in tried
         if most.get(p.candidate.effect, 1.0) < _LEAST_UNLIKE
     }
-    return [p for p in tried if p.candidate.effect not in alike], alike
+    unmet = {name for name in SCANNED if alike.get(name) == _NOTHING}
+    return [p for p in tried if p.candidate.effect not in alike.keys() - unmet], alike
 
 
 def _nearest_parameter(case: Case, probe: Probe) -> str:
     """Why an effect is left out: the parameter whose sensitivity is most parallel to its change."""
     columns = stacked(case.misfit, probe.columns[:1])
     if not case.base.x.size or not any(np.any(change) for change in columns):
-        return "changes nothing in these recordings"
+        return _NOTHING
     cosines = np.zeros(case.base.x.size)
     for own, change in zip(case.base.sensitivity, columns, strict=True):
         cosines += own @ change[0]

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
+from gmfbo.diagnosis.acceptance import is_large, is_proven
 from gmfbo.diagnosis.case import Case, is_more_than_noise, times_noise
-from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.decision import Decision, Round
+from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.plain_words import number, words
+from gmfbo.diagnosis.rivals import rivals_of
 from gmfbo.diagnosis.simulated import Point
 
 LEAST_PROBABILITY = 0.3
@@ -44,6 +50,51 @@ def note_what_is_not_named(case: Case, decision: Decision) -> None:
             "the axis was not at rest when these recordings began: what seems to act in their "
             f"first {lasting} s is not named; hold the first reference for longer beforehand"
         )
+
+
+def give_way_to_limit(
+    case: Case,
+    decision: Decision,
+    probabilities: dict[str, float],
+    judged: Callable[[Fitted, Round], float],
+) -> None:
+    """Name the limit of the last law in its place where that is the more probable one.
+
+    A law that would hardly have been named if it were true is not named, but its limit may well be.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    decision : Decision
+        So far; its last round may get another winner.
+    probabilities : dict of str to float
+        Of each name; learns that of the limit.
+    judged : callable (Fitted, Round)
+        Probability of a winner, about the twin without it.
+    """
+    if not decision.rounds:
+        return
+    *before, last = decision.rounds
+    if probabilities[last.winner.name] >= LEAST_PROBABILITY:
+        return
+    without = before[-1].winner.fitted if before else case.base
+    earlier = replace(decision, rounds=before, model=without)
+    limits = [
+        e
+        for e in last.fitted
+        if e.name in last.winner.effect.law.contains and e.name not in decision.silent
+        if is_proven(case, e, earlier, last.needed) and is_large(case, e, last.needed)
+    ]
+    for limit in sorted(limits, key=lambda e: -e.gain):
+        others = [e for e in last.fitted if e.name not in decision.silent]
+        entry = replace(last, winner=limit, rivals=tuple(rivals_of(limit, others)))
+        probability = judged(without, entry)
+        if probability >= LEAST_PROBABILITY:
+            probabilities[limit.name] = probability
+            decision.rounds[-1] = entry
+            decision.model = limit.fitted
+            return
 
 
 def drop_improbable(case: Case, decision: Decision, probabilities: dict[str, float]) -> None:

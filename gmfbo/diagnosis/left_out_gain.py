@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.decision import Evidence
@@ -12,9 +13,12 @@ from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
 from gmfbo.diagnosis.threshold import left_out_square
 
+Array = NDArray[np.float64]
+
 _PLAIN = 100.0  # gain on all, from which a limit is there, and the others only tell its size
 _COMMENSURATE = 1.25  # times the square of its change, which an effect may gain
 _DOUBTFUL = 0.7  # of the gain on all; less on what was left out is checked by simulation
+_ALL_THAT_WAS = 1.25  # times what other stretches leave, which one may that a limit has explained
 
 
 def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]) -> Evidence:
@@ -43,6 +47,7 @@ def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]
             if inside.sum() > _PLAIN:
                 held = len(effect.parameters)
                 told.append(without - simulated_left_out(case.misfit, fitted, groups, held))
+                told += [inside] if _is_all_explained(fitted, inside, after, groups) else []
         outside = max(told, key=np.sum)
     gains = outside if outside.sum() < inside.sum() else inside
     signature = squares(
@@ -53,3 +58,16 @@ def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]
     if inside.sum() > most:
         gains = gains * most / inside.sum()
     return Evidence(fitted, gains, signature, fitted.chi2)
+
+
+def _is_all_explained(fitted: Fitted, inside: Array, after: Array, groups: Sequence[int]) -> bool:
+    """Whether an effect leaves no more of the stretch that it was seen in than of all others.
+
+    A limit that is met for a few milliseconds is met by nothing but the twin that was fitted there:
+    no other stretch can foretell it. What happens to be there besides would leave most of itself.
+    """
+    sizes = np.bincount(groups, [block.size for block in fitted.residual])
+    left = after / sizes
+    seen = int(np.argmax(inside))
+    others = np.delete(left, seen)
+    return bool(others.size) and bool(left[seen] <= _ALL_THAT_WAS * np.median(others))

@@ -34,12 +34,14 @@ _WORTH_REFINING = 0.3  # of what the best size explains
 _SLOPES = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the largest command per largest speed
 _OCTAVES = 14  # of rates, down from the one by which the largest jump is followed at once
 _ZONES = (1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1)  # of the largest command
-_SCANNED = (
+
+SCANNED = (
     "actuator_saturation",
     "supply_voltage_limit",
     "actuator_rate_limit",
     "actuator_dead_zone",
 )
+"""Effects whose sizes are looked for on the recorded command."""
 
 
 def scan_limits(
@@ -64,7 +66,7 @@ def scan_limits(
     -------
     list of (gain, Candidate), best first
     """
-    wanted = [n for n in _SCANNED if n in names]
+    wanted = [n for n in SCANNED if n in names]
     response = measure_port_response(case, "command", rng, model) if wanted else None
     if response is None:
         return []

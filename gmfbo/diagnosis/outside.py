@@ -152,7 +152,9 @@ def _explains_more_beside(
         for there in (response, *_at_sensor(judged, decision, rng))
     )
     left_over = judged.base.chi2 - judged.budget.noise
-    share = _BESIDE_SHARE if left_over > 0.0 else _NOISE_SHARE
+    # When an axis sticks is chance: what friction leaves by it, a function of a state takes, too.
+    is_beyond = left_over > _chance(decision) * judged.budget.noise
+    share = _BESIDE_SHARE if is_beyond else _NOISE_SHARE
     least = max(_THRESHOLDS * decision.threshold, share * named)
     return beside > max(least, _REST_SHARE * left_over)
 

@@ -185,7 +185,10 @@ def not_testable(
         Which effects parameters can make.
     """
     entries = []
+    named = {entry.winner.name for entry in decision.rounds}
     for name in CATALOGUE:
+        if name in named:
+            continue
         if name in reasons:
             entries.append(NotTestable(name, reasons[name]))
         elif name in decision.like_parameters:

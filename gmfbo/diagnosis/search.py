@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.begun_elsewhere import fitted_from_names
 from gmfbo.diagnosis.case import Case, is_more_than_noise
 from gmfbo.diagnosis.deciding import decide
-from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.decision import Decision, Round
 from gmfbo.diagnosis.diagnosis import Cost, Diagnosis, Sufficiency, Verdict
 from gmfbo.diagnosis.fit_table import Fit
 from gmfbo.diagnosis.fitting import Fitted
@@ -24,6 +24,7 @@ from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.intervals import combinations_of, estimated, spread_of
 from gmfbo.diagnosis.judging import (
     drop_improbable,
+    give_way_to_limit,
     is_known,
     is_weak,
     leaves_most,
@@ -107,6 +108,7 @@ class Search:
         reasons = self._reasons()
         decision = self._decision(reasons)
         probabilities = self._probabilities(decision)
+        give_way_to_limit(case, decision, probabilities, self._probability(decision))
         drop_improbable(case, decision, probabilities)
         outside = None
         if self._response is not None:
@@ -318,9 +320,12 @@ class Search:
             judged = base, entry
             if again is not None and again.entry.winner.name == name:
                 judged = again.without, again.entry
-            found[name] = probability(*judged, decision.dispersion, self.rng)
+            found[name] = self._probability(decision)(*judged)
             base = entry.winner.fitted
         return found
+
+    def _probability(self, decision: Decision) -> Callable[[Fitted, Round], float]:
+        return lambda base, entry: probability(base, entry, decision.dispersion, self.rng)
 
     def _unnamed_change(
         self, outside: Outside | None, split: Split

@@ -9,7 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.deciding import decide
+from gmfbo.diagnosis.hypothesis import Candidate
 from gmfbo.diagnosis.library import candidates
+from gmfbo.diagnosis.reporting import not_testable
 from tests.diagnosis import servo_recordings
 from tests.diagnosis.servo_recordings import opened
 
@@ -40,3 +42,22 @@ def test_a_limit_passed_for_one_row_is_named_where_it_is_there(
         return
     (named,) = decision.rounds
     assert named.winner.effect.values["limit"] == pytest.approx(LIMIT, rel=0.02)
+
+
+def test_a_limit_is_looked_for_where_the_library_tries_it_at_sizes_that_nothing_meets(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    recorded = kicks()
+    monkeypatch.setattr(servo_recordings, "references", lambda: recorded)
+    with closing((case := opened({"actuator_saturation.limit": LIMIT})).simulations):
+        library = [Candidate("actuator_saturation", {"limit": 20.0 * LIMIT})]
+        decision = decide(case, library, np.random.default_rng(0), lambda stage, share: None)
+    assert decision.like_parameters == {
+        "actuator_saturation": "changes nothing in these recordings"
+    }
+    (named,) = decision.rounds
+    assert named.winner.effect.values["limit"] == pytest.approx(LIMIT, rel=0.02)
+    assert not_testable(case, {}, decision) == ()
+    decision.rounds.clear()
+    (entry,) = not_testable(case, {}, decision)
+    assert entry.name == "actuator_saturation"

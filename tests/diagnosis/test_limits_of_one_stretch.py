@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from gmfbo.diagnosis import left_out_gain
 from gmfbo.diagnosis.case import Case
 from gmfbo.diagnosis.deciding import groups_of
 from gmfbo.diagnosis.fitting import Fitted, fit
@@ -73,6 +76,26 @@ def test_a_limit_that_one_recording_shows_keeps_nearly_all_of_its_gain(
     inside = squares(case.base.residual, groups) - squares(fitted.residual, groups)
     assert inside.sum() > 1e4
     assert evidence_of(case, case.base, fitted, groups).gain > 0.95 * inside.sum()
+
+
+@pytest.mark.parametrize(("limit", "keeps"), [(LIMIT, True), (1.03 * LIMIT, False)])
+def test_a_limit_that_no_other_stretch_foretells_keeps_its_gain_where_it_explains_all(
+    limited: tuple[Case, Fitted], limit: float, keeps: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By parameters of the other stretches, an axis may never come to the limit.
+
+    3 % beside its size, the limit explains part of what is there: the negative control.
+    """
+    case, fitted = limited
+    groups = groups_of(case)
+    without = squares(case.base.residual, groups)
+    monkeypatch.setattr(left_out_gain, "simulated_left_out", lambda *args: without)
+    x = fitted.x * np.append(np.ones(fitted.x.size - 1), limit / LIMIT)
+    (simulated,) = case.simulations.run([fitted.hypothesis.point(x)])
+    there = replace(fitted, x=x, residual=case.misfit.residual(simulated))
+    after = squares(there.residual, groups)
+    gain = evidence_of(case, case.base, there, groups).gain
+    assert (gain > 0.99 * float(without.sum() - after.sum())) is keeps
 
 
 def test_recordings_that_never_reach_a_limit_say_nothing_of_it(
