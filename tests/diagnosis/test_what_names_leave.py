@@ -81,25 +81,34 @@ def test_no_right_name_leaves_hundreds_of_times_the_noise(monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize(
-    ("beside", "left", "gained", "more"),
+    ("name", "beside", "left", "gained", "more"),
     [
-        (80.0, NOISE, 1000.0, False),  # three thresholds are 90
-        (100.0, NOISE, 1000.0, True),
-        (100.0, NOISE, 4000.0, False),  # a twentieth of what names gain, where no more is left
-        (100.0, NOISE + 1.0, 4000.0, True),  # a hundredth of it, where more is left
-        (350.0, NOISE + 1000.0, 4000.0, False),  # two fifths of what is left beyond noise
-        (450.0, NOISE + 1000.0, 4000.0, True),
+        ("gravity_torque", 80.0, NOISE, 1000.0, False),  # three thresholds are 90
+        ("gravity_torque", 100.0, NOISE, 1000.0, True),
+        # A twentieth of what names gain, where no more is left; a hundredth of it, where more is.
+        ("gravity_torque", 100.0, NOISE, 4000.0, False),
+        ("gravity_torque", 100.0, NOISE + 1.0, 4000.0, True),
+        # Beside friction, a quarter of the noise is still chance.
+        ("coulomb_friction", 100.0, NOISE + 1.0, 4000.0, False),
+        ("coulomb_friction", 1100.0, 1.24 * NOISE, 1e5, False),
+        ("coulomb_friction", 1100.0, 1.26 * NOISE, 1e5, True),
+        # Two fifths of what is left beyond noise.
+        ("gravity_torque", 350.0, NOISE + 1000.0, 4000.0, False),
+        ("gravity_torque", 450.0, NOISE + 1000.0, 4000.0, True),
     ],
 )
 def test_a_function_beside_names_has_to_take_much_of_what_they_leave(
-    monkeypatch: pytest.MonkeyPatch, beside: float, left: float, gained: float, more: bool
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    beside: float,
+    left: float,
+    gained: float,
+    more: bool,
 ) -> None:
     family = SimpleNamespace(gain=beside, fall=2.0 * beside, family=SimpleNamespace(shared=True))
     monkeypatch.setattr(outside, "unnamed", lambda *given: SimpleNamespace(families=(family,)))
     response = cast(PortResponse, SimpleNamespace())
-    found = outside._explains_more_beside(
-        judged(left), named("coulomb_friction"), gained, response, RNG
-    )
+    found = outside._explains_more_beside(judged(left), named(name), gained, response, RNG)
     assert found is more
 
 
