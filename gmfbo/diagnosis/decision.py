@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -87,6 +88,19 @@ class Round:
             rivals=tuple(entry.measured_by(misfit) for entry in self.rivals),
             fitted=tuple(entry.measured_by(misfit) for entry in self.fitted),
         )
+
+
+def model_after(rounds: Sequence[Round], base: Fitted) -> Fitted:
+    """The twin with what was accepted in some rounds.
+
+    Parameters
+    ----------
+    rounds : sequence of Round
+        In the order of their discovery.
+    base : Fitted
+        The twin without effects.
+    """
+    return rounds[-1].winner.fitted if rounds else base
 
 
 @dataclass(frozen=True, eq=False)

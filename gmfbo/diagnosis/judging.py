@@ -9,7 +9,7 @@ import numpy as np
 
 from gmfbo.diagnosis.acceptance import is_large, is_proven
 from gmfbo.diagnosis.case import Case, is_more_than_noise, times_noise
-from gmfbo.diagnosis.decision import Decision, Round
+from gmfbo.diagnosis.decision import Decision, Round, model_after
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.plain_words import number, words
 from gmfbo.diagnosis.rivals import rivals_of
@@ -78,17 +78,17 @@ def give_way_to_limit(
     *before, last = decision.rounds
     if probabilities[last.winner.name] >= LEAST_PROBABILITY:
         return
-    without = before[-1].winner.fitted if before else case.base
+    without = model_after(before, case.base)
     earlier = replace(decision, rounds=before, model=without)
+    could = [e for e in last.fitted if e.name not in decision.silent]
     limits = [
         e
-        for e in last.fitted
-        if e.name in last.winner.effect.law.contains and e.name not in decision.silent
+        for e in could
+        if e.name in last.winner.effect.law.contains
         if is_proven(case, e, earlier, last.needed) and is_large(case, e, last.needed)
     ]
     for limit in sorted(limits, key=lambda e: -e.gain):
-        others = [e for e in last.fitted if e.name not in decision.silent]
-        entry = replace(last, winner=limit, rivals=tuple(rivals_of(limit, others)))
+        entry = replace(last, winner=limit, rivals=tuple(rivals_of(limit, could)))
         probability = judged(without, entry)
         if probability >= LEAST_PROBABILITY:
             probabilities[limit.name] = probability
@@ -103,8 +103,7 @@ def drop_improbable(case: Case, decision: Decision, probabilities: dict[str, flo
         if probabilities[entry.winner.name] < LEAST_PROBABILITY:
             decision.refused = [entry.winner]
             del decision.rounds[place:]
-            last = decision.rounds[-1].winner.fitted if decision.rounds else case.base
-            decision.model = last
+            decision.model = model_after(decision.rounds, case.base)
             return
 
 

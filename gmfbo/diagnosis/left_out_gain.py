@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.confirming import LIMIT
 from gmfbo.diagnosis.decision import Evidence
 from gmfbo.diagnosis.fitting import Fitted
 from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
@@ -38,17 +39,10 @@ def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]
     outside = left_out_square(model, groups) - left_out_square(fitted, groups)
     if outside.sum() < _DOUBTFUL * inside.sum():
         # Sensitivities of a gap or a limit may be rough: let the FMU tell.
-        without = simulated_left_out(case.misfit, model, groups)
-        told = [without - simulated_left_out(case.misfit, fitted, groups)]
-        effect = fitted.hypothesis.effects[-1]
-        if effect.law.family == "limit":
-            # A limit that one stretch alone shows is unbound by the others: the best tells.
-            told.append(outside)
-            if inside.sum() > _PLAIN:
-                held = len(effect.parameters)
-                told.append(without - simulated_left_out(case.misfit, fitted, groups, held))
-                told += [inside] if _is_all_explained(fitted, inside, after, groups) else []
-        outside = max(told, key=np.sum)
+        is_whole = _is_plain_limit(fitted, inside) and _is_all_explained(
+            inside, after, fitted, groups
+        )
+        outside = inside if is_whole else _simulated(case, model, fitted, groups, inside, outside)
     gains = outside if outside.sum() < inside.sum() else inside
     signature = squares(
         tuple(a - b for a, b in zip(model.residual, fitted.residual, strict=True)), groups
@@ -60,7 +54,33 @@ def evidence_of(case: Case, model: Fitted, fitted: Fitted, groups: Sequence[int]
     return Evidence(fitted, gains, signature, fitted.chi2)
 
 
-def _is_all_explained(fitted: Fitted, inside: Array, after: Array, groups: Sequence[int]) -> bool:
+def _simulated(
+    case: Case,
+    model: Fitted,
+    fitted: Fitted,
+    groups: Sequence[int],
+    inside: Array,
+    outside: Array,
+) -> Array:
+    """The gain on what was left out, each fit simulated; of a limit, the best of what tells it."""
+    without = simulated_left_out(case.misfit, model, groups)
+    told = [without - simulated_left_out(case.misfit, fitted, groups)]
+    effect = fitted.hypothesis.effects[-1]
+    if effect.law.family == LIMIT:
+        # A limit that one stretch alone shows is unbound by the others: the best tells.
+        told.append(outside)
+    if _is_plain_limit(fitted, inside):
+        held = len(effect.parameters)
+        told.append(without - simulated_left_out(case.misfit, fitted, groups, held))
+    return max(told, key=np.sum)
+
+
+def _is_plain_limit(fitted: Fitted, inside: Array) -> bool:
+    is_limit = fitted.hypothesis.effects[-1].law.family == LIMIT
+    return is_limit and bool(inside.sum() > _PLAIN)
+
+
+def _is_all_explained(inside: Array, after: Array, fitted: Fitted, groups: Sequence[int]) -> bool:
     """Whether an effect leaves no more of the stretch that it was seen in than of all others.
 
     A limit that is met for a few milliseconds is met by nothing but the twin that was fitted there:

@@ -31,7 +31,7 @@ from gmfbo.diagnosis.confirming import (
     shortlist,
     with_effect,
 )
-from gmfbo.diagnosis.decision import Decision, Evidence, Round
+from gmfbo.diagnosis.decision import Decision, Evidence, Round, model_after
 from gmfbo.diagnosis.fitting import Fitted, fit
 from gmfbo.diagnosis.gain_by_chance import gain_by_chance
 from gmfbo.diagnosis.hypothesis import Candidate
@@ -149,7 +149,7 @@ def go_where_led(case: Case, decision: Decision, fits: Sequence[Fitted]) -> bool
     if further is None or model.chi2 - further.chi2 <= decision.threshold:
         return False
     *before, last = decision.rounds
-    without = before[-1].winner.fitted if before else case.base
+    without = model_after(before, case.base)
     winner = evidence_of(case, without, further, decision.groups)
     again = (_moved(case, entry.fitted, further) for entry in last.rivals)
     others = [evidence_of(case, without, fitted, decision.groups) for fitted in again]
