@@ -33,12 +33,12 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import Study, Tuner
-from gmfbo.reports.notebook_figure import NotebookFigure
-from gmfbo.reports.study_figures import best_observed, gains
-from gmfbo.reports.study_review import StudyReview
-from gmfbo.reports.trajectory_figure import trajectories
-from gmfbo.sources.models import models_folder
-from gmfbo.tuning.progress import Progress
+from gmfbo.reports.figures.notebook_figure import NotebookFigure
+from gmfbo.reports.figures.study_figures import best_observed, gains
+from gmfbo.reports.figures.trajectory_figure import trajectories
+from gmfbo.reports.study.review import StudyReview
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.tuning.query.progress import Progress
 
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-first-"))
 

@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, Recording, diagnose
 from gmfbo.physics import CATALOGUE, States
-from gmfbo.recordings.writer import write_recording
-from gmfbo.reports.notebook_figure import NotebookFigure
-from gmfbo.sources.models import models_folder
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.reports.figures.notebook_figure import NotebookFigure
+from gmfbo.sources.fmu_file.models import models_folder
 
 raw = Path(os.environ["GMFBO_DATA"]) / "odrive_cogging"
 Array = NDArray[np.float64]

@@ -33,7 +33,7 @@ from scipy.io import loadmat
 
 from gmfbo import FmuTwin, Recording, diagnose
 from gmfbo.objective.fit import compare_at
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 SAMPLE = 5e-3  # [s]
 SPLIT = 2000  # rows that may be learned from

@@ -29,9 +29,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from gmfbo import FmuTwin, Recording, Study, Trajectory, Tuner, step_reference
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.failed_run import failed_run
-from gmfbo.sources.models import models_folder
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.plants.failed_run import failed_run
 
 MODELS = models_folder()
 WORN = {"friction.viscous": 2.0}  # [N m s/rad]
@@ -75,7 +75,7 @@ def study_of(name: str, is1: str) -> Study:
 BENCH = f"""
 import json, sys
 from gmfbo import FmuTwin, Recording
-from gmfbo.recordings.writer import write_recording
+from gmfbo.recordings.writing.writer import write_recording
 
 request = json.load(open(sys.argv[sys.argv.index("--request") + 1], encoding="utf-8"))
 if request["gains"]["ctl.Kp"] > 180.0:

@@ -35,8 +35,8 @@ import numpy as np
 import torch
 
 from gmfbo import Study, Tuner
-from gmfbo.reports.notebook_figure import NotebookFigure
-from gmfbo.sources.models import models_folder
+from gmfbo.reports.figures.notebook_figure import NotebookFigure
+from gmfbo.sources.fmu_file.models import models_folder
 
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-store-"))
 STUDY = f"""

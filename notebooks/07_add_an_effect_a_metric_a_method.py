@@ -35,11 +35,11 @@ from gmfbo import FmuTwin, Recording, Study, Tuner, compare, diagnose
 from gmfbo.physics import Effect, Excitation, add_effect
 from gmfbo.physics.effect import positive
 from gmfbo.physics.units import quantity
-from gmfbo.recordings.writer import write_recording
-from gmfbo.reports.comparison_figures import best_observed
-from gmfbo.reports.notebook_figure import NotebookFigure
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.reports.figures.comparison_figures import best_observed
+from gmfbo.reports.figures.notebook_figure import NotebookFigure
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.studies.curves import read_curves
 from gmfbo.tuning.method import Proposal
 

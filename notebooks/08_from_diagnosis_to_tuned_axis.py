@@ -28,10 +28,10 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import FmuTwin, Study, Trajectory, Tuner
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.tuning.method import CorrectionOptions
 from gmfbo.tuning.methods import find_method
-from gmfbo.tuning.request import TuningResult
+from gmfbo.tuning.query.request import TuningResult
 
 MODELS = models_folder()
 HIDDEN = {"drive.delay": 9e-3}  # [s]; the twin, and whoever corrects it, is not told

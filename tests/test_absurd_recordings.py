@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.cli import main
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 ROWS = 300
 TIME = 2e-3 * np.arange(ROWS, dtype=np.float64)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gmfbo.cli import main
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.models import models_folder
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.short_recordings import SERVO
 
 TWIN = models_folder() / "servo_axis.toml"

@@ -11,11 +11,11 @@ import pytest
 from gmfbo import FmuTwin, Recording
 from gmfbo.cli import main
 from gmfbo.errors import TwinFileError
-from gmfbo.recordings.column_mapping import ColumnMapping, MappedColumn
-from gmfbo.sources.augmented_file import augmented_twin_file
-from gmfbo.sources.column_file import ColumnFile, column_file_text, column_mapping
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin_file import TwinFile
+from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
+from gmfbo.sources.export.augmented_file import augmented_twin_file
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin_file.column_file import ColumnFile, column_file_text, column_mapping
+from gmfbo.sources.twin_file.twin_file import TwinFile
 
 ROWS = 400
 ANGLE = 0.3 * np.sin(np.arange(ROWS) * 0.02)

@@ -13,7 +13,7 @@ import h5py
 import pytest
 
 from gmfbo.cli import main
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 FMUS = Path(__file__).parent / "fmus"
 STUDY = """

@@ -12,8 +12,8 @@ import pytest
 
 from gmfbo.physics import CATALOGUE
 from gmfbo.retuning import RETUNING
-from gmfbo.tuning.method_names import METHOD_NAMES
 from gmfbo.tuning.methods import METHODS
+from gmfbo.tuning.query.method_names import METHOD_NAMES
 
 BASH = shutil.which("bash")
 needs_bash = pytest.mark.skipif(BASH is None, reason="no bash here")

@@ -22,11 +22,11 @@ from gmfbo.cli.hidden.references import DURATION_S, SAMPLE_S, references
 from gmfbo.cli.hidden.reveal import answer_lines, explained, judged
 from gmfbo.cli.hidden.sealed import seal, unseal
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.named_effect import IdentifiedValue, NamedEffect
+from gmfbo.diagnosis.result.named_effect import IdentifiedValue, NamedEffect
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.twin import FmuTwin
 from tests.diagnosis.example_diagnoses import friction
 
 SEEDS = st.integers(min_value=0, max_value=2**40)

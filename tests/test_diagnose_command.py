@@ -9,10 +9,10 @@ import pytest
 
 import gmfbo.diagnosis
 from gmfbo.cli import main
-from gmfbo.cli.many_values import repeat_flags
+from gmfbo.cli.twins.many_values import repeat_flags
 from gmfbo.diagnosis import Diagnosis
 from gmfbo.errors import SimulationError
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.example_diagnoses import friction
 
 TWIN = models_folder() / "linear_axis.toml"

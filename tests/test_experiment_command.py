@@ -10,9 +10,9 @@ import pytest
 
 from gmfbo import Recording
 from gmfbo.cli import main
-from gmfbo.diagnosis.predictions import PARAMETERS_ONLY, Explanation
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.models import models_folder
+from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.compensation_cases import diagnosis_of
 from tests.diagnosis.short_recordings import SERVO, SERVO_TRUTH, multisine
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from gmfbo.interrupt import unwrapped_interrupt
-from gmfbo.recordings.store import StudyStore
-from gmfbo.tuning.progress import Progress
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.tuning.query.progress import Progress
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 

@@ -11,7 +11,7 @@ import pytest
 from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording
 from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.study_file import parse_study
+from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 

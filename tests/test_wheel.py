@@ -52,7 +52,7 @@ def test_a_wheel_carries_fmus_twin_files_and_the_c_master(installed: Path) -> No
 
 def test_a_wheel_runs_its_own_models(installed: Path) -> None:
     code = (
-        "import gmfbo; from gmfbo.sources.models import models_folder; print(gmfbo.__file__);"
+        "import gmfbo; from gmfbo import models_folder; print(gmfbo.__file__);"
         "twin = gmfbo.FmuTwin(models_folder() / 'drive_twin.toml');"
         "print(twin.run((100.0, 6.0), gmfbo.step_reference()).status); twin.close()"
     )

@@ -13,32 +13,15 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from gmfbo import __version__
-from gmfbo.cli import (
-    ask,
-    build,
-    check,
-    columns,
-    compare,
-    compensate,
-    demo,
-    diagnose,
-    experiment,
-    export,
-    import_,
-    inspect,
-    methods,
-    repair,
-    report,
-    simulate,
-    tell,
-    tune,
-    watch,
-)
+from gmfbo.cli import demo
+from gmfbo.cli.diagnosis import check, compensate, diagnose, experiment
 from gmfbo.cli.manual import EXITS, Manual, ManualCommand, ManualGroup, definitions
-from gmfbo.cli.many_values import ManyValuesCommand
+from gmfbo.cli.tuning import ask, compare, export, methods, repair, report, tell, tune, watch
+from gmfbo.cli.twins import build, columns, import_, inspect, simulate
+from gmfbo.cli.twins.many_values import ManyValuesCommand
 from gmfbo.errors import GmfboError
 from gmfbo.interrupt import unwrapped_interrupt
+from gmfbo.version import __version__
 
 OUR_FAULT = 1
 BAD_INPUT = 2

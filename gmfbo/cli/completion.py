@@ -47,7 +47,7 @@ def methods(incomplete: str) -> list[str]:
     incomplete : str
         The list so far.
     """
-    from gmfbo.tuning.method_names import ADDED_GROUP, METHOD_NAMES
+    from gmfbo.tuning.query.method_names import ADDED_GROUP, METHOD_NAMES
 
     done, comma, begun = incomplete.rpartition(",")
     given = {entry.partition(":")[0] for entry in done.split(",")}
@@ -76,7 +76,7 @@ def dialects(incomplete: str) -> list[str]:
     incomplete : str
         How it begins.
     """
-    from gmfbo.recordings.column_mapping import DIALECTS
+    from gmfbo.recordings.columns.column_mapping import DIALECTS
 
     return _beginning(incomplete, DIALECTS)
 

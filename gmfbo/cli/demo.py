@@ -80,10 +80,10 @@ def demo(
 def _tune(folder: Path, seed: int, runs: int) -> None:
     import json
 
-    from gmfbo.cli.tune import run_study
-    from gmfbo.recordings.pack import pack_study
-    from gmfbo.sources.models import models_folder
-    from gmfbo.tuning.study import Study
+    from gmfbo.cli.tuning.tune import run_study
+    from gmfbo.recordings.store.pack import pack_study
+    from gmfbo.sources.fmu_file.models import models_folder
+    from gmfbo.tuning.study.study import Study
 
     twin = json.dumps((models_folder() / "drive_twin.toml").as_posix())
     file = folder / "demo.toml"
@@ -107,12 +107,12 @@ def _tune(folder: Path, seed: int, runs: int) -> None:
 
 def _find(folder: Path, seed: int) -> None:
     """Hide something in an axis, diagnose its recordings without knowing, then compare."""
-    from gmfbo.cli.diagnose import diagnose_and_show
+    from gmfbo.cli.diagnosis.diagnose import diagnose_and_show
     from gmfbo.cli.hidden.draw import draw
     from gmfbo.cli.hidden.recordings import record
     from gmfbo.cli.hidden.reveal import answer_lines, explained
     from gmfbo.cli.hidden.sealed import seal, unseal
-    from gmfbo.sources.models import models_folder
+    from gmfbo.sources.fmu_file.models import models_folder
 
     twin = models_folder() / "servo_axis.toml"
     drawn = draw(seed)

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from gmfbo.diagnosis.check_result import Check
+from gmfbo.diagnosis.checking.result import Check
 from gmfbo.diagnosis.diagnosis import Diagnosis
 
 if TYPE_CHECKING:
-    from gmfbo.diagnosis.checking import check
+    from gmfbo.diagnosis.checking.check import check
     from gmfbo.diagnosis.engine import diagnose
 
 __all__ = ["Check", "Diagnosis", "check", "diagnose"]
@@ -22,7 +22,7 @@ __all__ = ["Check", "Diagnosis", "check", "diagnose"]
 def __getattr__(name: str) -> Any:
     # They need the FMU's runner; to read a saved diagnosis does not.
     if name == "check":
-        from gmfbo.diagnosis.checking import check
+        from gmfbo.diagnosis.checking.check import check
 
         return check
     if name == "diagnose":

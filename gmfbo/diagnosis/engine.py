@@ -8,19 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.open_case import open_case, open_unseen
+from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.given_recording import as_recording
-from gmfbo.diagnosis.opening import open_case, open_unseen
-from gmfbo.diagnosis.parities import logged_as, parities
-from gmfbo.diagnosis.search import Progress, Search
-from gmfbo.diagnosis.shown_gains import find_shown_gain
+from gmfbo.diagnosis.locating.parities import logged_as, parities
+from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.steps import Progress, Search
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE, Effect
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.description import read_description
-from gmfbo.sources.models import physics_fmu
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.fmu_file.description import read_description
+from gmfbo.sources.fmu_file.models import physics_fmu
+from gmfbo.sources.twin.twin import FmuTwin
 
 
 def diagnose(

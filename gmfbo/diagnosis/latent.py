@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal.windows import tukey
 
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.port_response import PortResponse
-from gmfbo.diagnosis.records import ScoredSignal
-from gmfbo.diagnosis.whitening import Spectrum, Window
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.runs.scored_record import ScoredSignal
+from gmfbo.diagnosis.scoring.whitening import Spectrum, Window
+from gmfbo.diagnosis.screening.port_response import PortResponse
 
 Array = NDArray[np.float64]
 

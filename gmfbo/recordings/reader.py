@@ -1,74 +1,25 @@
-"""Read a recording: the ending of the file name decides how."""
+"""Read the columns of a recording: the ending of the file name decides how."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.errors import RecordingError, did_you_mean
-from gmfbo.recordings.column_mapping import ColumnMapping, MappedReading, rename_columns
-from gmfbo.recordings.columns import RecordedColumns
-from gmfbo.recordings.durable import cause
-from gmfbo.recordings.interpretation import recording_from
-from gmfbo.recordings.signal import SignalSpec
+from gmfbo.files.durable import cause
+from gmfbo.recordings.columns.columns import RecordedColumns
+from gmfbo.recordings.reading_process.reading_process import Reader, read_apart
 
 if TYPE_CHECKING:
-    from gmfbo.recordings.channels import RecordedChannels
-    from gmfbo.recordings.recording import Recording
-    from gmfbo.recordings.signal import SignalReading
+    from gmfbo.recordings.columns.channels import RecordedChannels
 
-# Module and function of what is read through a foreign library.
-_FOREIGN = {
-    ".h5": ("hdf5_file", "read_hdf5"),
-    ".hdf5": ("hdf5_file", "read_hdf5"),
-    ".mat": ("mat_file", "read_mat"),
-    ".mdf": ("mdf_file", "read_mdf"),
-    ".mf4": ("mdf_file", "read_mdf"),
-    ".parquet": ("parquet_file", "read_parquet"),
-    ".tdms": ("tdms_file", "read_tdms"),
-}
+_HDF5 = (".h5", ".hdf5")
+_MDF = (".mdf", ".mf4")
+_FOREIGN = (*_HDF5, *_MDF, ".mat", ".parquet", ".tdms")  # read through a library of others
 
 _TEXT = (".csv", ".txt")
 _ENDINGS = {*_TEXT, *_FOREIGN}
-
-
-def read_recording(
-    path: str | Path,
-    twin: SignalReading | None = None,
-    *,
-    mapping: ColumnMapping | None = None,
-) -> Recording:
-    """Read a recording from a file.
-
-    Parameters
-    ----------
-    path : str or Path
-        `.csv` (`.txt`), `.h5` (`.hdf5`), `.mat`, `.parquet`, `.mf4` (`.mdf`) or `.tdms`.
-    twin : SignalReading or None
-        Says which columns are signals, with scale, offset and unit, and which names are FMU
-        parameters. Without it each column is a signal and each single value a parameter.
-    mapping : ColumnMapping or None
-        Says how this logger names the columns; that of the twin unless given.
-
-    Returns
-    -------
-    Recording
-        In SI units, named after the file.
-
-    Raises
-    ------
-    RecordingError
-        The file is missing, unreadable or not a recording, or does not fit the twin.
-    """
-    words = _Words() if twin is None else _Words(twin.signal_specs(), twin.parameter_tunable())
-    if mapping is None:
-        mapping = twin.column_mapping() if isinstance(twin, MappedReading) else ColumnMapping()
-    wanted = mapping.names() | words.names()
-    file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
-    file, specs = rename_columns(file, mapping, words.specs)
-    return recording_from(file, None if twin is None else _Words(specs, words.tunable))
 
 
 def read_columns(
@@ -83,9 +34,9 @@ def read_columns(
     Parameters
     ----------
     path : str or Path
-        As for `read_recording`.
+        As for `gmfbo.recordings.recording.read_recording`.
     dialect : str
-        How a text file is written: one of `gmfbo.recordings.column_mapping.DIALECTS`.
+        How a text file is written: one of `gmfbo.recordings.columns.column_mapping.DIALECTS`.
     wanted : iterable of str, optional
         Names that are needed; decides on whose clock a file of channels is read.
     every : bool
@@ -117,34 +68,35 @@ def read_columns(
 
 
 def _read_text(path: Path, dialect: str) -> RecordedColumns | RecordedChannels:
-    from gmfbo.recordings.csv_file import read_csv
+    from gmfbo.recordings.csv.table import read_csv
 
     return read_csv(path, dialect)
 
 
 def _read_foreign(path: Path, ending: str) -> RecordedColumns | RecordedChannels:
-    from gmfbo.recordings.reading_process import read_apart
-
     with path.open("rb"):  # a missing right to read is an error of its own
         pass
-    module, function = _FOREIGN[ending]
-    return read_apart(path, f"gmfbo.recordings.{module}", function)
+    return read_apart(path, _foreign_reader(ending))
 
 
-@dataclass(frozen=True)
-class _Words:
-    """What a reader asks of a twin, after its column mapping."""
+def _foreign_reader(ending: str) -> Reader:
+    """The reader of a format; its module loads its library only when a file is read."""
+    if ending in _HDF5:
+        from gmfbo.recordings.formats.hdf5_file import read_hdf5
 
-    specs: Mapping[str, SignalSpec] = field(default_factory=dict)
-    tunable: Mapping[str, bool] = field(default_factory=dict)
+        return read_hdf5
+    if ending in _MDF:
+        from gmfbo.recordings.formats.mdf_file import read_mdf
 
-    def signal_specs(self) -> Mapping[str, SignalSpec]:
-        return self.specs
+        return read_mdf
+    if ending == ".mat":
+        from gmfbo.recordings.formats.mat_file import read_mat
 
-    def parameter_tunable(self) -> Mapping[str, bool]:
-        return self.tunable
+        return read_mat
+    if ending == ".parquet":
+        from gmfbo.recordings.formats.parquet_file import read_parquet
 
-    def names(self) -> frozenset[str]:
-        """Names that a file may use for what the twin knows."""
-        columns = (spec.column for spec in self.specs.values())
-        return frozenset((*self.specs, *columns, *self.tunable))
+        return read_parquet
+    from gmfbo.recordings.formats.tdms_file import read_tdms
+
+    return read_tdms

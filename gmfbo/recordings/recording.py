@@ -6,15 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError, did_you_mean
-
-if TYPE_CHECKING:
-    from gmfbo.recordings.signal import SignalReading
+from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedReading, rename_columns
+from gmfbo.recordings.columns.interpretation import interpreted
+from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
+from gmfbo.recordings.reader import read_columns
 
 Status = Literal["ok", "diverged", "failed", "timeout", "crashed", "unsafe"]
 
@@ -113,8 +114,6 @@ class Recording:
         RecordingError
             The file cannot be read or does not fit the twin.
         """
-        from gmfbo.recordings.reader import read_recording
-
         return read_recording(Path(path), twin)
 
     def signal(self, name: str) -> NDArray[np.float64]:
@@ -182,3 +181,73 @@ class Trajectory(Recording):
     message: str = ""
     stopped_at: float | None = None
     seconds: float = 0.0
+
+
+def recording_of(content: Mapping[str, Any], run: Mapping[str, Any] | None) -> Recording:
+    """Return a recording with these fields; a trajectory where a run's own fields are given.
+
+    Parameters
+    ----------
+    content : mapping
+        Fields of `Recording`.
+    run : mapping or None
+        Fields that `Trajectory` adds.
+    """
+    return Recording(**content) if run is None else Trajectory(**content, **run)
+
+
+def read_recording(
+    path: str | Path,
+    twin: SignalReading | None = None,
+    *,
+    mapping: ColumnMapping | None = None,
+) -> Recording:
+    """Read a recording from a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        `.csv` (`.txt`), `.h5` (`.hdf5`), `.mat`, `.parquet`, `.mf4` (`.mdf`) or `.tdms`.
+    twin : SignalReading or None
+        Says which columns are signals, with scale, offset and unit, and which names are FMU
+        parameters. Without it each column is a signal and each single value a parameter.
+    mapping : ColumnMapping or None
+        Says how this logger names the columns; that of the twin unless given.
+
+    Returns
+    -------
+    Recording
+        In SI units, named after the file.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing, unreadable or not a recording, or does not fit the twin.
+    """
+    words = _Words() if twin is None else _Words(twin.signal_specs(), twin.parameter_tunable())
+    if mapping is None:
+        mapping = twin.column_mapping() if isinstance(twin, MappedReading) else ColumnMapping()
+    wanted = mapping.names() | words.names()
+    file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
+    file, specs = rename_columns(file, mapping, words.specs)
+    known = None if twin is None else _Words(specs, words.tunable)
+    return recording_of(interpreted(file, known), file.notes.run)
+
+
+@dataclass(frozen=True)
+class _Words:
+    """What a reader asks of a twin, after its column mapping."""
+
+    specs: Mapping[str, SignalSpec] = field(default_factory=dict)
+    tunable: Mapping[str, bool] = field(default_factory=dict)
+
+    def signal_specs(self) -> Mapping[str, SignalSpec]:
+        return self.specs
+
+    def parameter_tunable(self) -> Mapping[str, bool]:
+        return self.tunable
+
+    def names(self) -> frozenset[str]:
+        """Names that a file may use for what the twin knows."""
+        columns = (spec.column for spec in self.specs.values())
+        return frozenset((*self.specs, *columns, *self.tunable))

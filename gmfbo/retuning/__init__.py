@@ -10,8 +10,8 @@ Importing this package adds its methods to `gmfbo.tuning.methods.METHODS`.
 from __future__ import annotations
 
 from gmfbo.retuning.corrected_methods import GMFBO_CALIBRATED, GMFBO_PHYSICS, GMFBO_SMOOTHED
-from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods import METHODS
+from gmfbo.tuning.query.method import Method
 
 RETUNING: tuple[Method, ...] = (GMFBO_PHYSICS, GMFBO_CALIBRATED, GMFBO_SMOOTHED)
 """Methods that this package adds."""

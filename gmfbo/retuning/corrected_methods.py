@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.retuning.smoothing_refiner import SmoothingRefiner
-from gmfbo.sources.source import Source
-from gmfbo.sources.twin import FmuTwin
-from gmfbo.tuning.closer_look import LookingMethod
-from gmfbo.tuning.method import CorrectionOptions, Method, Proposal
+from gmfbo.sources.plants.source import Source
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
-from gmfbo.tuning.state import TuningState
-from gmfbo.tuning.twin_version import TwinRefiner
+from gmfbo.tuning.query.method import CorrectionOptions, Method, Proposal
+from gmfbo.tuning.twin.closer_look import LookingMethod
+from gmfbo.tuning.twin.twin_version import TwinRefiner
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.durable import write_whole
+from gmfbo.files.durable import write_whole
 from gmfbo.retuning.calibration import Estimate
 
 _SLOPE = "slope_"

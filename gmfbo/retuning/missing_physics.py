@@ -9,7 +9,7 @@ from pathlib import Path
 from gmfbo.errors import GmfboError
 from gmfbo.recordings.recording import Recording
 from gmfbo.retuning.unknowns import Scalar
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.twin.twin import FmuTwin
 
 _FACTOR, _SHARE = 4.0, 1.0
 """Range of an identified parameter about its value: a factor, or a share where it may be zero."""

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo import __version__
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.calibration import RealRun
 from gmfbo.retuning.twin_at import TwinAt
-from gmfbo.sources.twin import FmuTwin
-from gmfbo.tuning.experiment_series import ExperimentSeries
-from gmfbo.tuning.history import History
-from gmfbo.tuning.playing import play
-from gmfbo.tuning.run_values import at_times
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.experiment.run_values import at_times
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.study.playing import play
+from gmfbo.version import __version__
 
 MOST_SAMPLES = 300
 """Samples of a run that are compared."""

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from gmfbo.recordings.recording import Recording
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.calibration import Calibration, Estimate, RealRun, floors
 from gmfbo.retuning.kept_estimate import keep_estimate, read_estimate
 from gmfbo.retuning.missing_physics import Completion, complete
@@ -24,10 +24,10 @@ from gmfbo.retuning.real_runs import (
 from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.twin_guard import misleads
 from gmfbo.retuning.unknowns import Scalar, Unknowns
-from gmfbo.sources.twin import FmuTwin
-from gmfbo.tuning.change_point import LEAST_BEFORE
-from gmfbo.tuning.history import History
-from gmfbo.tuning.twin_version import TwinVersion
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.tuning.drift.change_point import LEAST_BEFORE
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.twin.twin_version import TwinVersion
 
 UNEXPLAINED = 3.0
 """Times its floor that a signal's error may be before the diagnosis is asked."""

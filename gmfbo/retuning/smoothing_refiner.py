@@ -7,9 +7,9 @@ from typing import Any
 
 from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.unknowns import Unknowns
-from gmfbo.sources.twin import FmuTwin
-from gmfbo.tuning.history import History
-from gmfbo.tuning.twin_version import TwinVersion
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.twin.twin_version import TwinVersion
 
 
 class SmoothingRefiner:

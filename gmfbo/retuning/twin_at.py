@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.twin.twin import FmuTwin
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from gmfbo.recordings.recording import Recording
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.real_runs import MOST_SAMPLES, rows_of, usable_trials
-from gmfbo.sources.source import Source
-from gmfbo.tuning.history import History
-from gmfbo.tuning.playing import play
-from gmfbo.tuning.runs_beside import runs_beside
+from gmfbo.sources.plants.source import Source
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.study.playing import play
+from gmfbo.tuning.twin.runs_beside import runs_beside
 
 LEAST_RUNS = 2
 """Real runs that were predicted; one alone may be an accident."""

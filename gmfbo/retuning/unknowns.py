@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.retuning.table_prior import TablePrior
-from gmfbo.sources.lookup_table import LookupTable, tables_of
-from gmfbo.sources.twin import FmuTwin
-from gmfbo.sources.uncertain import Uncertain, uncertain_of
+from gmfbo.sources.binding.lookup_table import LookupTable, tables_of
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.uncertain import Uncertain, uncertain_of
 
 _RANGES_PER_SPREAD = 4.0
 """A range that somebody states holds about 95 %: four standard deviations."""

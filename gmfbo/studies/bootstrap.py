@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gmfbo.reports.comparison_curves import Spread
+from gmfbo.reports.comparison.curves import Spread
 
 DRAWS = 4000
 

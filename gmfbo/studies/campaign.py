@@ -18,9 +18,9 @@ from gmfbo.studies.engine import Engine, InProcess, OnExecutor, Processes
 from gmfbo.studies.planned_comparison import PlannedComparison, Wanted
 from gmfbo.studies.unit import Failed, Made, Unit
 from gmfbo.studies.variants import variants, variation_text
-from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods import METHODS, find_method
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.study.study import Study
 
 Told = Callable[[str], None]
 

@@ -80,7 +80,7 @@ class Comparison:
         """
         kept = ComparisonFolder(self.folder)
         curves, landscape = read_curves(kept.curves), read_landscape(kept.landscape)
-        from gmfbo.reports.comparison_figures import draw_comparison
+        from gmfbo.reports.figures.comparison_figures import draw_comparison
 
         return draw_comparison(curves, landscape, Path(folder))
 

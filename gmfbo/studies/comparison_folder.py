@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.durable import cause, write_whole
-from gmfbo.recordings.memory_store import StudyRecord
-from gmfbo.recordings.pack import pack_record
-from gmfbo.recordings.writer_lock import WriterLock
-from gmfbo.reports.comparison_curves import Landscape
+from gmfbo.files.durable import cause, write_whole
+from gmfbo.recordings.store.memory_store import StudyRecord
+from gmfbo.recordings.store.pack import pack_record
+from gmfbo.recordings.store.writer_lock import WriterLock
+from gmfbo.reports.comparison.curves import Landscape
 from gmfbo.studies.comparison_table import Table
 from gmfbo.studies.curves import curves_of, curves_text
 from gmfbo.studies.landscape import landscape_text

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo.reports.comparison_curves import ComparisonReview, MethodSummary, SeedRun
+from gmfbo.reports.comparison.curves import ComparisonReview, MethodSummary, SeedRun
 from gmfbo.studies.bootstrap import Interval
 from gmfbo.studies.comparison import Comparison
 from gmfbo.studies.comparison_folder import ComparisonFolder, by_method

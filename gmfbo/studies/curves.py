@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo.errors import StoreError
-from gmfbo.reports.comparison_curves import Curve
+from gmfbo.reports.comparison.curves import Curve
 from gmfbo.studies.bootstrap import Interval
 from gmfbo.studies.outcome import Outcome
 

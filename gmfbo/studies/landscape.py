@@ -11,11 +11,11 @@ import numpy as np
 
 from gmfbo.errors import StoreError
 from gmfbo.objective.cost import Objective
-from gmfbo.reports.comparison_curves import Landscape
+from gmfbo.reports.comparison.curves import Landscape
 from gmfbo.studies.one_run import seeded
 from gmfbo.studies.plant_grid import TrueSources
 from gmfbo.tuning.methods import find_method
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 
 

@@ -10,19 +10,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gmfbo import __version__
-from gmfbo.recordings.memory_store import MemoryStore, StudyRecord
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.store.memory_store import MemoryStore, StudyRecord
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.studies.goal import Descent, Goal
 from gmfbo.studies.outcome import Outcome
 from gmfbo.studies.plant_grid import TrueSources
-from gmfbo.tuning.history import History
-from gmfbo.tuning.method import Method
-from gmfbo.tuning.progress import Progress
-from gmfbo.tuning.query_cost import IS1_COST, TWIN_COST
-from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sections import StudyFile
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study_file.study_sections import StudyFile
 from gmfbo.tuning.tuner import Tuner
+from gmfbo.version import __version__
 
 PAPER_QUERIES = 20
 """N of the publication: queries of either source after the initial data."""

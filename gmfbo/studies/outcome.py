@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Self
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.durable import write_whole
+from gmfbo.files.durable import write_whole
 
 
 @dataclass(frozen=True)

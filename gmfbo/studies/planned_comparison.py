@@ -9,7 +9,6 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from gmfbo import __version__
 from gmfbo.errors import InputError
 from gmfbo.studies.comparison_folder import ComparisonFolder
 from gmfbo.studies.landscape import landscape_of, read_landscape
@@ -18,9 +17,10 @@ from gmfbo.studies.outcome import Outcome
 from gmfbo.studies.plant_grid import TrueSources
 from gmfbo.studies.study_files import Gathered, gather, seeds_apart
 from gmfbo.studies.unit import Failed, Made, Unit
-from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.study.study import Study
+from gmfbo.version import __version__
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from gmfbo.errors import StudyFileError
-from gmfbo.recordings.durable import write_whole
-from gmfbo.sources.source import Source
-from gmfbo.tuning.experiment_series import ExperimentSeries
-from gmfbo.tuning.gain_choice import GainChoice
-from gmfbo.tuning.playing import play
-from gmfbo.tuning.safety_section import SafetySection
-from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sources import StudySources
-from gmfbo.tuning.study_terms import own_metrics
+from gmfbo.files.durable import write_whole
+from gmfbo.sources.plants.source import Source
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.study.playing import play
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study.study_sources import StudySources
+from gmfbo.tuning.study.study_terms import own_metrics
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.study_file.safety_section import SafetySection
 
 
 @dataclass(frozen=True, eq=False)

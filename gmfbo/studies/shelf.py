@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from gmfbo.sources.private_folder import PrivateFolder
+from gmfbo.files.private_folder import PrivateFolder
 
 
 class Shelf:

@@ -11,9 +11,9 @@ from pathlib import Path, PurePosixPath
 import tomli_w
 
 from gmfbo.errors import StudyFileError
-from gmfbo.sources.twin_file import twin_files
-from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sections import StudyFile
+from gmfbo.sources.twin_file.twin_file import twin_files
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study_file.study_sections import StudyFile
 
 
 @dataclass(frozen=True, eq=False)

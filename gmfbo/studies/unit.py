@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from gmfbo.recordings.memory_store import StudyRecord
+from gmfbo.recordings.store.memory_store import StudyRecord
 from gmfbo.studies.outcome import Outcome
 from gmfbo.studies.study_files import StudyFiles
-from gmfbo.tuning.method import Method
+from gmfbo.tuning.query.method import Method
 
 
 @dataclass(frozen=True, eq=False)

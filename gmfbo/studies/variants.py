@@ -11,10 +11,10 @@ import tomli_w
 from pydantic import ValidationError
 
 from gmfbo.errors import InputError
-from gmfbo.sources.validation import describe_problems
-from gmfbo.toml_text import parse_toml
-from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sections import StudyFile, stated
+from gmfbo.files.toml_text import parse_toml
+from gmfbo.sources.twin_file.pydantic_message import describe_problems
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study_file.study_sections import StudyFile, stated
 
 
 def parse_variation(text: str) -> tuple[str, list[Any]]:

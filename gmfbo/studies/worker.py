@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import gmfbo.retuning  # noqa: F401 - adds its methods
-from gmfbo import __version__
 from gmfbo.errors import GmfboError
 from gmfbo.studies.one_run import OneRun, make_truth
 from gmfbo.studies.shelf import own_shelf
 from gmfbo.studies.unit import Failed, Made, Missing, Result, Unit
 from gmfbo.tuning.methods import find_method
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
+from gmfbo.version import __version__
 
 
 def carry_out(unit: Unit, contents: Mapping[str, bytes]) -> Result:

@@ -7,13 +7,13 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.drift import Drift, first_drift
-from gmfbo.tuning.drift_section import DriftSection
-from gmfbo.tuning.history import History
-from gmfbo.tuning.incumbent import best_run
-from gmfbo.tuning.run_values import values_of_runs
-from gmfbo.tuning.state import TuningState
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.drift.drift import Drift, first_drift
+from gmfbo.tuning.experiment.run_values import values_of_runs
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.study_file.drift_section import DriftSection
 
 NEXT_TO = 0.02
 """Distance in the unit cube within which a run says what a repeat would."""

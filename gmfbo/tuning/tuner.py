@@ -12,36 +12,36 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import InputError
 from gmfbo.interrupt import unwrapped_interrupt
-from gmfbo.recordings.trial import Trial
-from gmfbo.sources.plant_call import PlantFunction
-from gmfbo.sources.recorded_grid import RecordedGrid
-from gmfbo.sources.source import Source
-from gmfbo.tuning.closer_look import look_closer
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.sources.plants.plant_call import PlantFunction
+from gmfbo.sources.plants.recorded_grid import RecordedGrid
+from gmfbo.sources.plants.source import Source
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
-from gmfbo.tuning.earlier_runs import EarlierRuns
-from gmfbo.tuning.experiment_series import ExperimentSeries
-from gmfbo.tuning.gain_choice import GainChoice
-from gmfbo.tuning.history import History
-from gmfbo.tuning.initial_design import Stream, initial_points, stream
-from gmfbo.tuning.method import Method, Recommendation
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods import find_method
-from gmfbo.tuning.playing import play
-from gmfbo.tuning.progress import Phase, ProgressCallback
-from gmfbo.tuning.real_axis import RealAxis, scorable
-from gmfbo.tuning.recorded_choice import RecordedChoice
-from gmfbo.tuning.request import TrialRequest, TuningResult
-from gmfbo.tuning.state import TuningState
-from gmfbo.tuning.study import Study
-from gmfbo.tuning.study_sources import StudySources
-from gmfbo.tuning.study_terms import check_signals, known_safe, own_metrics
-from gmfbo.tuning.told_gains import told_gains
-from gmfbo.tuning.told_series import Told, read_told
+from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
+from gmfbo.tuning.query.method import Method, Recommendation
+from gmfbo.tuning.query.progress import Phase, ProgressCallback
+from gmfbo.tuning.query.request import TrialRequest, TuningResult
+from gmfbo.tuning.study.playing import play
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study.study_sources import StudySources
+from gmfbo.tuning.study.study_terms import check_signals, known_safe, own_metrics
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.told.earlier_runs import EarlierRuns
+from gmfbo.tuning.told.real_axis import RealAxis, scorable
+from gmfbo.tuning.told.recorded_choice import RecordedChoice
+from gmfbo.tuning.told.told_gains import told_gains
+from gmfbo.tuning.told.told_series import Told, read_told
+from gmfbo.tuning.twin.closer_look import look_closer
+from gmfbo.tuning.twin.twin_runs import TwinRuns
 from gmfbo.tuning.twin_corrections import TwinCorrections
-from gmfbo.tuning.twin_runs import TwinRuns
 from gmfbo.tuning.watch import Watch
 
 if TYPE_CHECKING:
-    from gmfbo.recordings.memory_store import TrialStore
+    from gmfbo.recordings.store.memory_store import TrialStore
 
 
 class Tuner:

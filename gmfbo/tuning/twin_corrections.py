@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from gmfbo.tuning.history import History
-from gmfbo.tuning.method import Method
-from gmfbo.tuning.twin_runs import TwinRuns
-from gmfbo.tuning.twin_version import RefiningMethod, TwinRefiner, TwinVersion
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.twin.twin_runs import TwinRuns
+from gmfbo.tuning.twin.twin_version import RefiningMethod, TwinRefiner, TwinVersion
 from gmfbo.tuning.watch import Watch
 
 EVENT = "twin_version"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.history import History
-from gmfbo.tuning.progress import Phase, Progress, ProgressCallback
-from gmfbo.tuning.request import TrialRequest
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.query.progress import Phase, Progress, ProgressCallback
+from gmfbo.tuning.query.request import TrialRequest
 
 
 class Watch:

@@ -11,7 +11,7 @@ from docutils import nodes
 from docutils.parsers.rst import Directive
 from numpydoc.xref import DEFAULT_LINKS
 
-from gmfbo import __version__
+from gmfbo.version import __version__
 
 project = "gmfbo"
 copyright = "the authors of gmfbo"

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.correction.trajectory_gp import CorrectionSettings, Pair, TrajectoryCorrection
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 RESULT = Path(__file__).parent / "results" / "correction_refit.txt"
 GAINS = ((100.0, 5.0), (180.0, 7.0), (60.0, 3.0))

@@ -19,7 +19,7 @@ from gmfbo.cli.hidden.draw import draw
 from gmfbo.cli.hidden.recordings import record
 from gmfbo.cli.hidden.reveal import answer_lines, judged
 from gmfbo.errors import GmfboError
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 
 def row(seed: int) -> tuple[str, str]:

@@ -17,8 +17,8 @@ from collections.abc import Callable
 import numpy as np
 
 from gmfbo import FmuTwin, Recording, diagnose
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 TWIN = models_folder() / "drive_twin.toml"
 ROWS, SAMPLE_S = 2500, 1e-3

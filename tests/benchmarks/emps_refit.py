@@ -21,7 +21,7 @@ from scipy.optimize import least_squares
 
 from gmfbo import FmuTwin, Recording
 from gmfbo.objective.fit import compare_at
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 SIGNALS = ("position", "drive_voltage")
 PUBLISHED = {"mass": 95.1089, "viscous_friction": 203.5034}

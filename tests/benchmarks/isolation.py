@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT))
 
 from gmfbo import FmuTwin, Recording  # noqa: E402
-from gmfbo.sources.models import models_folder  # noqa: E402
+from gmfbo.sources.fmu_file.models import models_folder  # noqa: E402
 from gmfbo.sources.sandbox.enclosure import available  # noqa: E402
 from tests.sources.processes import descendants, gone_within  # noqa: E402
 

@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT))
 
-from gmfbo.sources.models import models_folder  # noqa: E402
+from gmfbo.sources.fmu_file.models import models_folder  # noqa: E402
 from tests.foreign.fmus import HOW, find_foreign_fmu, write_own_axis, write_vendor_axis  # noqa: E402
 from tests.long_runs import Usage, simulate_often  # noqa: E402
 

@@ -24,12 +24,12 @@ from gmfbo import FmuTwin, Study, Tuner
 from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
 from gmfbo.acquisition.maximise import maximise
 from gmfbo.correction.trajectory_gp import Pair, TrajectoryCorrection
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.surrogate.observations import Observations
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.methods.beliefs import search_of
 from gmfbo.tuning.methods.gmfbo_kernel import fit_surrogate
-from gmfbo.tuning.state import TuningState
 
 RESULT = Path(__file__).parent / "results" / "step_time.txt"
 POINTS = 60

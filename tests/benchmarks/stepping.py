@@ -24,7 +24,7 @@ import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
 from gmfbo import FmuTwin, Recording
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 HERE = Path(__file__).parent
 RESULT = HERE / "results" / "stepping.txt"

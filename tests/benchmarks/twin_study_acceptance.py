@@ -35,7 +35,7 @@ from scipy.stats import rankdata
 
 from gmfbo import FmuTwin, step_reference
 from gmfbo.objective import METRICS, PAPER_WEIGHTS, Objective, step_metrics
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 RESULTS = Path(__file__).parent / "results"
 NOISES = (0.25, 0.50, 0.75)

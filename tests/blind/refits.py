@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from gmfbo import FmuTwin, Recording
-from gmfbo.diagnosis.case import Case, dof
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.hypothesis import Hypothesis
-from gmfbo.diagnosis.library import candidates, untestable
-from gmfbo.diagnosis.misfit import chi2
-from gmfbo.diagnosis.opening import open_case, open_unseen
+from gmfbo.diagnosis.case.case import Case, dof
+from gmfbo.diagnosis.case.open_case import open_case, open_unseen
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.fitting.misfit import chi2
+from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
 from tests.blind.truth import SAMPLE
 
 Vector = NDArray[np.float64]

@@ -19,9 +19,9 @@ from typing import Any
 
 from gmfbo import FmuTwin, Recording
 from gmfbo.diagnosis.engine import _aligned_case
-from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.misfit import chi2
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.fitting.misfit import chi2
 from gmfbo.physics import CATALOGUE
 from tests.blind.generate import answer_path
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.named_effect import IdentifiedValue, NamedEffect
-from gmfbo.diagnosis.predictions import Explanation, Predictions, Span
+from gmfbo.diagnosis.result.named_effect import IdentifiedValue, NamedEffect
+from gmfbo.diagnosis.result.predictions import Explanation, Predictions, Span
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.example_diagnoses import friction, nothing
 

@@ -7,20 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.curve import Curve
-from gmfbo.diagnosis.diagnosis import Cost
-from gmfbo.diagnosis.estimates import Alignment, Combination, EstimatedParameter
-from gmfbo.diagnosis.fit_table import Fit, SignalFit
-from gmfbo.diagnosis.named_effect import (
+from gmfbo.diagnosis.result.curve import Curve
+from gmfbo.diagnosis.result.estimated import Alignment, Combination, EstimatedParameter
+from gmfbo.diagnosis.result.findings import Cost
+from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
+from gmfbo.diagnosis.result.named_effect import (
     DetectableSize,
     IdentifiedValue,
     NamedEffect,
     NotTestable,
     RivalShare,
 )
-from gmfbo.diagnosis.residual_test import ResidualTest
-from gmfbo.diagnosis.suggested_experiment import NextExperiment
-from gmfbo.diagnosis.whereabouts import Location, Shape, TimeWindow
+from gmfbo.diagnosis.result.next_experiment import NextExperiment
+from gmfbo.diagnosis.result.reference_test import ResidualTest
+from gmfbo.diagnosis.result.whereabouts import Location, Shape, TimeWindow
 
 FRICTION = NamedEffect(
     name="coulomb_friction",

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.decision import Evidence
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis, Setting
+from gmfbo.diagnosis.naming.decision import Evidence
 from gmfbo.physics import CATALOGUE
-from gmfbo.sources.uncertain import Uncertain
+from gmfbo.sources.twin.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
 
 Array = NDArray[np.float64]

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case
+from gmfbo.diagnosis.case.case import Case
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO, Axis, Reference, moves, multisine, open_small
 
 Array = NDArray[np.float64]

@@ -9,16 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.opening import open_case
-from gmfbo.diagnosis.port_response import PortResponse, between_points, measure_port_response
-from gmfbo.diagnosis.ranges import states_of
-from gmfbo.diagnosis.seen_from_port import whitened_columns
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.open_case import open_case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.runs.measured_excitation import states_of
+from gmfbo.diagnosis.screening.port_response import (
+    PortResponse,
+    between_points,
+    measure_port_response,
+)
+from gmfbo.diagnosis.screening.seen_from_port import whitened_columns
 from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 SERVO = models_folder() / "servo_axis.toml"
 GAINS = {"kp": 40.0, "kd": 0.8}

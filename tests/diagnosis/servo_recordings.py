@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.opening import open_case
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.open_case import open_case
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 MODELS = Path(__file__).parents[2] / "models"
 SERVO = MODELS / "servo_axis.toml"

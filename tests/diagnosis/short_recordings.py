@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, diagnose
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.deciding import decide
-from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.open_case import open_case
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.library import candidates, untestable
-from gmfbo.diagnosis.opening import open_case
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.forward_selection import decide
+from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin, RunPlan
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
 
 Reference = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.answered_noise import leave_out_noise
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
 from gmfbo.recordings.recording import Recording
 from tests.diagnosis.short_recordings import (
     BENCH,

@@ -7,15 +7,15 @@ from contextlib import closing
 
 import pytest
 
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.deciding import groups_of
-from gmfbo.diagnosis.decision import Decision, Round
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.left_out_gain import evidence_of
-from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.rounds import _begun_alone
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.naming.candidate_fits import confirm
+from gmfbo.diagnosis.naming.decision import Decision, Round
+from gmfbo.diagnosis.naming.evidence_of_fit import evidence_of
+from gmfbo.diagnosis.naming.forward_selection import groups_of
+from gmfbo.diagnosis.naming.selection_round import _begun_alone
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.servo_recordings import HIDDEN, opened
 
 DELAY, PUSH = 2e-3, 0.05

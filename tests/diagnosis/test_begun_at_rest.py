@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gmfbo import diagnose
-from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import (
     SERVO,

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis import opening
-from gmfbo.diagnosis.begun_elsewhere import fitted_from_names
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.diagnosis.case import open_case as opening
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.other_starts import fitted_from_names
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.misfit import Misfit
 from tests.diagnosis.short_recordings import Axis, moves, multisine, open_small, triangle
 
 TRUTH = {"mass": 112.8, "viscous_friction": 282.0}  # 19 and 39 % more than the twin's

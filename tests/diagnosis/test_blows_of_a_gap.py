@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Candidate
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.candidate_fits import confirm
 from gmfbo.physics import CATALOGUE, Excitation, Values
 from tests.diagnosis.servo_recordings import HIDDEN, hidden_servo, opened, opened_with
 

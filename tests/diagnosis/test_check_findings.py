@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin, check
 from gmfbo.diagnosis import Check
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, climb
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from gmfbo.diagnosis.acceptance import simplest
-from gmfbo.diagnosis.decision import Evidence
+from gmfbo.diagnosis.naming.conditions import simplest
+from gmfbo.diagnosis.naming.decision import Evidence
 from tests.diagnosis.linear_evidences import WINDOWS, direction, evidence_of
 
 THRESHOLD = 30.0

@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.clock_quality import clock_quality
-from gmfbo.diagnosis.column_quality import (
+from gmfbo.diagnosis.checking.clock_quality import clock_quality
+from gmfbo.diagnosis.checking.column_quality import (
     clipped_rows,
     is_latched,
     lost_rows,
     refresh_rows,
     repeated_rows,
 )
-from gmfbo.diagnosis.records import resolution
+from gmfbo.diagnosis.runs.scored_record import resolution
 
 TIME = np.arange(2000, dtype=np.float64) * 1e-3
 NOWHERE = np.array([], dtype=np.int64)

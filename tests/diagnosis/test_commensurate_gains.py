@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.left_out_gain import evidence_of
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.evidence_of_fit import evidence_of
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.linear_evidences import WINDOWS, direction, fitted_of
 from tests.physics.excitations import TYPICAL

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 from fmu_build.compile import find_compiler
 from fmu_build.platforms import this_platform
 from gmfbo import FmuTwin, Recording
-from gmfbo.diagnosis.compensation import compensation_of
-from gmfbo.diagnosis.compensation_laws import ADVICE
-from gmfbo.diagnosis.compensation_table import Compensation
-from gmfbo.diagnosis.compensation_text import c_text, csv_text
-from gmfbo.diagnosis.whereabouts import Shape
+from gmfbo.diagnosis.compensation.compensation import compensation_of
+from gmfbo.diagnosis.compensation.laws import ADVICE
+from gmfbo.diagnosis.compensation.table import Compensation
+from gmfbo.diagnosis.compensation.text import c_text, csv_text
+from gmfbo.diagnosis.result.whereabouts import Shape
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, States
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.compensation_cases import VALUES, diagnosis_of
 
 Column = NDArray[np.float64]

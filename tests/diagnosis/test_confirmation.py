@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.confirmation import FAR, Confirmation, Prediction, save_confirmation
+from gmfbo.diagnosis.experiment.observed import FAR, Confirmation, Prediction, save_confirmation
 from gmfbo.errors import InputError
 
 RESIDUALS = 2000

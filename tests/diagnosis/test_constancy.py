@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.constancy import inconstant
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.simulated import Point
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.outside.same_in_all_stretches import inconstant
+from gmfbo.diagnosis.runs.simulated import Point
 from tests.diagnosis.linear_evidences import ROWS, SETTING, WINDOWS, blocks
 from tests.physics.excitations import TYPICAL
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.deciding import MOST_EFFECTS, decide
-from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.rounds import with_limits
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.forward_selection import MOST_EFFECTS, decide
+from gmfbo.diagnosis.naming.selection_round import with_limits
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, Reference, climb, moves, multisine, open_small
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from gmfbo.cli.diagnosis_display import DiagnosisDisplay
-from gmfbo.cli.diagnosis_screen import screenful
+from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
+from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.fit_table import SignalFit
-from gmfbo.diagnosis.named_effect import IdentifiedValue
+from gmfbo.diagnosis.result.held_out_errors import SignalFit
+from gmfbo.diagnosis.result.named_effect import IdentifiedValue
 from tests.diagnosis.example_diagnoses import (
     FIT,
     FRICTION,

@@ -13,20 +13,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.diagnosis import Cost
-from gmfbo.diagnosis.estimates import Alignment, Combination, EstimatedParameter
-from gmfbo.diagnosis.fit_table import Fit, SignalFit
-from gmfbo.diagnosis.named_effect import (
+from gmfbo.diagnosis.result.estimated import Alignment, Combination, EstimatedParameter
+from gmfbo.diagnosis.result.findings import Cost
+from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
+from gmfbo.diagnosis.result.named_effect import (
     DetectableSize,
     IdentifiedValue,
     NamedEffect,
     NotTestable,
     RivalShare,
 )
-from gmfbo.diagnosis.predictions import Explanation, Predictions, Span
-from gmfbo.diagnosis.residual_test import ResidualTest
-from gmfbo.diagnosis.suggested_experiment import NextExperiment
-from gmfbo.diagnosis.whereabouts import Location, Shape, TimeWindow
+from gmfbo.diagnosis.result.next_experiment import NextExperiment
+from gmfbo.diagnosis.result.predictions import Explanation, Predictions, Span
+from gmfbo.diagnosis.result.reference_test import ResidualTest
+from gmfbo.diagnosis.result.whereabouts import Location, Shape, TimeWindow
 from gmfbo.errors import InputError
 from tests.diagnosis.example_diagnoses import friction, nothing, outside, rivals
 

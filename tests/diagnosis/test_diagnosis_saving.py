@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gmfbo.cli.diagnose import with_notes_of_saving
-from gmfbo.cli.diagnosis_screen import screenful
+from gmfbo.cli.diagnosis.diagnose import with_notes_of_saving
+from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.augmentation import Augmentation
+from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.errors import InputError
 from gmfbo.recordings import step_reference
-from gmfbo.sources.export import PhysicsParameter
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.export.export import PhysicsParameter
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.twin import FmuTwin
 from tests.diagnosis.example_diagnoses import friction, nothing
 
 ALL = ["augmented.fmu", "augmented.toml", "diagnosis.json", "report.html"]

@@ -9,14 +9,14 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.acceptance import _is_where_friction_held
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.decision import Decision, Evidence
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.rivals import rivals_beside
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.candidate_fits import confirm
+from gmfbo.diagnosis.naming.conditions import _is_where_friction_held
+from gmfbo.diagnosis.naming.decision import Decision, Evidence
+from gmfbo.diagnosis.naming.rivals import rivals_beside
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.port_cases import open_servo
 
 HIDDEN = {"coulomb_friction.level": 0.05, "gravity_torque.sine": 0.1}

@@ -10,20 +10,20 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.budget import white_covariance
-from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
-from gmfbo.diagnosis.misfit import Misfit
-from gmfbo.diagnosis.ranges import measure_ranges
-from gmfbo.diagnosis.records import Record, scored_record
-from gmfbo.diagnosis.simulated import Point, Simulated
-from gmfbo.diagnosis.simulations import Simulations
-from gmfbo.diagnosis.whitening import Whitener, make_window
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis, Setting
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.runs.measured_excitation import measure_ranges
+from gmfbo.diagnosis.runs.scored_record import Record, scored_record
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.scoring.noise_levels import white_covariance
+from gmfbo.diagnosis.scoring.whitening import Whitener, make_window
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.uncertain import Uncertain
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.uncertain import Uncertain
 
 TRUTH = {"inertia": 0.0105, "viscous": 0.03}
 OWN = (Uncertain("inertia", 0.01, 0.005, 0.02), Uncertain("viscous", 0.02, 0.0, 0.2))

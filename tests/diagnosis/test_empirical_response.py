@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import dfreqresp, dlsim, freqz, lfilter
 
-from gmfbo.diagnosis.empirical_response import Response, empirical_response
+from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
 
 STEP = 1e-3
 B, A = [0.02, 0.01], [1.0, -1.6, 0.65]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gmfbo.diagnosis.confirming import shortlist
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.screening import Probe, Screened
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.candidate_fits import shortlist
+from gmfbo.diagnosis.screening.probes import Probe, Screened
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, decided, moves, multisine, open_small, triangle
 from tests.physics.excitations import TYPICAL

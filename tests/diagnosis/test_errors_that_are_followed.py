@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gmfbo.diagnosis.nuisances import POSITION_SCALE, nuisance_directions
+from gmfbo.diagnosis.scoring.nuisances import POSITION_SCALE, nuisance_directions
 from tests.diagnosis.short_recordings import BENCH, moves, multisine, open_small
 
 

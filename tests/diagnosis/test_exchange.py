@@ -7,16 +7,16 @@ from contextlib import closing
 
 import pytest
 
-from gmfbo.diagnosis import rounds
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.confirming import confirm, shortlist
-from gmfbo.diagnosis.deciding import groups_of
-from gmfbo.diagnosis.decision import Decision, Evidence, Round
-from gmfbo.diagnosis.exchange import exchange_first
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.left_out_gain import evidence_of
-from gmfbo.diagnosis.screening import Screened
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming import selection_round as rounds
+from gmfbo.diagnosis.naming.candidate_fits import confirm, shortlist
+from gmfbo.diagnosis.naming.decision import Decision, Evidence, Round
+from gmfbo.diagnosis.naming.evidence_of_fit import evidence_of
+from gmfbo.diagnosis.naming.forward_selection import groups_of
+from gmfbo.diagnosis.naming.swapped_first import exchange_first
+from gmfbo.diagnosis.screening.probes import Screened
 from tests.diagnosis.short_recordings import (
     SERVO,
     decided,

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording
-from gmfbo.diagnosis.confirming_run import confirm_with
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.play_limits import PlayLimits, largest_rates
-from gmfbo.diagnosis.predictions import PARAMETERS_ONLY, Explanation
-from gmfbo.diagnosis.proposed_experiment import ProposedExperiment
-from gmfbo.diagnosis.proposing import propose_experiment
+from gmfbo.diagnosis.experiment.play_limits import PlayLimits, largest_rates
+from gmfbo.diagnosis.experiment.predicted_against_observed import confirm_with
+from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
+from gmfbo.diagnosis.experiment.within_limits import propose_experiment
+from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation
 from gmfbo.errors import InputError
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.compensation_cases import diagnosis_of
 from tests.diagnosis.short_recordings import SERVO, SERVO_TRUTH, multisine
 
@@ -142,7 +142,7 @@ def test_without_a_diagnosis_it_shows_most_of_the_library() -> None:
 
 
 def test_what_was_not_excited_is_what_it_is_chosen_for() -> None:
-    from gmfbo.diagnosis.named_effect import NotTestable
+    from gmfbo.diagnosis.result.named_effect import NotTestable
 
     silent = (NotTestable("backlash", "not excited: no reversal of the velocity"),)
     with SERVO.twin() as twin:

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.case import Case, chi2_per_dof
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.simulated import Point, Simulated
+from gmfbo.diagnosis.case.case import Case, chi2_per_dof
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 
 FRICTION = Candidate(

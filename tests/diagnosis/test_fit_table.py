@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.fit_table import Fit, SignalFit, contradicts_names
+from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit, contradicts_names
 
 FLOOR = 1e-4
 TIMES = st.floats(0.1, 100.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gmfbo import FmuTwin
-from gmfbo.sources.export import export_augmented
+from gmfbo.sources.export.export import export_augmented
 from tests.diagnosis.short_recordings import SERVO, diagnosed, named
 
 

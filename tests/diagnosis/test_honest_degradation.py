@@ -21,7 +21,7 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.errors import InputError, RecordingError
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.servo_recordings import certain
 from tests.diagnosis.short_recordings import (
     QUIET_SERVO,

@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.holding_out import split_of
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
-from gmfbo.diagnosis.records import scored_record
-from gmfbo.diagnosis.simulated import Point
-from gmfbo.diagnosis.simulations import Simulations
+from gmfbo.diagnosis.case.held_out_split import split_of
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis, Setting
+from gmfbo.diagnosis.runs.scored_record import scored_record
+from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import CATALOGUE
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.uncertain import Uncertain
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.uncertain import Uncertain
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 from tests.physics.excitations import TYPICAL
 

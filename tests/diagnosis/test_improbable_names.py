@@ -7,10 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.judging import LEAST_PROBABILITY, drop_improbable, give_way_to_limit
-from gmfbo.diagnosis.outside import MISMATCH, unexplained
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.withdrawn_names import (
+    LEAST_PROBABILITY,
+    drop_improbable,
+    give_way_to_limit,
+)
+from gmfbo.diagnosis.outside.beyond_library import MISMATCH, unexplained
 from tests.diagnosis.short_recordings import SERVO, decided, open_small
 
 HIDDEN = {

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.physics import CATALOGUE
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.servo_recordings import rewritten
 from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, diagnosed, named
 

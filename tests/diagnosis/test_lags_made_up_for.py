@@ -7,10 +7,10 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import confirming
-from gmfbo.diagnosis.deciding import decide, groups_of
-from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.screening import probes, screen
+from gmfbo.diagnosis.naming import candidate_fits as confirming
+from gmfbo.diagnosis.naming.forward_selection import decide, groups_of
+from gmfbo.diagnosis.screening.probes import probes, screen
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.servo_recordings import HIDDEN, opened
 
 DELAY = 2e-3

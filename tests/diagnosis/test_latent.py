@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.fitting import Fitted
+from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.latent import latent_torque
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 

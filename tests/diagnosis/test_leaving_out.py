@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
-from gmfbo.diagnosis.leaving_out import normal_equations, sums_of_others
-from gmfbo.diagnosis.misfit import Misfit
-from gmfbo.diagnosis.screening import Probe
-from gmfbo.diagnosis.threshold import LEAST_THRESHOLD, NullGains, left_out_square
-from gmfbo.sources.uncertain import Uncertain
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis, Setting
+from gmfbo.diagnosis.fitting.linear_left_out import normal_equations, sums_of_others
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.naming.threshold import LEAST_THRESHOLD, NullGains, left_out_square
+from gmfbo.diagnosis.screening.probes import Probe
+from gmfbo.sources.twin.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
 
 Blocks = tuple[NDArray[np.float64], ...]

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import limit_scan
-from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.limit_scan import scan_limits
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.candidate_fits import confirm
+from gmfbo.diagnosis.screening import limit_scan
+from gmfbo.diagnosis.screening.limit_scan import scan_limits
 from gmfbo.physics import CATALOGUE, States
 from tests.diagnosis.planted_noise import opened, planted
 

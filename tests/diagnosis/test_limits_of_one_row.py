@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.deciding import decide
-from gmfbo.diagnosis.hypothesis import Candidate
-from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.reporting import not_testable
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.decision_told import not_testable
+from gmfbo.diagnosis.naming.forward_selection import decide
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis import servo_recordings
 from tests.diagnosis.servo_recordings import opened
 

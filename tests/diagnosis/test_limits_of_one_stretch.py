@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import left_out_gain
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.deciding import groups_of
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.holding_out import split_of
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.left_out_gain import evidence_of
-from gmfbo.diagnosis.left_out_runs import simulated_left_out, squares
-from gmfbo.diagnosis.simulated import Point, Simulated
-from gmfbo.diagnosis.validation import validate
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.held_out_split import split_of
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.fitting.simulated_left_out import simulated_left_out, squares
+from gmfbo.diagnosis.naming import evidence_of_fit as left_out_gain
+from gmfbo.diagnosis.naming.evidence_of_fit import evidence_of
+from gmfbo.diagnosis.naming.forward_selection import groups_of
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.validating.validation import validate
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 
 LIMIT = 1.25  # [N m] of 1.4 that the moves ask for; nothing else asks for more than 1.1

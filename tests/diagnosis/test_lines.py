@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.line_axes import Axis, over_position, over_time
-from gmfbo.diagnosis.lines import find_lines
-from gmfbo.diagnosis.port_response import between_points
+from gmfbo.diagnosis.screening.line_axes import Axis, over_position, over_time
+from gmfbo.diagnosis.screening.port_response import between_points
+from gmfbo.diagnosis.screening.repeating_and_passing import find_lines
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 

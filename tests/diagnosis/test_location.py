@@ -10,15 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.latent_state import rank_states
-from gmfbo.diagnosis.location import locate, located_at
-from gmfbo.diagnosis.parities import Parities, parities
-from gmfbo.diagnosis.ranges import states_of
-from gmfbo.diagnosis.time_windows import Stretch, moving_parts, strongest, time_windows
-from gmfbo.diagnosis.whereabouts import Location
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.locating.latent_state import rank_states
+from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
+from gmfbo.diagnosis.locating.parities import Parities, parities
+from gmfbo.diagnosis.locating.times_of_mismatch import (
+    Stretch,
+    moving_parts,
+    strongest,
+    time_windows,
+)
+from gmfbo.diagnosis.result.whereabouts import Location
+from gmfbo.diagnosis.runs.measured_excitation import states_of
 from gmfbo.physics import States, Units
 from tests.diagnosis.servo_recordings import opened
 

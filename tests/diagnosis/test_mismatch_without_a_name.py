@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from gmfbo.diagnosis.outside import FAR, MISMATCH, is_mismatch
-from gmfbo.diagnosis.residual_test import ResidualTest
+from gmfbo.diagnosis.outside.beyond_library import FAR, MISMATCH, is_mismatch
+from gmfbo.diagnosis.result.reference_test import ResidualTest
 
 ERRORS = {"position": 0.010}
 

@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.moved_residual import chance_of_moving
-from gmfbo.diagnosis.outside import is_uneven
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.outside.beyond_library import is_uneven
+from gmfbo.diagnosis.outside.moved_residual import chance_of_moving
 from tests.diagnosis.short_recordings import BENCH, SERVO, moves, multisine, open_small
 
 Array = NDArray[np.float64]

@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.fitting import Fitted, fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.menu_runs import (
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for, rival_names
+from gmfbo.diagnosis.experiment.menu_runs import (
     Played,
     distance,
     make_menu,
@@ -25,10 +24,11 @@ from gmfbo.diagnosis.menu_runs import (
     reference_input,
     whitener_of,
 )
-from gmfbo.diagnosis.next_experiment import propose, propose_for, rival_names
-from gmfbo.diagnosis.reference_menu import RecordedLimits, reference_menu
+from gmfbo.diagnosis.experiment.reference_menu import RecordedLimits, reference_menu
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.servo_recordings import GAINS, MODELS, SERVO, opened, opened_with
 
 DELAY = {"transport_delay.delay": 1.5e-3}

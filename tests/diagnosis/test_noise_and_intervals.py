@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import noise_level, white_covariance
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
-from gmfbo.diagnosis.intervals import combinations_of, spread_of
-from gmfbo.diagnosis.records import ScoredSignal
-from gmfbo.diagnosis.whitening import make_window
-from gmfbo.sources.uncertain import Uncertain
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
+from gmfbo.diagnosis.fitting.intervals import combinations_of, spread_of
+from gmfbo.diagnosis.runs.scored_record import ScoredSignal
+from gmfbo.diagnosis.scoring.noise_levels import noise_level, white_covariance
+from gmfbo.diagnosis.scoring.whitening import make_window
+from gmfbo.sources.twin.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
 
 STEP = 1e-3

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from gmfbo import diagnose
-from gmfbo.diagnosis import confirming
-from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.library import candidates
-from gmfbo.diagnosis.misfit import Misfit
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.naming import candidate_fits as confirming
+from gmfbo.diagnosis.naming.candidate_fits import confirm
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.planted_noise import opened, planted
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis import judging
-from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.outside import Outside, look_outside
+from gmfbo.diagnosis.naming import withdrawn_names as judging
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.outside.beyond_library import Outside, look_outside
 from tests.diagnosis.port_cases import Law, open_servo, port_case
 from tests.diagnosis.short_recordings import decided
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.naming.decision import Decision
 from tests.diagnosis.short_recordings import SERVO, decided, moves, multisine, open_small, triangle
 
 QUIET = replace(SERVO, noise={"position": 2e-6, "torque_command": 0.002})

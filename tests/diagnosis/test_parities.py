@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.held_twin import reads_back
-from gmfbo.diagnosis.parities import Parities, logged_as, parities
-from gmfbo.diagnosis.parity import Parity, block_means, block_spread, fast_noise
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.locating.held_twin import reads_back
+from gmfbo.diagnosis.locating.parities import Parities, logged_as, parities
+from gmfbo.diagnosis.locating.parity import Parity, block_means, block_spread, fast_noise
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.servo_recordings import (
     GAINS,
     HIDDEN,

@@ -12,15 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.play_limits import PlayLimits, largest_rates
-from gmfbo.diagnosis.play_patterns import PARTS, play_patterns
-from gmfbo.diagnosis.played_input import effort_for, imposed_velocity, played_input
-from gmfbo.diagnosis.playing_safely import SafePlayer
-from gmfbo.diagnosis.simulated import Point
+from gmfbo.diagnosis.experiment.play_limits import PlayLimits, largest_rates
+from gmfbo.diagnosis.experiment.play_patterns import PARTS, play_patterns
+from gmfbo.diagnosis.experiment.played_input import effort_for, imposed_velocity, played_input
+from gmfbo.diagnosis.experiment.safe_player import SafePlayer
+from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.errors import InputError
-from gmfbo.recordings.reader import read_recording
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.models import models_folder
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.fmu_file.models import models_folder
 
 ALL: Mapping[str, Any] = {
     "position": [-0.5, 0.5],

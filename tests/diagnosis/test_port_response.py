@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin
-from gmfbo.diagnosis.impulse_response import impulse_responses, random_binary, sampling
-from gmfbo.diagnosis.port_response import between_points, measure_port_response
+from gmfbo.diagnosis.screening.impulse_response import impulse_responses, random_binary, sampling
+from gmfbo.diagnosis.screening.port_response import between_points, measure_port_response
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.port_cases import GAINS, SERVO, PortCase, open_servo, opened, port_case
 
 BENCH = models_folder() / "motor_bench.toml"

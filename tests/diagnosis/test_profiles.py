@@ -11,11 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis, Setting
-from gmfbo.diagnosis.intervals import Spread
-from gmfbo.diagnosis.misfit import Misfit
-from gmfbo.diagnosis.profiles import widened_by_profile
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis, Setting
+from gmfbo.diagnosis.fitting.intervals import Spread
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.fitting.profile_intervals import widened_by_profile
 from tests.physics.excitations import TYPICAL
 
 Array = NDArray[np.float64]

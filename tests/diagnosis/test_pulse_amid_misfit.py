@@ -8,8 +8,8 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.acceptance import _passes_amid_misfit
-from gmfbo.diagnosis.decision import Decision, Evidence
+from gmfbo.diagnosis.naming.conditions import _passes_amid_misfit
+from gmfbo.diagnosis.naming.decision import Decision, Evidence
 
 LEFT = 9000.0  # chi2, of which a tenth is beyond noise
 SIZE, DISPERSION = 9000, 1.0 / 0.9  # of a library of which the best leaves as much

@@ -7,11 +7,17 @@ from collections.abc import Collection, Iterator
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import pulses
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.lines import find_lines
-from gmfbo.diagnosis.pulses import EVERY, LEAST_PULSE_GAIN, Pulse, pulse_change, strongest_pulse
-from gmfbo.diagnosis.regression import Regression
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.regression import Regression
+from gmfbo.diagnosis.screening import pulses
+from gmfbo.diagnosis.screening.pulses import (
+    EVERY,
+    LEAST_PULSE_GAIN,
+    Pulse,
+    pulse_change,
+    strongest_pulse,
+)
+from gmfbo.diagnosis.screening.repeating_and_passing import find_lines
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 from tests.diagnosis.short_recordings import SERVO, diagnosed, moves, multisine, named
 

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import fast_power
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.recorded_noise import (
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.noise.replayed_noise import (
     RecordedNoise,
     Showing,
     above,
@@ -20,7 +19,8 @@ from gmfbo.diagnosis.recorded_noise import (
     settled,
     under_noise,
 )
-from gmfbo.diagnosis.simulated import Simulated
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.scoring.noise_levels import fast_power
 from tests.diagnosis.planted_noise import (
     SPLIT,
     STEP,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.predictions import PARAMETERS_ONLY
-from gmfbo.diagnosis.remaining_explanations import as_candidate
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.diagnosis.naming.open_explanations import as_candidate
+from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO, diagnosed, moves, multisine, triangle
 
 FRICTION = ("coulomb_friction", "constant_torque_offset")

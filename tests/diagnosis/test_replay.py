@@ -7,8 +7,8 @@ from collections.abc import Collection
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.decision import Round
-from gmfbo.diagnosis.replay import probability
+from gmfbo.diagnosis.naming.decision import Round
+from gmfbo.diagnosis.naming.probability import probability
 from tests.diagnosis.linear_evidences import (
     ROWS,
     WINDOWS,

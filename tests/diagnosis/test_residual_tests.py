@@ -7,7 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from gmfbo.diagnosis.residual_tests import chance_bound, following_part, reference_columns
+from gmfbo.diagnosis.validating.reference_tests import (
+    chance_bound,
+    following_part,
+    reference_columns,
+)
 
 Array = NDArray[np.float64]
 

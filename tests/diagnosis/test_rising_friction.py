@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from gmfbo.diagnosis.confirming import confirm
-from gmfbo.diagnosis.library import candidates
+from gmfbo.diagnosis.naming.candidate_fits import confirm
+from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 
 QUIET = replace(SERVO, noise={"position": 2e-6, "torque_command": 0.002})

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from gmfbo.diagnosis.rivals import rivals_of
+from gmfbo.diagnosis.naming.rivals import rivals_of
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.linear_evidences import ROWS, WINDOWS, direction, evidence_of
 

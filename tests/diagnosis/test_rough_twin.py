@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import opening
-from gmfbo.diagnosis.difference_steps import with_clear_steps
-from gmfbo.diagnosis.gain_by_chance import gain_by_chance
-from gmfbo.diagnosis.hypothesis import DIFFERENCE_STEP, Hypothesis
-from gmfbo.diagnosis.threshold import LEAST_THRESHOLD
+from gmfbo.diagnosis.case import open_case as opening
+from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
+from gmfbo.diagnosis.fitting.hypothesis import DIFFERENCE_STEP, Hypothesis
+from gmfbo.diagnosis.naming.gain_by_chance import gain_by_chance
+from gmfbo.diagnosis.naming.threshold import LEAST_THRESHOLD
 from tests.diagnosis.short_recordings import SERVO, Axis, diagnosed, multisine, open_small, triangle
 
 DRIVE = Axis(

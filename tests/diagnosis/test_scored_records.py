@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.records import Record, resolution, scored_record
-from gmfbo.diagnosis.windows import windows_of
+from gmfbo.diagnosis.runs.scored_record import Record, resolution, scored_record
+from gmfbo.diagnosis.scoring.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO
 
 STEP = 1e-3

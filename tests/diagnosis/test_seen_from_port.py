@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.seen_from_port import fields, unwhitened, whitened_columns
+from gmfbo.diagnosis.screening.seen_from_port import fields, unwhitened, whitened_columns
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 

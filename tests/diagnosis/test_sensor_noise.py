@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.loop_noise import sensor_noise
-from gmfbo.diagnosis.simulated import Simulated
-from gmfbo.sources.augmented import Response
-from gmfbo.sources.job import Outcome
+from gmfbo.diagnosis.noise.loop_noise import sensor_noise
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.sources.fmu_file.job import Outcome
+from gmfbo.sources.twin.augmented_twin import Response
 
 Array = NDArray[np.float64]
 

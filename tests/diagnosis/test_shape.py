@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.fitting import fit
-from gmfbo.diagnosis.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.port_response import between_points
-from gmfbo.diagnosis.shape import Unnamed, unnamed
-from gmfbo.diagnosis.state_features import families_with_ways, hats, hinges
-from gmfbo.diagnosis.whereabouts import Shape
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.diagnosis.outside.free_function import Unnamed, unnamed
+from gmfbo.diagnosis.outside.state_features import families_with_ways, hats, hinges
+from gmfbo.diagnosis.result.whereabouts import Shape
+from gmfbo.diagnosis.screening.port_response import between_points
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 Array = NDArray[np.float64]

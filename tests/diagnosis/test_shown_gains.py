@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from gmfbo.diagnosis.checking.shown_gains import ShownGain, find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.shown_gains import ShownGain, find_shown_gain
 from gmfbo.recordings.recording import Recording
 from tests.diagnosis.short_recordings import (
     SERVO,

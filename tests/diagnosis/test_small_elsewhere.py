@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.acceptance import is_small_elsewhere
-from gmfbo.diagnosis.decision import Evidence
+from gmfbo.diagnosis.naming.conditions import is_small_elsewhere
+from gmfbo.diagnosis.naming.decision import Evidence
 from tests.diagnosis.linear_evidences import WINDOWS, direction, evidence_of
 from tests.diagnosis.short_recordings import (
     SERVO,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.decision import Decision
+from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, decided, moves, multisine, open_small, triangle
 

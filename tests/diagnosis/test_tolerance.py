@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo import Recording
-from gmfbo.diagnosis.budget import POSITION_TOLERANCE, TOLERANCE, tolerance_covariance
-from gmfbo.diagnosis.records import Record, ScoredSignal
-from gmfbo.diagnosis.whitening import Window, make_window
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.diagnosis.runs.scored_record import Record, ScoredSignal
+from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE, tolerance_covariance
+from gmfbo.diagnosis.scoring.whitening import Window, make_window
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO
 
 Array = NDArray[np.float64]

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from gmfbo.diagnosis.fit_table import SignalFit
-from gmfbo.diagnosis.plain_words import interval, number, percent, quantity, unit_words
+from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
+from gmfbo.plain_words import interval, number, percent, quantity, unit_words
 from tests.diagnosis.example_diagnoses import (
     FIT,
     friction,

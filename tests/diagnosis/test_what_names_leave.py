@@ -8,10 +8,10 @@ from typing import cast
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis import outside
-from gmfbo.diagnosis.case import Case
-from gmfbo.diagnosis.decision import Decision
-from gmfbo.diagnosis.port_response import PortResponse
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.outside import beyond_library as outside
+from gmfbo.diagnosis.screening.port_response import PortResponse
 from gmfbo.physics import CATALOGUE
 
 NOISE = 10_000.0

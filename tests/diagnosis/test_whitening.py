@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.budget import power_beside, white_covariance
-from gmfbo.diagnosis.dispersion import dispersion_of
-from gmfbo.diagnosis.fitting import Fitted
-from gmfbo.diagnosis.hypothesis import Hypothesis, Setting
-from gmfbo.diagnosis.whitening import Whitener, Window, make_window
+from gmfbo.diagnosis.fitting.dispersion import dispersion_of
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
+from gmfbo.diagnosis.scoring.noise_levels import power_beside, white_covariance
+from gmfbo.diagnosis.scoring.whitening import Whitener, Window, make_window
 from tests.physics.excitations import TYPICAL
 
 STEP = 1e-3

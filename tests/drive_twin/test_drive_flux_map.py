@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.drive_twin.drive_runs import CORNERS, IDEAL_ENCODERS, NO_FRICTION, NO_RIPPLE, Drive
 from tests.drive_twin.flux_map import (
     HALF_WIDTH,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording, Trajectory, step_reference
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.drive_twin.drive_runs import CORNERS
 
 PLANT_ONLY = {"friction.scale": 2.0, "load.unbalance": 3.0, "map.noise": 0.5, "map.seed": 3}

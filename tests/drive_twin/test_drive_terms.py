@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gmfbo import Trajectory
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.drive_twin.drive_runs import CORNERS, IDEAL_ENCODERS, NO_RIPPLE, OUTPUTS, Drive
 from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 if str(ROOT) not in sys.path:  # last, so that an installed gmfbo is the one that is tested

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fmu_build.platforms import this_platform
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.fmu_build.fmu_instance import FmuInstance
 
 if TYPE_CHECKING:

@@ -127,7 +127,7 @@ def write_vendor_axis(folder: Path) -> Path:
 
 def write_own_axis(folder: Path) -> Path:
     """Twin file of our plant under our controller."""
-    from gmfbo.sources.models import models_folder
+    from gmfbo.sources.fmu_file.models import models_folder
 
     path = folder / "own.toml"
     path.write_text(OWN_AXIS.replace("FMU", str(models_folder() / "linear_axis.fmu"), 1))

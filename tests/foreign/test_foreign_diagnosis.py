@@ -11,8 +11,8 @@ import numpy as np
 
 from gmfbo import FmuTwin, Recording
 from gmfbo.physics.catalogue import CATALOGUE
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.augmented import AugmentedTwin
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.foreign.fmus import write_vendor_axis
 
 LEVEL = 3.0  # [N] of which the foreign FMU knows nothing

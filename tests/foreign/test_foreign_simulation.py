@@ -13,7 +13,7 @@ from scipy.linalg import expm
 
 from gmfbo import FmuTwin, Recording
 from gmfbo.errors import TwinFileError
-from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
+from gmfbo.sources.inspection.inspection import inspect_fmu, starting_twin_file
 from tests.foreign.fmus import foreign_fmu, write_own_axis, write_vendor_axis
 
 MASS_DAMPER = """

@@ -17,11 +17,11 @@ import numpy as np
 import scipy.io
 from hypothesis import strategies as st
 
-from gmfbo.recordings.hdf5_group import file_image, write_recording_group
-from gmfbo.recordings.pack import pack_study
-from gmfbo.recordings.seal import without_seal
-from gmfbo.recordings.store import StudyStore
-from gmfbo.recordings.trial_file import trial_image
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.recordings.store.seal import without_seal
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.recordings.store.trial_file import trial_image
+from gmfbo.recordings.writing.hdf5_group import file_image, write_recording_group
 from tests.fuzz.mutation import byte_changes
 from tests.recordings.example_trials import example_trial
 
@@ -117,7 +117,7 @@ def packed_studies() -> st.SearchStrategy[bytes]:
 
 def event_files() -> st.SearchStrategy[bytes]:
     """Event lines of a study folder."""
-    from gmfbo.recordings.events import event_line
+    from gmfbo.recordings.store.events import event_line
 
     lines = [event_line("ask", {"number": k, "gains": {"a": float(k)}}) for k in range(5)]
     lines += [event_line("repair", {"damaged_lines": [2]}), event_line("Ω", {"text": "\n\ud800"})]

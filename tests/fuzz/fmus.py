@@ -13,7 +13,7 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.fuzz.mutation import ODD_WORDS, byte_changes, text_changes
 
 _FMUS = Path(__file__).resolve().parents[1] / "fmus"

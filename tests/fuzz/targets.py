@@ -11,17 +11,18 @@ from pathlib import Path
 from hypothesis import strategies as st
 
 from gmfbo.errors import GmfboError
-from gmfbo.recordings.column_mapping import DIALECTS
-from gmfbo.recordings.reader import read_columns, read_recording
-from gmfbo.recordings.repair import repair_folder
-from gmfbo.recordings.store import StudyStore
-from gmfbo.sources.binding import bind
-from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.ssp_import import import_ssp
-from gmfbo.sources.twin_file import TwinFile
-from gmfbo.sources.unpacking import unpack
-from gmfbo.tuning.study_file import read_study_file
+from gmfbo.recordings.columns.column_mapping import DIALECTS
+from gmfbo.recordings.reader import read_columns
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.repair.repair_folder import repair_folder
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.sources.binding.bind import bind
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.fmu_file.unpacking import unpack
+from gmfbo.sources.inspection.inspection import inspect_fmu, starting_twin_file
+from gmfbo.sources.inspection.ssp_import import import_ssp
+from gmfbo.sources.twin_file.twin_file import TwinFile
+from gmfbo.tuning.study_file.study_file import read_study_file
 from tests.fuzz import binary_files, fmus, packages, texts
 from tests.fuzz.mutation import text_changes
 from tests.recordings.twin_words import AXIS

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from gmfbo.recordings import reading_process
+from gmfbo.recordings.reading_process import reading_process
 from tests.fuzz.targets import TARGETS
 from tests.fuzz.trying import Tally, try_file
 

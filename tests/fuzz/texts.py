@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 from gmfbo.recordings import Recording, Trajectory
-from gmfbo.recordings.csv_file import csv_text
-from gmfbo.sources.models import models_folder
+from gmfbo.recordings.writing.csv_text import csv_text
+from gmfbo.sources.fmu_file.models import models_folder
 
 _RICH_TWIN = """
 name = "AX7 servo axis"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gmfbo.errors import GmfboError
-from gmfbo.recordings import reading_process
+from gmfbo.recordings.reading_process import reading_process
 from tests.fuzz.targets import Target, assert_one_line
 
 

@@ -13,7 +13,7 @@ from gmfbo.diagnosis.engine import diagnose
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, Effect, add_effect
 from gmfbo.physics import catalogue as catalogue_module
-from gmfbo.sources.models import models_folder, physics_fmu
+from gmfbo.sources.fmu_file.models import models_folder, physics_fmu
 
 OTHER = replace(CATALOGUE["elastic_return"], name="rubber_bellows", contains=(), vanishing={})
 

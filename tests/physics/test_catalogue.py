@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from gmfbo.physics import CATALOGUE, Effect
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.physics.excitations import LINEAR, TYPICAL
 
 NAMES = [

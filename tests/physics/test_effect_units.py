@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, Units
 from gmfbo.physics.units import number, percent, quantity
-from gmfbo.recordings.units import parse_unit
+from gmfbo.recordings.columns.units import parse_unit
 
 ROTARY = Units(command="V", current="A", load="A")
 SLIDE = Units(torque="N", position="m", velocity="m/s", command="N", current="N", load="N")

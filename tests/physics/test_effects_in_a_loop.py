@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.physics import CATALOGUE, Values
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu
 from tests.physics.excitations import TYPICAL
 

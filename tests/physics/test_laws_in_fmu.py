@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gmfbo.physics import CATALOGUE, Effect
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu
 from tests.physics.excitations import TYPICAL, swing
 

@@ -6,31 +6,34 @@ import os
 import signal
 import time
 from pathlib import Path
+from typing import NoReturn
 
 
-def crash(path: Path) -> None:
+def crash(path: Path) -> NoReturn:
     """Die as by a wild pointer."""
     os.kill(os.getpid(), signal.SIGSEGV)
+    raise AssertionError("outlived its own signal")
 
 
-def leave(path: Path) -> None:
+def leave(path: Path) -> NoReturn:
     """Call exit."""
     os._exit(3)
 
 
-def hang(path: Path) -> None:
+def hang(path: Path) -> NoReturn:
     """Never end."""
     time.sleep(60.0)
+    raise AssertionError("was never stopped")
 
 
-def fill(path: Path) -> None:
+def fill(path: Path) -> NoReturn:
     """Take all memory."""
     held = []
     while True:
         held.append(bytearray(2**28))
 
 
-def raise_(path: Path) -> None:
+def raise_(path: Path) -> NoReturn:
     """Raise what nobody foresaw."""
     raise ZeroDivisionError("no such\n  thing")
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gmfbo.errors import GmfboError, StoreError
-from gmfbo.recordings.reader import read_recording
-from gmfbo.recordings.repair import repair_folder
-from gmfbo.recordings.store import StudyStore
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.repair.repair_folder import repair_folder
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.recordings.store.trial import Trial
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
 KINDS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gmfbo.recordings import Trajectory, Trial
-from gmfbo.recordings.trial import SourceName
+from gmfbo.recordings.store.trial import SourceName
 
 # Fields of a trial that are not arrays.
 PROVENANCE = (

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
 _ROOT = Path(__file__).resolve().parents[2]
@@ -19,7 +19,7 @@ import resource, signal, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 sys.path.append({root!r})
 from pathlib import Path
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.full_disk_rounds import write_until_refused
 store = StudyStore.create(sys.argv[1], "")
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))

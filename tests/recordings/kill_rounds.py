@@ -13,7 +13,7 @@ from pathlib import Path
 
 import h5py
 
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
 _ROOT = Path(__file__).resolve().parents[2]

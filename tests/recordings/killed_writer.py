@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import example_trial
 
 

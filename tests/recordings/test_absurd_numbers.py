@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording
-from gmfbo.recordings.large_csv import LARGE_BYTES
+from gmfbo.recordings.csv.large_table import LARGE_BYTES
 from tests.recordings.twin_words import AXIS
 
 ROWS = 200
@@ -101,8 +101,8 @@ def test_a_large_file_of_empty_lines_fills_no_memory(tmp_path: Path) -> None:
 def test_a_large_file_with_text_among_its_numbers_names_the_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gmfbo.recordings.csv_file.LARGE_BYTES", 100)
-    monkeypatch.setattr("gmfbo.recordings.csv_file.HEAD_BYTES", 200)
+    monkeypatch.setattr("gmfbo.recordings.csv.table.LARGE_BYTES", 100)
+    monkeypatch.setattr("gmfbo.recordings.csv.table.HEAD_BYTES", 200)
     path = write(tmp_path, ".csv", np.zeros(ROWS))
     np.testing.assert_array_equal(Recording.read(path).signal("position"), np.zeros(ROWS))
     lines = path.read_text(encoding="utf-8").splitlines()
@@ -110,6 +110,6 @@ def test_a_large_file_with_text_among_its_numbers_names_the_line(
     path.write_text("\n".join(lines), encoding="utf-8")
     with pytest.raises(RecordingError, match=r"line 151, column 'position': .* got 'broken'"):
         Recording.read(path)
-    monkeypatch.setattr("gmfbo.recordings.csv_file.LARGEST_LENIENT_BYTES", 100)
+    monkeypatch.setattr("gmfbo.recordings.csv.table.LARGEST_LENIENT_BYTES", 100)
     with pytest.raises(RecordingError, match=r"must be a plain table of numbers .*export \.h5"):
         Recording.read(path)

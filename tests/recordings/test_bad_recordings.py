@@ -12,7 +12,7 @@ import scipy.io
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.twin_words import AXIS
 
 # Text of the file, and what the message holds.

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
-from gmfbo.recordings.clock import check_clock
+from gmfbo.recordings.columns.clock import check_clock
 
 
 def check(time: NDArray[np.floating[Any]]) -> None:

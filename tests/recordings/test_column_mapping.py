@@ -10,9 +10,9 @@ import pytest
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording, SignalSpec
-from gmfbo.recordings.column_mapping import ColumnMapping, MappedColumn
-from gmfbo.recordings.reader import read_recording
-from gmfbo.recordings.writer import write_recording
+from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.writing.writer import write_recording
 from tests.recordings.twin_words import AXIS, TwinWords
 
 ROWS = "Takt;Soll;Ist;KP_ACT\n0;0;0;90\n1;0,5;90;90\n2;1;180;90\n"

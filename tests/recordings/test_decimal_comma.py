@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording
-from gmfbo.recordings.column_mapping import ColumnMapping
-from gmfbo.recordings.csv_numbers import with_point
-from gmfbo.recordings.csv_times import read_times
-from gmfbo.recordings.reader import read_recording
+from gmfbo.recordings.columns.column_mapping import ColumnMapping
+from gmfbo.recordings.csv.numbers import with_point
+from gmfbo.recordings.csv.times import read_times
+from gmfbo.recordings.recording import read_recording
 
 EXPORT = (
     "sep=;\r\nGerät;Achse 7, links\r\nDatum;02.01.2026 03:04:05\r\nKp;90,5\r\n\r\n"

@@ -10,7 +10,7 @@ import pytest
 import scipy.io
 
 from gmfbo.recordings import Recording, SignalSpec
-from gmfbo.recordings.writer import write_recording
+from gmfbo.recordings.writing.writer import write_recording
 from tests.recordings.twin_words import TwinWords
 
 FILE = Path(os.environ.get("GMFBO_DATA", "")) / "emps" / "DATA_EMPS.mat"

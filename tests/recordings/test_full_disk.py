@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from gmfbo.errors import RecordingError, StoreError
-from gmfbo.recordings.pack import pack_study
-from gmfbo.recordings.reader import read_recording
-from gmfbo.recordings.store import StudyStore
-from gmfbo.recordings.writer import write_recording
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.recordings.writing.writer import write_recording
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
 
@@ -100,7 +100,7 @@ from dataclasses import replace
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 sys.path.append({root!r})
 from gmfbo.errors import StoreError
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import assert_same_trial, example_trial
 store = StudyStore.create(sys.argv[1], "")
 store.write_trial(example_trial(1, rows=100))

@@ -10,7 +10,7 @@ import pytest
 import scipy.io
 
 from gmfbo.recordings import Recording, Trajectory
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import example_trial
 from tests.recordings.twin_words import AXIS
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.memory_store import MemoryStore, TrialStore
-from gmfbo.recordings.pack import pack_record, pack_study
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.memory_store import MemoryStore, TrialStore
+from gmfbo.recordings.store.pack import pack_record, pack_study
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import PROVENANCE, example_trial
 
 TEXT = 'name = "some"\n'

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from gmfbo.recordings.pack import pack_study
-from gmfbo.recordings.repair import repair_folder
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.repair.repair_folder import repair_folder
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
 _HOLDER = """

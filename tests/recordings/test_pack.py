@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.pack import pack_study
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
 

@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import RecordingError
-from gmfbo.recordings import Recording, reading_process
-from gmfbo.recordings.columns import RecordedColumns
-from gmfbo.recordings.reading_process import read_apart, try_apart
-
-HERE = "tests.recordings.bad_readers"
+from gmfbo.recordings import Recording
+from gmfbo.recordings.columns.columns import RecordedColumns
+from gmfbo.recordings.formats.hdf5_file import read_hdf5
+from gmfbo.recordings.reading_process import reading_process
+from gmfbo.recordings.reading_process.reading_process import Reader, read_apart, try_apart
+from tests.recordings.bad_readers import chatter, crash, fill, hang, leave, raise_
 
 
 @pytest.fixture
@@ -50,18 +51,18 @@ def test_numbers_come_back_bit_by_bit_and_the_process_is_kept(file: Path) -> Non
 @pytest.mark.parametrize(
     ("reader", "match"),
     [
-        ("crash", r"run\.h5: the library that reads such files crashed .SIGSEGV.; the file is dam"),
-        ("leave", r"run\.h5: the library that reads such files crashed .exit status 3.;"),
-        ("fill", r"run\.h5: its contents need far more memory than a file of its size should"),
-        ("raise_", r"run\.h5: damaged, or not of the kind .* .ZeroDivisionError: no such thing."),
+        (crash, r"run\.h5: the library that reads such files crashed .SIGSEGV.; the file is dam"),
+        (leave, r"run\.h5: the library that reads such files crashed .exit status 3.;"),
+        (fill, r"run\.h5: its contents need far more memory than a file of its size should"),
+        (raise_, r"run\.h5: damaged, or not of the kind .* .ZeroDivisionError: no such thing."),
     ],
 )
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits and signals of Linux")
 def test_a_bad_file_is_one_line_and_the_next_file_is_read(
-    file: Path, reader: str, match: str
+    file: Path, reader: Reader, match: str
 ) -> None:
     with pytest.raises(RecordingError, match=match) as error:
-        read_apart(file, HERE, reader)
+        read_apart(file, reader)
     assert "\n" not in str(error.value)
     assert len(Recording.read(file)) == 4
 
@@ -73,14 +74,14 @@ def test_a_reader_that_hangs_is_ended_at_the_limit(
     monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 0.3)
     began = time.monotonic()
     with pytest.raises(RecordingError, match="did not end within 0 s; the file is damaged"):
-        read_apart(file, HERE, "hang")
+        read_apart(file, hang)
     assert time.monotonic() - began < 5.0
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
 
 def test_what_a_library_prints_does_not_reach_the_answer(file: Path) -> None:
-    try_apart(file, HERE, "chatter")
+    try_apart(file, chatter)
     assert len(Recording.read(file)) == 4
 
 
@@ -99,7 +100,8 @@ def test_files_read_by_several_threads_wait_for_each_other(file: Path) -> None:
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks at /proc")
 def test_the_reading_process_ends_with_a_killed_parent(file: Path) -> None:
     program = (
-        "import sys, time\nfrom gmfbo.recordings import Recording, reading_process\n"
+        "import sys, time\nfrom gmfbo.recordings import Recording\n"
+        "from gmfbo.recordings.reading_process import reading_process\n"
         f"Recording.read({str(file)!r})\n"
         "print(reading_process._running[0].pid, flush=True)\ntime.sleep(30)\n"
     )
@@ -137,6 +139,6 @@ def test_columns_without_rows_come_back(tmp_path: Path) -> None:
     with h5py.File(path, "w") as content:
         content["time"] = np.empty(0)
         content["a"] = np.empty(0)
-    read = read_apart(path, "gmfbo.recordings.hdf5_file", "read_hdf5")
+    read = read_apart(path, read_hdf5)
     assert isinstance(read, RecordedColumns)
     assert [column.values.size for column in read.columns] == [0, 0]

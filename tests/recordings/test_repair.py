@@ -16,11 +16,11 @@ import pytest
 from gmfbo.cli import main
 from gmfbo.errors import StoreError
 from gmfbo.recordings import Recording
-from gmfbo.recordings.pack import pack_study
-from gmfbo.recordings.repair import repair_folder
-from gmfbo.recordings.repair_packed import repair_packed
-from gmfbo.recordings.seal import without_seal
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.repair.repair_folder import repair_folder
+from gmfbo.recordings.repair.repair_packed import repair_packed
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.recordings.store.seal import without_seal
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.damage_rounds import STUDY, run_damage_rounds
 from tests.recordings.example_trials import assert_same_trial, example_trial
 
@@ -211,7 +211,7 @@ def test_a_full_disk_stops_a_repair_that_can_be_repeated(small_disk: Path, folde
 
 _REPAIRING = """
 import sys
-from gmfbo.recordings.repair import repair_folder
+from gmfbo.recordings.repair.repair_folder import repair_folder
 print("begins", flush=True)
 print(repair_folder(sys.argv[1]), flush=True)
 """

@@ -15,8 +15,8 @@ from hypothesis.extra.numpy import arrays
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording, Trajectory, step_reference
-from gmfbo.recordings.reader import read_recording
-from gmfbo.recordings.writer import write_recording
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.writing.writer import write_recording
 
 NAMES = st.one_of(
     st.from_regex(r"[a-z][a-z0-9_.]{0,8}(\[[0-9]{1,2}(,[0-9])?\])?", fullmatch=True),

@@ -13,8 +13,8 @@ import pytest
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording
-from gmfbo.recordings.column_mapping import ColumnMapping, MappedColumn
-from gmfbo.recordings.reader import read_recording
+from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
+from gmfbo.recordings.recording import read_recording
 
 ROWS, SLOW_ROWS = 60, 15  # 1 ms and 4 ms
 FAST = np.round(np.sin(np.arange(ROWS) * 0.05), 6)

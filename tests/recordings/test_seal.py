@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.recordings.seal import mended, read_seal, sealed, without_seal
+from gmfbo.recordings.store.seal import mended, read_seal, sealed, without_seal
 
 CONTENT = st.binary(min_size=1, max_size=500)
 

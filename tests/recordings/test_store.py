@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from gmfbo.errors import StoreError
 from gmfbo.recordings import Recording
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import PROVENANCE, assert_same_trial, example_trial
 
 STUDY = 'name = "axis 3"\nseed = 0  # Δ\r\n'

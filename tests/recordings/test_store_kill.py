@@ -12,7 +12,7 @@ import h5py
 import pytest
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.study_folder import StudyStore
 from tests.recordings.example_trials import assert_same_trial, example_trial
 from tests.recordings.kill_rounds import run_kill_rounds, writing_process
 
@@ -60,7 +60,7 @@ def test_a_forked_child_does_not_keep_the_lock_of_a_killed_writer(tmp_path: Path
     StudyStore.create(folder, "").close()
     program = (
         "import os, sys, time\n"
-        "from gmfbo.recordings.store import StudyStore\n"
+        "from gmfbo.recordings.store.study_folder import StudyStore\n"
         "store = StudyStore.open_for_writing(sys.argv[1])\n"
         "child = os.fork()\n"
         "if child == 0:\n"

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from gmfbo.recordings import Trajectory, Trial
-from gmfbo.recordings.pack import pack_study
-from gmfbo.recordings.store import StudyStore
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.recordings.store.study_folder import StudyStore
 
 PROGRAM = Path(__file__).with_name("correction_outside_gmfbo.py")
 

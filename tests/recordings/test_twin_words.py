@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gmfbo.recordings import Recording, SignalSpec, Trajectory
-from gmfbo.recordings.reader import read_recording
-from gmfbo.recordings.writer import write_recording
+from gmfbo.recordings.recording import read_recording
+from gmfbo.recordings.writing.writer import write_recording
 from tests.recordings.twin_words import AXIS, TwinWords
 
 

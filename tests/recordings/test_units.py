@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.recordings.units import parse_unit
+from gmfbo.recordings.columns.units import parse_unit
 
 # Values of one unit in SI, from the SI brochure and the definitions of rpm, inch and pound-force.
 KNOWN = [

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo.reports.comparison_curves import Landscape
+from gmfbo.reports.comparison.curves import Landscape
 from gmfbo.studies.comparison_folder import ComparisonFolder
 from tests.studies.small_study import outcome
 

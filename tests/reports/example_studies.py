@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gmfbo.objective.metrics import step_metrics
 from gmfbo.recordings import Trajectory, Trial
 from gmfbo.recordings.recording import Status
-from gmfbo.recordings.store import StudyStore
-from gmfbo.recordings.trial import SourceName
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.recordings.store.trial import SourceName
 
 Array = NDArray[np.float64]
 

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gmfbo.reports.comparison_curves import Curve, Landscape
+from gmfbo.reports.comparison.curves import Curve, Landscape
 
 pytest.importorskip("matplotlib")
-from gmfbo.reports.comparison_figures import (
+from gmfbo.reports.figures.comparison_figures import (
     best_observed,
     draw_comparison,
     landscape_figure,
     sampling_cost,
 )
-from gmfbo.reports.figure_style import save_figure
+from gmfbo.reports.figures.figure_style import save_figure
 
 
 def curve(method: str, name: str) -> Curve:

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from gmfbo.reports.comparison_page import comparison_page
+from gmfbo.reports.comparison.page import comparison_page
 from gmfbo.studies.comparison_review import review_comparison
 from tests.reports.example_comparison import ARRIVALS, write_example_comparison
 from tests.reports.headless_browser import NO_BROWSER, Browser, browser_path

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import InputError
-from gmfbo.reports.diagnosis_figures import before_and_after, error_table, latent_shape
+from gmfbo.reports.figures.diagnosis_figures import before_and_after, error_table, latent_shape
 from tests.diagnosis.example_diagnoses import FIT, friction, nothing, outside
 
 pytest.importorskip("matplotlib")
@@ -66,7 +66,7 @@ def test_what_cannot_be_drawn_is_refused_with_a_cure() -> None:
 
 
 def test_without_matplotlib_the_cure_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(sys.modules, "gmfbo.reports.notebook_figure", raising=False)
+    monkeypatch.delitem(sys.modules, "gmfbo.reports.figures.notebook_figure", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(InputError, match=r"matplotlib, which is not installed; run 'pip install"):
         error_table(friction())

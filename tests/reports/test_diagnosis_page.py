@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.diagnosis.curve import Curve
-from gmfbo.diagnosis.named_effect import NotTestable, RivalShare
+from gmfbo.diagnosis.page.first_screen import unbroken
+from gmfbo.diagnosis.page.page import diagnosis_page
+from gmfbo.diagnosis.result.curve import Curve
+from gmfbo.diagnosis.result.named_effect import NotTestable, RivalShare
+from gmfbo.pages.marked_number import json_path
 from gmfbo.physics import CATALOGUE
-from gmfbo.reports.diagnosis_page import diagnosis_page
-from gmfbo.reports.first_screen import unbroken
-from gmfbo.reports.marked_number import json_path
 from tests.diagnosis.example_diagnoses import (
     FRICTION,
     friction,

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.reports.law_text import law_html
-from gmfbo.reports.marked_number import (
+from gmfbo.diagnosis.page.law_text import law_html
+from gmfbo.pages.marked_number import (
     json_path,
     marked_interval,
     marked_number,

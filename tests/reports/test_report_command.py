@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gmfbo.cli import main
-from gmfbo.recordings.pack import pack_study
+from gmfbo.recordings.store.pack import pack_study
 from tests.reports.example_comparison import write_example_comparison
 from tests.reports.example_studies import write_example_study
 from tests.studies.small_study import write_small_study

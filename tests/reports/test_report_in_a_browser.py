@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from gmfbo.diagnosis import Diagnosis
-from gmfbo.reports.diagnosis_page import diagnosis_page
+from gmfbo.diagnosis.page.page import diagnosis_page
 from tests.diagnosis.example_diagnoses import (
     friction,
     nothing,

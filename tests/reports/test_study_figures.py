@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import InputError
-from gmfbo.reports.study_review import StudyReview
+from gmfbo.reports.study.review import StudyReview
 from tests.reports.example_studies import TIME, ExampleStudy, write_example_study
 
 pytest.importorskip("matplotlib")
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gmfbo.reports.figure_style import METHOD_COLOURS, save_figure
-from gmfbo.reports.study_figures import (
+from gmfbo.reports.figures.figure_style import METHOD_COLOURS, save_figure
+from gmfbo.reports.figures.study_figures import (
     best_observed,
     draw_study,
     gains,
     mismatch_and_trust,
     sampling_cost,
 )
-from gmfbo.reports.trajectory_figure import trajectories
+from gmfbo.reports.figures.trajectory_figure import trajectories
 
 
 @pytest.fixture(scope="module")

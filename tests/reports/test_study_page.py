@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.pack import pack_study
-from gmfbo.reports.study_page import study_page
-from gmfbo.reports.study_review import StudyReview
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.reports.study.page import study_page
+from gmfbo.reports.study.review import StudyReview
 from tests.reports.example_studies import ExampleStudy, write_example_study
 from tests.reports.page_text import PageText, at_path, rounds_to
 

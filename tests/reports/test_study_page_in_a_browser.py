@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gmfbo.reports.study_page import study_page
-from gmfbo.reports.study_review import StudyReview
+from gmfbo.reports.study.page import study_page
+from gmfbo.reports.study.review import StudyReview
 from tests.reports.example_studies import write_example_study
 from tests.reports.headless_browser import NO_BROWSER, Browser, browser_path
 

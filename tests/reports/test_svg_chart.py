@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from gmfbo.reports.svg_axis import Array
-from gmfbo.reports.svg_chart import Band, Line, line_chart
-from gmfbo.reports.svg_frame import HIGH, WIDE
-from gmfbo.reports.thinning import thinned_rows
+from gmfbo.pages.svg_axis import Array
+from gmfbo.pages.svg_chart import Band, Line, line_chart
+from gmfbo.pages.svg_frame import HIGH, WIDE
+from gmfbo.pages.thinning import thinned_rows
 
 
 def chart(x: Array, y: Array, **more: object) -> str:

@@ -13,9 +13,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from gmfbo.cli import main, watch
-from gmfbo.recordings.pack import pack_study
-from gmfbo.reports.study_review import StudyReview
+from gmfbo.cli import main
+from gmfbo.cli.tuning import watch
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.reports.study.review import StudyReview
 from tests.reports.example_studies import ExampleStudy, write_example_study
 
 
@@ -84,7 +85,7 @@ def test_a_study_that_was_interrupted_is_told_so(
         made.trial("IS2", made.gains())
         store.log("interrupt", trials=1)
     screen = Console(file=io.StringIO(), width=200)
-    for module in ("gmfbo.cli.watch", "gmfbo.cli.tune"):
+    for module in ("gmfbo.cli.tuning.watch", "gmfbo.cli.tuning.tune"):
         monkeypatch.setattr(f"{module}.console", screen)
     assert main(["watch", str(tmp_path / "live.study")]) == 0
     assert "interrupted after 1 runs" in screen.file.getvalue()  # type: ignore[attr-defined]

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from gmfbo import Study, Tuner
-from gmfbo.recordings.store import StudyStore
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.corrected_methods import (
     GMFBO_CALIBRATED,
     GMFBO_SMOOTHED,
@@ -23,12 +23,12 @@ from gmfbo.retuning.real_runs import plain_recordings
 from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.twin_guard import misleads
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
-from gmfbo.tuning.drift import Drift
-from gmfbo.tuning.history import History
-from gmfbo.tuning.method import CorrectionOptions
-from gmfbo.tuning.twin_version import TwinVersion
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.tuning.drift.drift import Drift
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.query.method import CorrectionOptions
+from gmfbo.tuning.twin.twin_version import TwinVersion
 
 OPTIONS = CorrectionOptions(survey=12)
 STUDY = """

@@ -10,8 +10,8 @@ import pytest
 from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.recordings.recording import Trajectory
 from gmfbo.retuning.missing_physics import Completion, complete
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 AXIS = models_folder() / "servo_axis.toml"
 GAINS = ({"kp": 60.0, "kd": 1.2}, {"kp": 110.0, "kd": 2.0}, {"kp": 85.0, "kd": 1.5})

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import pytest
 
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 
 TEST_FMUS = Path(__file__).resolve().parents[1] / "fmus"
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.augmented import AugmentedTwin, Response
-from gmfbo.sources.export import AugmentedFmu, PhysicsParameter, export_augmented
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.export.export import AugmentedFmu, PhysicsParameter, export_augmented
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Response
+from gmfbo.sources.twin.twin import FmuTwin
 
 SUBSTEPS = 10
 STEPS = 600

@@ -6,7 +6,10 @@ import os
 import time
 from pathlib import Path
 
-STANDING = (b"multiprocessing.resource_tracker", b"gmfbo.recordings.reading_program")
+STANDING = (
+    b"multiprocessing.resource_tracker",
+    b"gmfbo.recordings.reading_process.reading_program",
+)
 
 
 def children(of: int | None = None) -> list[int]:

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.sources.augmented_file import augmented_twin_file
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin_file import TwinFile
+from gmfbo.sources.export.augmented_file import augmented_twin_file
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin_file.twin_file import TwinFile
 
 EVERYTHING = """
 name = "all \\"of\\" it"

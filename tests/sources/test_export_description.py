@@ -10,10 +10,10 @@ from fmpy import read_model_description
 from fmpy.model_description import ModelDescription, ModelVariable
 from fmpy.validation import validate_fmu
 
-from gmfbo.sources.description import read_description
-from gmfbo.sources.export import AugmentedFmu, PhysicsParameter, export_augmented
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.export.export import AugmentedFmu, PhysicsParameter, export_augmented
+from gmfbo.sources.fmu_file.description import read_description
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.twin import FmuTwin
 from tests.sources.conftest import AXIS, Repack, WriteTwin
 from tests.sources.exported import CASES, export_case
 

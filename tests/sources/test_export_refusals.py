@@ -11,11 +11,11 @@ import pytest
 
 from gmfbo.errors import ExportError, InputError
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.description import read_description
-from gmfbo.sources.export import AugmentedFmu, PhysicsParameter, export_augmented
-from gmfbo.sources.exportable import common_platforms
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.export.export import AugmentedFmu, PhysicsParameter, export_augmented
+from gmfbo.sources.export.exportable import common_platforms
+from gmfbo.sources.fmu_file.description import read_description
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.twin import FmuTwin
 from tests.sources.conftest import AXIS, FAULTY, LOOP, TEST_FMUS, Repack, WriteTwin
 
 PORTS = '[ports]\ntorque = "port.force"\n'

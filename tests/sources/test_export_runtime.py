@@ -14,8 +14,8 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from gmfbo.sources.export import AugmentedFmu
-from gmfbo.sources.fmu_log import FmuLog
+from gmfbo.sources.export.export import AugmentedFmu
+from gmfbo.sources.stepping.fmu_log import FmuLog
 from tests.sources.exported import CASES, STEPS, diagnosed, excitation, export_case
 
 MASS, LEVEL = "mass", "physics.coulomb_friction.level"

@@ -12,9 +12,9 @@ from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.export import AugmentedFmu, export_augmented
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin import FmuTwin
+from gmfbo.sources.export.export import AugmentedFmu, export_augmented
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.twin import FmuTwin
 from tests.sources.exported import (
     CASES,
     STEPS,

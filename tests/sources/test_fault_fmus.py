@@ -15,8 +15,8 @@ from fmu_build.fault_fmus import read_faults
 from gmfbo import FmuTwin, Recording, Trajectory
 from gmfbo.errors import FmuFileError
 from gmfbo.objective.metrics import METRICS, step_metrics
-from gmfbo.sources import isolation
-from gmfbo.sources.inspection import inspect_fmu
+from gmfbo.sources.inspection.inspection import inspect_fmu
+from gmfbo.sources.worker import isolation
 from tests.sources.conftest import FAULTY, TEST_FMUS
 from tests.sources.processes import children
 

@@ -17,15 +17,16 @@ from gmfbo import FmuTwin
 from gmfbo.cli.application import app
 from gmfbo.errors import ExportError, FmuFileError, InputError, TwinFileError
 from gmfbo.recordings import Recording
-from gmfbo.sources.augmented import AugmentedTwin
-from gmfbo.sources.binding import Binding, bind
-from gmfbo.sources.experiment import Experiment
-from gmfbo.sources.exportable import check_exportable
-from gmfbo.sources.inspection import inspect_fmu
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.parameters import run_parameters
-from gmfbo.sources.runner import InProcess, Result
-from gmfbo.sources.twin_file import TwinFile
+from gmfbo.sources.binding.bind import bind
+from gmfbo.sources.binding.binding import Binding
+from gmfbo.sources.export.exportable import check_exportable
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.inspection.inspection import inspect_fmu
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.parameter_values import run_parameters
+from gmfbo.sources.twin.run_plan import Experiment
+from gmfbo.sources.twin_file.twin_file import TwinFile
+from gmfbo.sources.worker.runner import InProcess, Result
 from tests.sources.conftest import AXIS, LOOP, TEST_FMUS
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ import pytest
 
 from gmfbo import FmuTwin, step_reference
 from gmfbo.errors import FmuFileError
-from gmfbo.sources.description import read_description
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.platforms import Platform, this_platform
+from gmfbo.sources.fmu_file.description import read_description
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.fmu_file.platforms import Platform, this_platform
 from tests.sources.conftest import AXIS
 
 if TYPE_CHECKING:

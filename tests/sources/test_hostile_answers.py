@@ -14,10 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gmfbo import FmuTwin, step_reference
-from gmfbo.sources.answer import read_outcomes
-from gmfbo.sources.post_mortem import plain_line
-from gmfbo.sources.private_folder import PrivateFolder
-from gmfbo.sources.worker_process import WorkerGarbled, WorkerProcess
+from gmfbo.files.private_folder import PrivateFolder
+from gmfbo.sources.worker.answer import read_outcomes
+from gmfbo.sources.worker.post_mortem import plain_line
+from gmfbo.sources.worker.worker_process import WorkerGarbled, WorkerProcess
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -84,7 +84,7 @@ class Answering(WorkerProcess):
         (folder / "answer").write_bytes(answer)
         script = "import sys, pathlib; f = pathlib.Path(sys.argv[1], 'answer').read_bytes()\n"
         script += "for _ in sys.stdin: sys.stdout.buffer.write(f); sys.stdout.flush()"
-        monkeypatch.setattr("gmfbo.sources.worker_process._START", script)
+        monkeypatch.setattr("gmfbo.sources.worker.worker_process._START", script)
         super().__init__(folder)
 
 

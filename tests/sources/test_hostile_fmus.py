@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from gmfbo.errors import FmuFileError, TwinFileError
-from gmfbo.sources import prolog
-from gmfbo.sources.inspection import inspect_fmu
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.twin_file import TwinFile
-from gmfbo.sources.unpacking import unpack
+from gmfbo.sources.fmu_file import prolog
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.fmu_file.unpacking import unpack
+from gmfbo.sources.inspection.inspection import inspect_fmu
+from gmfbo.sources.twin_file.twin_file import TwinFile
 from tests.fuzz.fmus import archive
 
 _DESCRIPTION = "modelDescription.xml"

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gmfbo import FmuTwin
-from gmfbo.sources.inspection import inspect_fmu, starting_twin_file
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.role_guesses import guess_roles
-from gmfbo.sources.twin_file import TwinFile
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.inspection.inspection import inspect_fmu, starting_twin_file
+from gmfbo.sources.inspection.role_guesses import guess_roles
+from gmfbo.sources.twin_file.twin_file import TwinFile
 from tests.sources.conftest import TEST_FMUS
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ import pytest
 
 from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.errors import FmuFileError
-from gmfbo.sources import isolation
-from gmfbo.sources.job import Stage
+from gmfbo.sources.fmu_file.job import Stage
+from gmfbo.sources.worker import isolation
 from tests.sources.conftest import AXIS, FAULTY, LOOP, TEST_FMUS
 from tests.sources.processes import (
     children,

@@ -9,8 +9,9 @@ import pytest
 
 from gmfbo import FmuTwin
 from gmfbo.errors import InputError, TwinFileError
-from gmfbo.sources.lookup_table import elements, shape_of, tables_of
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.binding.lookup_table import tables_of
+from gmfbo.sources.binding.table_nodes import elements, shape_of
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.drive_twin.flux_map import nominal_table
 
 DRIVE = models_folder() / "drive_twin.toml"

@@ -11,12 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.recordings import Recording
-from gmfbo.sources.binding import bind
-from gmfbo.sources.experiment import Experiment
-from gmfbo.sources.parameters import run_parameters
-from gmfbo.sources.platforms import master_path
-from gmfbo.sources.runner import InProcess, Result
-from gmfbo.sources.twin_file import TwinFile
+from gmfbo.sources.binding.bind import bind
+from gmfbo.sources.fmu_file.platforms import master_path
+from gmfbo.sources.twin.parameter_values import run_parameters
+from gmfbo.sources.twin.run_plan import Experiment
+from gmfbo.sources.twin_file.twin_file import TwinFile
+from gmfbo.sources.worker.runner import InProcess, Result
 from tests.sources.conftest import AXIS, FAULTY, LOOP, TEST_FMUS
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
-from gmfbo.sources.sampling import sample, steps_to_cover
+from gmfbo.sources.twin.sampling import sample, steps_to_cover
 
 STEP = 1e-3
 

@@ -246,8 +246,8 @@ def test_a_worker_has_its_limits_and_a_new_share_of_processor_time_each_run(
 
 
 def test_processor_time_beyond_the_limit_ends_a_process_with_a_reason() -> None:
-    from gmfbo.sources.job import Stage
-    from gmfbo.sources.post_mortem import WhereItStood, crash_message
+    from gmfbo.sources.fmu_file.job import Stage
+    from gmfbo.sources.worker.post_mortem import WhereItStood, crash_message
 
     script = (
         "from gmfbo.sources.sandbox.limits import *; forgo_dumps(); limit_processor_time(0.0)\n"
@@ -315,12 +315,12 @@ def test_a_run_on_a_kernel_without_landlock_says_so_and_goes_on(
     write_twin: WriteTwin, monkeypatch: pytest.MonkeyPatch, own_temporary_folder: Path
 ) -> None:
     """The worker finds no landlock: its system call is answered as by an old kernel."""
-    from gmfbo.sources import isolation, worker_process
+    from gmfbo.sources.worker import isolation, worker_process
 
     old = worker_process._START.replace(
-        "from gmfbo.sources.keeper",
+        "from gmfbo.sources.worker.keeper",
         "import gmfbo.sources.sandbox.landlock as l; l.version = lambda: 0; "
-        "from gmfbo.sources.keeper",
+        "from gmfbo.sources.worker.keeper",
     )
     monkeypatch.setattr(worker_process, "_START", old)
     monkeypatch.setattr(isolation, "_told", False)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording, step_reference
-from gmfbo.sources.settling import probe_lengths, settled_after
+from gmfbo.sources.twin.settling import probe_lengths, settled_after
 from tests.sources.conftest import AXIS, LOOP
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from gmfbo import FmuTwin
 from gmfbo.cli.application import app
 from gmfbo.errors import FmuFileError, GmfboError, InputError
 from gmfbo.recordings import Recording
-from gmfbo.sources.inspection import inspect_fmu
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.ssp_import import import_ssp
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.inspection.inspection import inspect_fmu
+from gmfbo.sources.inspection.ssp_import import import_ssp
 from tests.sources.conftest import LOOP
 
 if TYPE_CHECKING:

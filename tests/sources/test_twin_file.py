@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from gmfbo.errors import TwinFileError
-from gmfbo.sources.twin_file import GainRange, TwinFile
+from gmfbo.sources.twin_file.twin_file import GainRange, TwinFile
 
 COMPLETE = """
 name = "AX7 servo axis"

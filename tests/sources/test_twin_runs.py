@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.errors import InputError, RecordingError
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu
 from tests.sources.conftest import AXIS, FAULTY, LOOP, TEST_FMUS
 

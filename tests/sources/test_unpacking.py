@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from gmfbo.errors import FmuFileError
-from gmfbo.sources import unpacking
-from gmfbo.sources.inspection import inspect_fmu
-from gmfbo.sources.models import models_folder
-from gmfbo.sources.unpacking import unpack
+from gmfbo.sources.fmu_file import unpacking
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.fmu_file.unpacking import unpack
+from gmfbo.sources.inspection.inspection import inspect_fmu
 
 
 def archive(path: Path, members: dict[str, bytes]) -> Path:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.method import Proposal
-from gmfbo.tuning.state import TuningState
 
 
 @dataclass(frozen=True)

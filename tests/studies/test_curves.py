@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import StoreError
-from gmfbo.reports.comparison_curves import Landscape
+from gmfbo.reports.comparison.curves import Landscape
 from gmfbo.studies.curves import curves_of, curves_text, read_curves
 from gmfbo.studies.landscape import landscape_text, read_landscape
 from gmfbo.studies.outcome import Outcome, read_outcomes, write_outcomes

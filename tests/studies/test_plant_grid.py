@@ -12,7 +12,7 @@ from scipy.stats import qmc
 from gmfbo import FmuTwin, Study, step_reference
 from gmfbo.errors import StudyFileError
 from gmfbo.objective.metrics import METRICS, step_metrics
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.studies.plant_grid import TrueSources, grid_points
 from tests.studies.small_study import write_small_study
 

@@ -9,7 +9,7 @@ import pytest
 from gmfbo import Study, campaign
 from gmfbo.errors import InputError
 from gmfbo.studies.variants import parse_variation, variants, variation_text
-from gmfbo.tuning.study_file import parse_study
+from gmfbo.tuning.study_file.study_file import parse_study
 from tests.studies.small_study import write_small_study
 
 

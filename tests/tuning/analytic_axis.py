@@ -10,7 +10,7 @@ import numpy as np
 
 from gmfbo.errors import SimulationError
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
 
 STUDY = """
 name = "axis"

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 from gmfbo.interrupt import remembered_interrupt, unwrapped_interrupt
-from gmfbo.tuning.progress import Progress
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis
 from tests.tuning.quick_methods import QUICK

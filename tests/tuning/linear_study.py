@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from gmfbo.sources.models import models_folder
-from gmfbo.tuning.study import Study
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.tuning.study.study import Study
 
 HEAD = """
 name = "linear"

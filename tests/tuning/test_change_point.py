@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from gmfbo.correction.matern import matern52
-from gmfbo.tuning.change_point import (
+from gmfbo.tuning.drift.change_point import (
     FALSE_ALARM_RATE,
     LEAST_SINCE,
     ChangeEvidence,

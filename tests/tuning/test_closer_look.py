@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gmfbo.recordings.memory_store import MemoryStore
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.closer_look import RADII
-from gmfbo.tuning.history import History
+from gmfbo.recordings.store.memory_store import MemoryStore
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.history.history import History
 from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
 from gmfbo.tuning.tuner import Tuner
+from gmfbo.tuning.twin.closer_look import RADII
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
 COUNT = 6

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo.objective.limits import Limits
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.incumbent import best_run
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.methods.beliefs import search_of
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
 

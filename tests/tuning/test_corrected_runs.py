@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gmfbo.recordings.recording import Recording
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.study import Study
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 

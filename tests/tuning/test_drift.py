@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from gmfbo.cli.study_display import StudyDisplay
+from gmfbo.cli.tuning.study_display import StudyDisplay
 from gmfbo.errors import StudyFileError
-from gmfbo.recordings.memory_store import MemoryStore
-from gmfbo.recordings.pack import pack_study
 from gmfbo.recordings.recording import Recording
-from gmfbo.tuning.drift import Drift
+from gmfbo.recordings.store.memory_store import MemoryStore
+from gmfbo.recordings.store.pack import pack_study
+from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.drift_watch import DriftWatch
-from gmfbo.tuning.progress import Progress
-from gmfbo.tuning.request import TuningResult
-from gmfbo.tuning.state import TuningState
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.query.request import TuningResult
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 from tests.tuning.quick_methods import QUICK

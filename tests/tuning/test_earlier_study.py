@@ -10,13 +10,13 @@ import pytest
 
 from gmfbo.errors import GmfboError, InputError, StudyFileError
 from gmfbo.recordings.recording import Recording
-from gmfbo.recordings.store import StudyStore
-from gmfbo.recordings.trial import Trial
-from gmfbo.recordings.writer import write_recording
-from gmfbo.tuning.experiment_series import ExperimentSeries
-from gmfbo.tuning.progress import Progress
-from gmfbo.tuning.request import TuningResult
-from gmfbo.tuning.study import Study
+from gmfbo.recordings.store.study_folder import StudyStore
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.query.request import TuningResult
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 

@@ -11,8 +11,8 @@ from gmfbo.errors import InputError, RecordingError
 from gmfbo.objective.metrics import worst_metrics
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.reference import step_reference
-from gmfbo.tuning.experiment import StepExperiment
-from gmfbo.tuning.study_sections import ReferenceSection
+from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.study_file.study_sections import ReferenceSection
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import pytest
 
 from gmfbo import FmuTwin
 from gmfbo.errors import InputError, StudyFileError
-from gmfbo.sources.models import models_folder
-from gmfbo.tuning.experiment import StepExperiment
-from gmfbo.tuning.study import Study
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 
 TWIN = models_folder() / "linear_axis.toml"

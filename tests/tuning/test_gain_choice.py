@@ -7,8 +7,8 @@ import pytest
 
 from gmfbo.errors import InputError, StudyFileError
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.gain_choice import GainChoice
-from gmfbo.tuning.study_sections import GainRange
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.study_file.study_sections import GainRange
 
 TWIN = GainSpace((Gain("ctl.Kp", 30.0, 200.0), Gain("ctl.Kd", 2.0, 10.0)))
 

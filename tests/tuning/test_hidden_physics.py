@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from gmfbo.tuning.study_sections import HiddenPhysics
+from gmfbo.tuning.study_file.study_sections import HiddenPhysics
 
 GROUPS: dict[str, dict[str, tuple[float, float]]] = {
     "friction": {"friction.coulomb": (1.0, 6.0), "friction.stribeck": (0.2, 2.0)},

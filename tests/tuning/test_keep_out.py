@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.tuning.keep_out import KEEP_OUT_RADIUS, KeepOut
+from gmfbo.tuning.history.keep_out import KEEP_OUT_RADIUS, KeepOut
 
 UNSAFE = np.array([[0.5, 0.5]])
 

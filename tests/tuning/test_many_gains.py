@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 
 TWIN = """

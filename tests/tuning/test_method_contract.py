@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gmfbo.tuning.method import CorrectionOptions, Method
 from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.query.method import CorrectionOptions, Method
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 from tests.tuning.quick_methods import QUICK, SURVEY

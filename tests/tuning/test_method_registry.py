@@ -10,13 +10,13 @@ import pytest
 
 from gmfbo.errors import InputError
 from gmfbo.tuning.methods import METHODS, all_methods, find_method
-from gmfbo.tuning.study_sections import DEFAULT_METHOD
+from gmfbo.tuning.study_file.study_sections import DEFAULT_METHOD
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
 CORNER = """
 import numpy as np
-from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.query.method import Proposal
 
 
 class Corner:

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from gmfbo.objective import METRICS, PAPER_WEIGHTS, Objective
-from gmfbo.recordings.trial import SourceName
+from gmfbo.recordings.store.trial import SourceName
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.experiment import StepExperiment
-from gmfbo.tuning.experiment_series import ExperimentSeries
-from gmfbo.tuning.method import Method, Proposal
+from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.methods import METHODS, find_method
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
-from gmfbo.tuning.state import Observation, TuningState
-from gmfbo.tuning.study_sections import ReferenceSection
+from gmfbo.tuning.query.method import Method, Proposal
+from gmfbo.tuning.study_file.study_sections import ReferenceSection
 
 SPACE = GainSpace((Gain("Kp", 10.0, 90.0), Gain("Kd", 1.0, 9.0)))
 

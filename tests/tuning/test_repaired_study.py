@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import StoreError
-from gmfbo.recordings.repair import repair_folder
-from gmfbo.tuning.study import Study
+from gmfbo.recordings.repair.repair_folder import repair_folder
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 from tests.tuning.quick_methods import QUICK

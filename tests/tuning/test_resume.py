@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
 from tests.tuning.analytic_axis import write_study
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -81,7 +81,7 @@ def runs(study: Study) -> list[tuple[Any, ...]]:
 
 def asked(study: Study) -> dict[int, dict[str, float]]:
     """Gains that were asked for, by the number of the trial."""
-    from gmfbo.recordings.store import StudyStore
+    from gmfbo.recordings.store.study_folder import StudyStore
 
     with StudyStore.open(study.location) as store:
         return {e["number"]: e["gains"] for e in store.events() if e["event"] == "ask"}

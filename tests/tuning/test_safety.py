@@ -11,9 +11,9 @@ import pytest
 from gmfbo import FmuTwin
 from gmfbo.errors import RecordingError, StudyFileError
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.sources.models import models_folder
-from gmfbo.tuning.keep_out import KEEP_OUT_RADIUS, KeepOut
-from gmfbo.tuning.study import Study
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.tuning.history.keep_out import KEEP_OUT_RADIUS, KeepOut
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
 from tests.tuning.quick_methods import QUICK

@@ -10,7 +10,7 @@ import pytest
 from gmfbo import FmuTwin
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Trajectory
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
 from tests.tuning.quick_methods import QUICK

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from gmfbo.errors import StudyFileError
-from gmfbo.tuning.study_file import parse_study, read_study_file
-from gmfbo.tuning.study_sections import StudyFile
+from gmfbo.tuning.study_file.study_file import parse_study, read_study_file
+from gmfbo.tuning.study_file.study_sections import StudyFile
 
 SOURCES = '[is1]\ntwin = "plant.toml"\n[is2]\ntwin = "twin.toml"\n'
 

@@ -10,12 +10,12 @@ import pytest
 
 from gmfbo.errors import InputError, RecordingError, SimulationError, StoreError, StudyFileError
 from gmfbo.objective.metrics import worst_metrics
-from gmfbo.recordings.memory_store import MemoryStore
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.recordings.trial import Trial
+from gmfbo.recordings.store.memory_store import MemoryStore
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.progress import Progress
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 from tests.tuning.quick_methods import QUICK

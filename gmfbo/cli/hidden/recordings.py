@@ -38,9 +38,9 @@ def record(plant: Mapping[str, float], seed: int, folder: Path) -> list[Path]:
         The axis did not come to the end of a run.
     """
     from gmfbo.recordings.recording import Recording
-    from gmfbo.recordings.writer import write_recording
-    from gmfbo.sources.models import models_folder
-    from gmfbo.sources.twin import FmuTwin
+    from gmfbo.recordings.writing.writer import write_recording
+    from gmfbo.sources.fmu_file.models import models_folder
+    from gmfbo.sources.twin.twin import FmuTwin
 
     noise = np.random.default_rng((seed, 2)).integers(2**31, size=len(references()))
     lead = round(_AT_REST_S / SAMPLE_S)

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Literal
 
 from gmfbo.cli.hidden.draw import NOTHING, PARAMETERS, Draw
 from gmfbo.cli.hidden.effects import EFFECTS, HiddenEffect
-from gmfbo.diagnosis.plain_words import quantity, words
+from gmfbo.plain_words import quantity, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.diagnosis import Diagnosis
-    from gmfbo.diagnosis.named_effect import NamedEffect
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
 
 Mark = Literal["right", "one of the set", "missed", "wrong"]
 

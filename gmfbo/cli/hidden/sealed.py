@@ -42,7 +42,7 @@ def seal(drawn: Draw, path: Path) -> Sealed:
     InputError
         The file cannot be written.
     """
-    from gmfbo.recordings.durable import cause, write_whole
+    from gmfbo.files.durable import cause, write_whole
 
     content = json.dumps(asdict(drawn), indent=1).encode() + b"\n"
     try:

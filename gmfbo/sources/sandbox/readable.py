@@ -9,7 +9,7 @@ import sysconfig
 from collections.abc import Iterator
 from pathlib import Path
 
-from gmfbo.sources.models import models_folder
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.sandbox.landlock import OVERWRITE, READ, Access
 
 _SYSTEM = (

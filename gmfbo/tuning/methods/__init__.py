@@ -11,7 +11,6 @@ What it must have is `gmfbo.tuning.method.Method`. A class is called without arg
 
 from __future__ import annotations
 
-from gmfbo.tuning.method import Method
 from gmfbo.tuning.methods.bo_ei import SingleSourceImprovement
 from gmfbo.tuning.methods.gmfbo import Gmfbo
 from gmfbo.tuning.methods.gmfbo_kernel import KernelGmfbo
@@ -24,6 +23,7 @@ from gmfbo.tuning.methods.random import RandomSearch
 from gmfbo.tuning.methods.registry import added_methods, method_named
 from gmfbo.tuning.methods.rmfbo import RobustMultiFidelity
 from gmfbo.tuning.methods.twin_once import TwinOnce
+from gmfbo.tuning.query.method import Method
 
 METHODS: dict[str, Method] = {
     method.name: method

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.recordings.trial import SourceName
-from gmfbo.tuning.method import Proposal
-from gmfbo.tuning.state import Observation, TuningState
+from gmfbo.recordings.store.trial import SourceName
+from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
     from gmfbo.acquisition.feasibility import FeasibilityWeight

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import (
     incumbent_of,
     least_expected,
@@ -15,7 +15,7 @@ from gmfbo.tuning.methods.beliefs import (
     search_of,
     single_source_model,
 )
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import Proposal
 
 
 @dataclass(frozen=True)

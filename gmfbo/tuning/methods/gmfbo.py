@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.method import CorrectionOptions, Proposal
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.experiment.run_values import at_times
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
-from gmfbo.tuning.run_values import at_times
-from gmfbo.tuning.runs_beside import runs_beside
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import CorrectionOptions, Proposal
+from gmfbo.tuning.twin.runs_beside import runs_beside
 
 if TYPE_CHECKING:
     from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel, CostOf

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import CorrectionOptions, Proposal
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import (
     corrected_and_twin,
     incumbent_of,
@@ -17,7 +17,7 @@ from gmfbo.tuning.methods.beliefs import (
     source_of,
     unprompted_observations,
 )
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 
 if TYPE_CHECKING:
     from gmfbo.surrogate.model import SourceModel

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import CorrectionOptions, Proposal
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import (
     improve_each_source,
     least_expected,
     unprompted_observations,
 )
 from gmfbo.tuning.methods.gmfbo_paper import AS_PRINTED, fit_surrogate, printed_mismatch
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 
 
 @dataclass(frozen=True)

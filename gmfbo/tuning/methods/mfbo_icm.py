@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import improve_each_source, least_expected, observations_of
 from gmfbo.tuning.methods.mfbo_caei import TWIN_COST
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
     from gmfbo.surrogate.coregionalised import CoregionalisedModel

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import least_expected, observations_of, search_of, source_of
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import Proposal
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import least_expected, single_source_model
-from gmfbo.tuning.state import TuningState
+from gmfbo.tuning.query.method import Proposal
 
 MOST_DRAWS = 256
 """Draws among which one that is not beside unsafe gains is sought."""

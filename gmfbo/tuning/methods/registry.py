@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from importlib.metadata import EntryPoint, entry_points
 
 from gmfbo.errors import InputError, did_you_mean
-from gmfbo.tuning.method import Method
-from gmfbo.tuning.method_names import ADDED_GROUP
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.query.method_names import ADDED_GROUP
 
 GROUP = "gmfbo.methods"
 

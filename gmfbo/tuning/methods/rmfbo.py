@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import Proposal
+from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.methods.beliefs import (
     improve_each_source,
     incumbent_of,
@@ -26,7 +26,7 @@ from gmfbo.tuning.methods.beliefs import (
     search_of,
 )
 from gmfbo.tuning.methods.mfbo_caei import TWIN_COST
-from gmfbo.tuning.state import Observation, TuningState
+from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
     from gmfbo.surrogate.model import SourceModel

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.tuning.method import CorrectionOptions, Proposal
-from gmfbo.tuning.state import Observation, TuningState
+from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 
 SURVEY = 400
 """Runs of the twin over the box; a region of one percent of two gains then holds about four."""

@@ -16,9 +16,9 @@ import numpy as np
 from gmfbo.errors import SimulationError
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.reference import step_reference
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.failed_run import failed_run
-from gmfbo.tuning.study import Study
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.plants.failed_run import failed_run
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import STUDY, AnalyticAxis
 from tests.tuning.plants.bench import TRIPS_ABOVE

@@ -12,7 +12,7 @@ import pytest
 
 from gmfbo.errors import StudyFileError
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.sources.plant_command import CommandPlant
+from gmfbo.sources.plants.plant_command import CommandPlant
 from tests.tuning.plants.plant_kinds import BENCH, REFERENCE
 
 GAINS = {"ctl.Kp": 90.0, "ctl.Kd": 4.0}

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from gmfbo.recordings.recording import Trajectory
-from gmfbo.recordings.trial import Trial
-from gmfbo.tuning.study import Study
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.study.study import Study
 from tests.tuning.analytic_axis import AnalyticAxis
 from tests.tuning.plants.bench import TRIPS_ABOVE
 from tests.tuning.plants.plant_kinds import KINDS, REFERENCE, PlantKind

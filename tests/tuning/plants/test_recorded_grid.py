@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gmfbo.errors import InputError, StudyFileError
-from gmfbo.recordings.writer import write_recording
-from gmfbo.sources.recorded_grid import RecordedGrid, RecordedRun
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.plants.recorded_grid import RecordedGrid, RecordedRun
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.gain_choice import GainChoice
-from gmfbo.tuning.recorded_choice import RecordedChoice
-from gmfbo.tuning.study import Study
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.told.recorded_choice import RecordedChoice
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import STUDY, AnalyticAxis
 from tests.tuning.plants.plant_kinds import KINDS, REFERENCE

@@ -1,0 +1,78 @@
+"""`gmfbo check`: what is wrong with recordings and what they can show, before any diagnosis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gmfbo.cli.arguments import Jobs, Recordings, Seed, TwinFile
+from gmfbo.cli.console import console
+from gmfbo.cli.manual import Manual
+from gmfbo.errors import InputError
+
+MANUAL = Manual(
+    files={"FILE": "of --json: the same as numbers, SI"},
+    examples={
+        "What is wrong with four recordings:": "gmfbo check axis.toml run*.csv",
+        "All of it, and for a script:": "gmfbo check axis.toml run*.csv --all --json seen.json",
+    },
+    exits={0: "done, also where something is wrong with a recording"},
+    see_also=(
+        "gmfbo columns",
+        "gmfbo diagnose",
+        "notebooks/docs/diagnosis.md",
+        "notebooks/docs/recordings.md",
+    ),
+)
+
+
+def check(
+    twin: TwinFile,
+    recordings: Recordings,
+    json: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write all numbers to this file.")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Show all findings and effects.")] = False,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+) -> None:
+    """Look at recordings: what is wrong, and what they can show.
+
+    To be used before a diagnosis. Clock, scale, resolution, repeated samples, alignment,
+    controller parity; then, for each effect, the smallest size that each recording would have
+    shown. Takes seconds, fits nothing.
+    """
+    _check_file(json)
+
+    from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
+    from gmfbo.diagnosis import check as run_check
+    from gmfbo.diagnosis.checking.text import check_lines
+
+    with DiagnosisDisplay(console) as display:
+        seen = run_check(twin, recordings, seed=seed, progress=display.show, jobs=jobs)
+    for line in check_lines(seen, every=every):
+        typer.echo(line)
+    if json is not None:
+        _write(json, seen.to_json())
+        typer.echo(f"written: {json}")
+
+
+def _check_file(json: Path | None) -> None:
+    """Refuse a file that cannot be written before the work, not after it."""
+    if json is None:
+        return
+    if json.is_dir():
+        raise InputError(f"--json: expected a file, but '{json}' is a folder; give a file name")
+    if not json.parent.is_dir():
+        raise InputError(f"--json: there is no folder '{json.parent}'; create it first")
+
+
+def _write(path: Path, content: str) -> None:
+    from gmfbo.files.durable import cause, write_whole
+
+    try:
+        write_whole(path, content.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"--json: cannot write '{path}': {cause(error)}") from None

@@ -1,0 +1,92 @@
+"""`gmfbo compensate`: the diagnosed correction as something that a drive can use."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gmfbo.cli.manual import Manual
+from gmfbo.errors import InputError
+
+WIDTH = 79
+INDENT = 15
+
+
+MANUAL = Manual(
+    files={"FILE": "table over the state (.csv), or functions without dependencies (.c)"},
+    examples={
+        "As C, for the drive's own language:": "gmfbo compensate found --out friction.c",
+        "As a table, smoothed within 0.05 rad/s:": (
+            "gmfbo compensate found --out friction.csv --smoothing 0.05"
+        ),
+    },
+    exits={2: "bad input, or nothing that was found can be cancelled"},
+    see_also=("gmfbo diagnose", "gmfbo experiment", "notebooks/docs/diagnosis.md"),
+)
+
+
+def compensate(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder that 'gmfbo diagnose' wrote.")
+    ],
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="To write: .csv for a table, .c for C functions.")
+    ],
+    smoothing: Annotated[
+        float | None,
+        typer.Option(
+            metavar="VELOCITY",
+            help="Velocity [rad/s or m/s] within which the sign of friction is smoothed; 1 % of "
+            "the fastest recorded motion without it.",
+        ),
+    ] = None,
+) -> None:
+    """Write what a drive adds to cancel the physics that was found.
+
+    What is added has the opposite sign of the effect: torque [N.m] or force [N] at the motor
+    shaft, command [its unit], or position reference [rad or m]. It says what it leaves out, and
+    why: no feed-forward cancels a delay, a limit or a fault of the sensor.
+    """
+    if out.suffix.lower() not in (".csv", ".c"):
+        raise InputError(f"--out: expected a file ending in .csv or .c, got '{out}'")
+
+    from gmfbo.diagnosis import Diagnosis
+    from gmfbo.diagnosis.compensation.compensation import compensation_of
+    from gmfbo.diagnosis.compensation.text import c_text, csv_text, formula, target_words
+    from gmfbo.files.durable import cause, write_whole
+    from gmfbo.plain_words import number, unit_words, words
+
+    made = compensation_of(Diagnosis.from_json(folder), str(folder), smoothing)
+    text = csv_text(made) if out.suffix.lower() == ".csv" else c_text(made)
+    try:
+        write_whole(out, text.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"--out: cannot write '{out}': {cause(error)}") from None
+    for target in made.targets:
+        _say("add to", f"{target_words(made, target)}: {formula(made, target)}")
+    for table in made.tables:
+        ends = f"{number(float(table.y.min()))} to {number(float(table.y.max()))}"
+        covered = f"{number(float(table.x[0]))} to {number(float(table.x[-1]))}"
+        again = ", repeating" if table.period else ""
+        _say(
+            "table",
+            f"{words(table.effect)}: {ends} {unit_words(table.unit_y)} over the {table.over} from "
+            f"{covered} {table.unit_x}{again}, {table.x.size} rows",
+        )
+        if table.remark:
+            _say("", table.remark)
+    for remark in made.remarks:
+        _say("note", remark)
+    for entry in made.not_compensated:
+        _say("not in it", f"{words(entry.effect)}: {entry.advice}")
+    _say("written", str(out))
+
+
+def _say(head: str, text: str) -> None:
+    lines = textwrap.wrap(text, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
+    for line in lines:
+        typer.echo(f"{head:<{INDENT}}{line}")
+        head = ""

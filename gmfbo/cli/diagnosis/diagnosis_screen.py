@@ -1,0 +1,164 @@
+"""What a diagnosis came to, in one screen of 80 by 24."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts, rivals_text
+from gmfbo.plain_words import interval, number, percent, probability, words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis import Diagnosis
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
+
+WIDTH = 79
+HEIGHT = 23  # the prompt takes the last line
+INDENT = 13
+
+
+@dataclass(frozen=True)
+class _Detail:
+    """How much is told: lines of the sentence, effects and signals, lines of each entry."""
+
+    sentence: int
+    entries: int
+    wraps: int
+
+
+# Tried in turn until the result fits; the last one always does.
+_DETAILS = (_Detail(6, 5, 2), _Detail(5, 3, 1), _Detail(4, 2, 1), _Detail(3, 1, 1))
+
+
+def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
+    """Return the lines of one screen; the report has what does not fit.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    written : sequence of Path
+        Files that were written.
+
+    Returns
+    -------
+    list of str
+        At most 23 lines of at most 79 characters.
+    """
+    lines: list[str] = []
+    for detail in _DETAILS:
+        lines = _lines(diagnosis, written, detail)
+        if len(lines) <= HEIGHT:
+            break
+    return lines
+
+
+def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> list[str]:
+    wraps = detail.wraps
+    lines = [*_cut(textwrap.wrap(diagnosis.sentence, WIDTH), detail.sentence), ""]
+    for effect in diagnosis.effects[: detail.entries]:
+        lines += _effect(effect, wraps)
+    lines += _more(len(diagnosis.effects) - detail.entries, "effects")
+    table = fit_lines(diagnosis)
+    lines += table[: detail.entries + 1]
+    lines += _more(len(table) - 1 - detail.entries, "signals")
+    lines += _removed(diagnosis)
+    lines += _entry("parameters", _refitted(diagnosis), wraps)
+    lines += _entry("where", _where(diagnosis), wraps)
+    lines += _entry("not testable", _not_testable(diagnosis), wraps)
+    lines += _entry("next", _next(diagnosis), wraps)
+    for note in diagnosis.notes[:wraps]:
+        lines += _entry("note", note, wraps)
+    lines += _more(len(diagnosis.notes) - wraps, "notes")
+    lines += _entry("cost", _cost(diagnosis), 1)
+    return lines + _entry("written", _files(written), 2)
+
+
+def _cut(lines: list[str], most: int, width: int = WIDTH) -> list[str]:
+    """At most so many lines; dots where some are left out."""
+    if len(lines) <= most:
+        return lines
+    last = textwrap.shorten(lines[most - 1], width - 4, placeholder="")
+    return [*lines[: most - 1], f"{last} ..."]
+
+
+def _entry(name: str, text: str, most: int) -> list[str]:
+    if not text:
+        return []
+    wide = WIDTH - INDENT
+    # A path or a name is worth more whole than within the margin.
+    wrapped = textwrap.wrap(text, wide, break_long_words=False, break_on_hyphens=False)
+    wrapped = _cut(wrapped, most, wide)
+    heads = [name, *[""] * (len(wrapped) - 1)]
+    return [f"{head:<{INDENT}}{line}" for head, line in zip(heads, wrapped, strict=True)]
+
+
+def _more(count: int, what: str) -> list[str]:
+    return [f"{'':<{INDENT}}and {count} more {what}, see the report"] if count > 0 else []
+
+
+def _effect(effect: NamedEffect, most: int) -> list[str]:
+    told = f"{words(effect.name)}, probability {probability(effect.probability)}"
+    rivals = rivals_text(effect)
+    return [
+        *_entry("missing", told, 1),
+        *_entry("", ", ".join(parameter_texts(effect)), most),
+        *_entry("", f"cannot be told from {rivals}" if rivals else "", most),
+    ]
+
+
+def _refitted(diagnosis: Diagnosis) -> str:
+    """Return the twin's parameters that the recordings see, old and new."""
+    return "; ".join(
+        f"{name} {number(one.nominal)} -> {interval(one.value, one.low, one.high, one.unit)}"
+        for name, one in diagnosis.parameters.items()
+        if one.identifiable
+    )
+
+
+def _removed(diagnosis: Diagnosis) -> list[str]:
+    share = diagnosis.fit.explainable_error_removed
+    if share is None:
+        return []
+    return _entry("removed", f"{percent(share)} of the error that physics can explain", 1)
+
+
+def _where(diagnosis: Diagnosis) -> str:
+    location = diagnosis.location
+    parts = [part for part in (location.signal_path, location.region) if part]
+    if location.times:
+        window = location.times[0]
+        more = " ..." if len(location.times) > 1 else ""
+        parts.append(f"{window.recording} {number(window.start)}-{number(window.end)} s{more}")
+    return ", ".join(parts)
+
+
+def _not_testable(diagnosis: Diagnosis) -> str:
+    entries = diagnosis.not_testable
+    if not entries:
+        return ""
+    first = "; ".join(f"{words(entry.name)} ({entry.why})" for entry in entries[:3])
+    return f"{len(entries)}: {first}{'; ...' if len(entries) > 3 else ''}"
+
+
+def _next(diagnosis: Diagnosis) -> str:
+    planned = diagnosis.next_experiment
+    if planned is None:
+        return ""
+    apart = " from ".join(words(name) for name in planned.separates)
+    told = f"play {planned.reference}"
+    return f"{told} to tell {apart}: {planned.why}" if apart else f"{told}: {planned.why}"
+
+
+def _cost(diagnosis: Diagnosis) -> str:
+    cost = diagnosis.cost
+    return f"{cost.simulations} simulations in {cost.seconds:.1f} s, seed {diagnosis.seed}"
+
+
+def _files(written: Sequence[Path]) -> str:
+    if not written:
+        return ""
+    return f"{written[0].parent}: {', '.join(path.name for path in written)}"

@@ -1,0 +1,234 @@
+"""`gmfbo columns`: which column of a logger's file is which signal, saved once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gmfbo.cli.arguments import TwinFile
+from gmfbo.cli.completion import dialects
+from gmfbo.cli.manual import Manual
+from gmfbo.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
+    from gmfbo.recordings.columns.columns import Column, RecordedColumns
+    from gmfbo.sources.twin.twin import FmuTwin
+
+_REFERENCE = re.compile(r"ref|set_?(point|pos|val)|target|soll|desired", re.IGNORECASE)
+_MEASURED = re.compile(r"act|ist|meas|feedback|fb", re.IGNORECASE)
+
+
+MANUAL = Manual(
+    files={"FILE": "of --save: the mapping, for the line 'columns = ...' of a twin file"},
+    examples={
+        "What is in a file:": "gmfbo columns axis.toml log.csv",
+        "Say what it is, and keep it:": (
+            "gmfbo columns axis.toml log.csv --set 'position=Pos [deg]' --save log.toml"
+        ),
+    },
+    see_also=("gmfbo check", "notebooks/docs/recordings.md", "notebooks/docs/studies.md"),
+)
+
+
+def columns(
+    twin: TwinFile,
+    recording: Annotated[Path, typer.Argument(metavar="REC", help="Recording of the logger.")],
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=COLUMN",
+            help="Signal and its column, 'position=ActPos [deg]'; may be repeated.",
+        ),
+    ] = None,
+    dialect: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="How a text file is written: auto, plain, decimal_comma, twincat_scope.",
+            autocompletion=dialects,
+        ),
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the mapping to this .toml file.")
+    ] = None,
+) -> None:
+    """Show which column of a recording is which signal of a twin.
+
+    With the unit of each column and its range [that unit]. --set corrects it, --save keeps it
+    for the next recordings; one line in the twin file then names the saved file.
+    """
+    from gmfbo.recordings.columns.column_mapping import DIALECTS, ColumnMapping
+    from gmfbo.recordings.reader import read_columns
+    from gmfbo.recordings.recording import read_recording
+    from gmfbo.sources.twin.twin import FmuTwin
+
+    if dialect is not None and dialect not in DIALECTS:
+        raise InputError(f"--dialect: no dialect '{dialect}'" + did_you_mean(dialect, DIALECTS))
+    if save is not None and save.suffix.lower() != ".toml":
+        raise InputError(f"--save: expected a file ending in .toml, got '{save}'")
+    with FmuTwin(twin) as source:
+        given = source.column_mapping()
+        settings = _settings(set_ or [])
+        mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
+        words = {*mapping.names(), *source.parameter_tunable()}
+        words |= {spec.column for spec in source.signal_specs().values()}
+        file = read_columns(recording, mapping.dialect, words, every=True)
+        _check_columns(settings, file)
+        found = _found(source, mapping, file)
+        guesses = _guesses(source, found, file)
+        _print_columns(file, {_clock_name(file): "time", **_by_column(found)}, guesses)
+        _print_missing(source, found, file)
+        if save is not None:
+            read_recording(recording, source, mapping=mapping)  # refuse what would not be read
+            _save(save, twin, recording, mapping, found, guesses)
+
+
+def _settings(texts: list[str]) -> dict[str, MappedColumn]:
+    from gmfbo.recordings.columns.column_mapping import MappedColumn
+    from gmfbo.recordings.csv.header import split_unit
+
+    settings = {}
+    for text in texts:
+        name, equals, column = (part.strip() for part in text.partition("="))
+        if not (equals and name and column):
+            raise InputError(f"--set: expected NAME=COLUMN, such as position=ActPos, got '{text}'")
+        plain, unit = split_unit(column)
+        settings[name] = MappedColumn(plain, unit)
+    return settings
+
+
+def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
+    from gmfbo.recordings.columns.units import parse_unit
+
+    names = [column.name for column in file.columns]
+    for name, entry in settings.items():
+        if entry.column not in names:
+            raise InputError(
+                f"--set: {file.label} has no column '{entry.column}' for '{name}'"
+                + did_you_mean(entry.column, names)
+            )
+        if entry.unit and parse_unit(entry.unit) is None:
+            raise InputError(
+                f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
+            )
+
+
+def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> dict[str, str]:
+    """Column by the name that the twin uses, as the readers find it."""
+    names = {column.name for column in file.columns}
+    found = {n: e.column for n, e in mapping.columns.items() if e.column in names}
+    for name, spec in source.signal_specs().items():
+        if name not in found and spec.column in names:
+            found[name] = spec.column
+    for name in source.parameter_tunable():
+        if name in names:
+            found.setdefault(name, name)
+    return found
+
+
+def _guesses(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> dict[str, str]:
+    """Columns whose last word is like the signal's name, and which are not taken."""
+    taken = {*found.values(), _clock_name(file)}
+    free = [c.name for c in file.columns if c.name not in taken and not c.fault]
+    guesses: dict[str, str] = {}
+    for name in source.signal_specs():
+        likely = [column for column in free if name not in found and _alike(name, column)]
+        measured = [column for column in likely if _MEASURED.search(_last_word(column))]
+        for choice in (likely, measured):
+            if len(choice) == 1 and choice[0] not in guesses.values():
+                guesses.setdefault(name, choice[0])
+    return guesses
+
+
+def _last_word(column: str) -> str:
+    """`MAIN.fbAxis.fActPos` is fActPos."""
+    return re.split(r"[./:\\]", column)[-1]
+
+
+def _alike(name: str, column: str) -> bool:
+    if name == "reference":
+        return _REFERENCE.search(_last_word(column)) is not None
+    return name.lower()[:3] in _last_word(column).lower() and not _REFERENCE.search(column)
+
+
+def _clock_name(file: RecordedColumns) -> str:
+    from gmfbo.errors import RecordingError
+    from gmfbo.recordings.columns.columns import find_clock
+
+    try:
+        return find_clock(file.label, file.columns).name
+    except RecordingError:
+        return ""  # to be named with --set time=COLUMN
+
+
+def _by_column(found: Mapping[str, str]) -> dict[str, str]:
+    return {column: name for name, column in found.items()}
+
+
+def _print_columns(
+    file: RecordedColumns, names: Mapping[str, str], guesses: Mapping[str, str]
+) -> None:
+    maybe = _by_column(guesses)
+    rows = len(file.columns[0].values) if file.columns else 0
+    typer.echo(f"{file.label}: {len(file.columns)} columns, {rows} rows")
+    width = min(max([len(c.name) for c in file.columns] + [6]), 48)
+    typer.echo(f"{'column':<{width}}  {'unit':<8}  {'samples':>8}  {'from':>11}  {'to':>11}  is")
+    for column in file.columns:
+        meaning = names.get(column.name, "")
+        if not meaning and column.name in maybe:
+            meaning = f"{maybe[column.name]}? (a guess)"
+        typer.echo(f"{_row(column, width)}  {meaning}".rstrip())
+
+
+def _row(column: Column, width: int) -> str:
+    import numpy as np
+
+    known = column.values[np.isfinite(column.values)]
+    low, high = (f"{known.min():.5g}", f"{known.max():.5g}") if known.size else ("", "")
+    if column.fault and not known.size:
+        low = "no number"
+    return f"{column.name:<{width}}  {column.unit:<8}  {known.size:>8}  {low:>11}  {high:>11}"
+
+
+def _print_missing(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> None:
+    if "time" not in found and not _clock_name(file):
+        typer.echo("not found: the clock; say where with --set 'time=COLUMN [ms]'")
+    missing = [name for name in source.signal_specs() if name not in found]
+    if missing:
+        typer.echo(f"not found: {', '.join(missing)}; say where with --set {missing[0]}=COLUMN")
+
+
+def _save(
+    save: Path,
+    twin: Path,
+    recording: Path,
+    mapping: ColumnMapping,
+    found: Mapping[str, str],
+    guesses: Mapping[str, str],
+) -> None:
+    from gmfbo.files.durable import cause, write_whole
+    from gmfbo.recordings.columns.column_mapping import MappedColumn
+    from gmfbo.sources.twin_file.column_file import column_file_text
+
+    entries = {name: MappedColumn(column) for name, column in found.items() if name != column}
+    entries.update(mapping.columns)
+    story = f"Columns of {recording.name}, for {twin.name}"
+    text = column_file_text(entries, mapping.dialect, guesses, story)
+    try:
+        write_whole(save, text.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"--save: cannot write '{save}': {cause(error)}") from None
+    typer.echo(f"written: {save}; to use it, put this line above the tables of {twin}:")
+    typer.echo(f'columns = "{_relative(save, twin)}"')
+
+
+def _relative(save: Path, twin: Path) -> str:
+    import os
+
+    return Path(os.path.relpath(save.resolve(), twin.resolve().parent)).as_posix()

@@ -1,0 +1,410 @@
+"""From a twin and recordings to a case: measured, aligned and refitted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gmfbo.diagnosis.case.case import Budget, Case
+from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
+from gmfbo.diagnosis.case.tracking import track_recordings
+from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.noise.loop_noise import own_variances, white_variances
+from gmfbo.diagnosis.noise.measured_noise import noise_of_all, noise_through_loop, position_noise
+from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
+from gmfbo.diagnosis.runs.logging_convention import logged_new
+from gmfbo.diagnosis.runs.measured_excitation import measure_ranges, probe_torque
+from gmfbo.diagnosis.runs.probing_torque import moving_torque, torque_guess
+from gmfbo.diagnosis.runs.scored_record import Record, scored_record
+from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, require_run
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.runs.twin_steps import reads_back, steps_finely
+from gmfbo.diagnosis.scoring.covariances import covariances, noise_squares, whiteners
+from gmfbo.diagnosis.scoring.noise_levels import NoiseLevel, noise_levels
+from gmfbo.diagnosis.scoring.nuisances import Direction, nuisance_directions
+from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig
+from gmfbo.diagnosis.scoring.whitening import Window
+from gmfbo.diagnosis.scoring.windows import windows_of
+from gmfbo.errors import RecordingError
+from gmfbo.physics import Excitation
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.uncertain import Uncertain
+
+FINEST_STEP_S = 2e-4
+"""[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
+
+_MOST_SUBSTEPS = 10
+_RESTING = 1.5  # times the time to 2 %: an exponential is down to 0.3 %
+
+
+def open_case(
+    twin: FmuTwin,
+    recordings: Sequence[Recording],
+    *,
+    seed: int,
+    jobs: int | None,
+    new_rows: frozenset[str] | None = None,
+    on_run: Callable[[], None] = lambda: None,
+) -> Case:
+    """Run the twin along its recordings, measure the noise, refit what is uncertain.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's.
+    recordings : sequence of Recording
+        Runs of the real axis.
+    seed : int
+        Of the noise runs.
+    jobs : int or None
+        Simulators; None for one a processor.
+    new_rows : frozenset of str, optional
+        Outputs of which the logger stores the value just computed; found out unless given.
+    on_run : callable
+        Called after each run.
+
+    Raises
+    ------
+    RecordingError
+        There is nothing to compare.
+    SimulationError
+        The twin as it is cannot follow a recording.
+    """
+    if not recordings:
+        raise RecordingError("expected at least one recording, got none")
+    substeps = int(np.clip(round(twin.step / FINEST_STEP_S), 1, _MOST_SUBSTEPS))
+    notes: list[str] = []
+    opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
+    opening.new_rows = new_rows
+    return opening.case(substeps)
+
+
+def open_unseen(
+    case: Case, recordings: Sequence[Recording], *, seed: int, jobs: int | None
+) -> Case:
+    """Open other recordings of the same axis, as a case was opened; nothing is fitted to them.
+
+    Parameters
+    ----------
+    case : Case
+        Whose twin, alignment and refitted parameters hold.
+    recordings : sequence of Recording
+        Runs that are only scored.
+    seed : int
+        Of the noise runs.
+    jobs : int or None
+        Simulators; None for one a processor.
+
+    Raises
+    ------
+    RecordingError
+        There is nothing to compare.
+    SimulationError
+        The twin as it is cannot follow a recording.
+    """
+    opening = _Opening(case.twin, recordings, seed, jobs or _processors(), case.notes)
+    return opening.unseen(case)
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Opening:
+    """The steps from files to a refitted twin, in order."""
+
+    def __init__(
+        self,
+        twin: FmuTwin,
+        recordings: Sequence[Recording],
+        seed: int,
+        jobs: int,
+        notes: list[str],
+        on_run: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.twin, self.recordings, self.jobs, self.on_run = twin, recordings, jobs, on_run
+        self.rng = np.random.default_rng(seed)
+        self.notes = notes
+        self.new_rows: frozenset[str] | None = None
+        self.sensor_included = False
+
+    def case(self, substeps: int) -> Case:
+        if substeps > 1 and not steps_finely(self.twin, self.recordings[0], substeps):
+            substeps = 1
+            self.notes.append(
+                "the twin gives other results, or none, at a finer communication step: physics was "
+                f"stepped at {self.twin.step:g} s, at which effects on the command are less exact"
+            )
+        self.sensor_included = reads_back(self.twin, self.recordings[0], substeps)
+        simulations = self._simulations(substeps)
+        try:
+            return self._case(simulations, substeps)
+        except BaseException:
+            simulations.close()
+            raise
+
+    def unseen(self, like: Case) -> Case:
+        self.sensor_included = like.simulations.settings["tracking.sensor_included"] > 0.0
+        simulations = self._simulations(like.substeps)
+        try:
+            return self._unseen(simulations, like)
+        except BaseException:
+            simulations.close()
+            raise
+
+    def _unseen(self, simulations: Simulations, like: Case) -> Case:
+        if like.simulations.tracking is not None:
+            settings = like.simulations.tracking.settings
+            self._track(simulations, like.rig, None)
+            assert simulations.tracking is not None, "it was set a moment ago"
+            simulations.tracking = replace(simulations.tracking, settings=settings)
+        simulations.new_rows = like.simulations.new_rows
+        simulations.reading = like.simulations.reading
+        simulations.encoder = like.simulations.encoder
+        simulations.rest = like.simulations.rest
+        nominal = simulations.run([Point()])[0]
+        require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
+        noise = noise_levels(simulations.records, nominal)
+        excitation = like.setting.excitation
+        windows = windows_of(simulations.records, excitation.loop_time)
+        misfit = _without_loop_noise(simulations, windows, like.rig, noise)
+        hypothesis = Hypothesis(like.setting)
+        base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
+        assert base is not None, "the nominal twin was simulated a moment ago"
+        if leave_out_noise(simulations, like.rig, base) is not None:
+            nominal = simulations.run([Point()])[0]
+            base = fit(misfit, hypothesis, base.parameters, parallel=True, iterations=1)
+            assert base is not None, "it was simulated at these values a moment ago"
+        ratio = excitation.torque / excitation.command
+        budget = self._budget(simulations, windows, like.rig, base, ratio)
+        misfit = Misfit(simulations, budget.whiteners())
+        return Case(
+            self.twin,
+            simulations,
+            like.substeps,
+            like.rig,
+            nominal,
+            noise_of_all(simulations, like.rig, noise),
+            budget,
+            misfit,
+            like.setting,
+            base.measured_by(misfit),
+            self.notes,
+        )
+
+    def _simulations(self, substeps: int) -> Simulations:
+        def open_twin() -> AugmentedTwin:
+            return AugmentedTwin(self.twin, substeps=substeps, sensor_included=self.sensor_included)
+
+        with open_twin() as first:
+            records = self._records(first)
+        simulations = Simulations(open_twin, records, self.jobs)
+        simulations.on_run = self.on_run
+        return simulations
+
+    def _records(self, simulator: AugmentedTwin) -> list[Record]:
+        outputs = list(self.twin.file.outputs)
+        warmup = self.twin.file.warmup or 0.0
+        return [
+            scored_record(recording, simulator.plan(recording, {}), outputs, warmup)
+            for recording in self.recordings
+        ]
+
+    def _case(self, simulations: Simulations, substeps: int) -> Case:
+        nominal = simulations.run([Point()])[0]
+        require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
+        rig = describe_rig(self.twin.binding, simulations.records)
+        simulations.reading = self._reading(rig)
+        if rig.position is not None:
+            simulations.encoder = Reading(rig.position, rig.position_to_si)
+        stiffness = None
+        if "torque" in nominal[0].response.ports:
+            guess = torque_guess(nominal, self._inertia())
+            stiffness = probe_torque(simulations, Point(), nominal, guess)
+            if np.isfinite(stiffness.rest_time):
+                simulations.rest = int(np.ceil(_RESTING * stiffness.rest_time / self.twin.step))
+            if stiffness.is_open and rig.position is not None:
+                self._track(simulations, rig, stiffness.inertia)
+                nominal = simulations.run([Point()])[0]
+                require_run(nominal, f"{self.twin.name}: the twin cannot be held on its recordings")
+        simulations.new_rows = (
+            logged_new(self.twin, self.recordings, simulations, nominal)
+            if self.new_rows is None
+            else self.new_rows
+        )
+        nominal = self._reread(simulations, nominal)
+        noise = noise_levels(simulations.records, nominal)
+        ratio = 1.0 if stiffness is None else stiffness.per_command
+        if not np.isfinite(ratio):
+            ratio = 1.0  # torque and command taken to be in one unit
+        loop_time = 0.05
+        if stiffness is not None and np.isfinite(stiffness.loop_time):
+            loop_time = max(stiffness.loop_time, 2.0 * self.twin.step)
+        excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
+        role = self.twin.file.roles.get("inertia")
+        least = self.twin.binding.variables[role].variable.minimum if role else None
+        setting = Setting(self._uncertain(), excitation, role, least or 0.0)
+        windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
+        base = self._first_fit(simulations, windows, rig, noise, setting)
+        answered = leave_out_noise(simulations, rig, base)
+        if answered:
+            self.notes.append(
+                f"{answered:.0%} of the fast part of the recorded command answers noise of the "
+                "recorded position: it was not played into the twin"
+            )
+        if answered is not None:
+            nominal = simulations.run([Point()])[0]
+            base = self._first_fit(simulations, windows, rig, noise, setting)
+        setting = base.hypothesis.setting
+        budget = self._budget(simulations, windows, rig, base, ratio)
+        misfit = Misfit(simulations, budget.whiteners())
+        refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
+        assert refitted is not None, "it was simulated at these values a moment ago"
+        levels = noise_levels(simulations.records, base.simulated)
+        return Case(
+            self.twin,
+            simulations,
+            substeps,
+            rig,
+            nominal,
+            noise_of_all(simulations, rig, levels),
+            budget,
+            misfit,
+            setting,
+            refitted,
+            self.notes,
+        )
+
+    # ---- steps -----------------------------------------------------------------------------
+
+    def _reading(self, rig: Rig) -> Reading | None:
+        """The recorded position, where the sensor port is the end of a wire from that output."""
+        file, port = self.twin.file, self.twin.file.ports.get("sensor")
+        if rig.position is None or port is None or port not in file.wires:
+            return None
+        if file.wires[port] != file.outputs[rig.position].variable:
+            return None
+        return Reading(rig.position, rig.position_to_si)
+
+    def _inertia(self) -> float | None:
+        role = self.twin.file.roles.get("inertia")
+        if role is None:
+            return None
+        return self.twin.nominal(role)
+
+    def _track(self, simulations: Simulations, rig: Rig, inertia: float | None) -> None:
+        track_recordings(simulations, rig, self._inertia() or inertia or 1.0)
+        self.notes.append(
+            "the twin is an open-loop plant: a slow tracking loop kept it near each recording, "
+            "and what that leaves was scored"
+        )
+
+    def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
+        return [
+            replace(run, quiet=simulations.read(run.response, k)) for k, run in enumerate(simulated)
+        ]
+
+    def _excitation(
+        self,
+        simulations: Simulations,
+        nominal: Sequence[Simulated],
+        rig: Rig,
+        noise: list[dict[str, NoiseLevel]],
+        ratio: float,
+        loop_time: float,
+        substeps: int,
+    ) -> Excitation:
+        commands = [
+            np.abs(r.response.states["command"]).max()
+            for r in nominal
+            if "command" in r.response.states
+        ]
+        torque = ratio * float(max(commands)) if commands else 0.0
+        if simulations.tracking is not None or torque <= 0.0:
+            torque = moving_torque(self.twin, simulations, nominal, self._inertia())
+        resolution = position_noise(simulations, rig, noise) or 0.0
+        return measure_ranges(
+            simulations.records,
+            nominal,
+            torque=torque,
+            step=self.twin.step / substeps,
+            loop_time=loop_time,
+            resolution=resolution,
+            inertia=self._inertia(),
+            angular="m" not in {self._position_unit(), ""},
+        )
+
+    def _position_unit(self) -> str:
+        state = self.twin.file.states.get("position")
+        return "" if state is None else self.twin.binding.variables[state].variable.si_unit
+
+    def _uncertain(self) -> tuple[Uncertain, ...]:
+        found = []
+        binding = self.twin.binding
+        for name, (low, high) in self.twin.file.uncertain.items():
+            variable = binding.variables[name].variable
+            nominal = self.twin.nominal(name)
+            low = max(low, variable.minimum if variable.minimum is not None else low)
+            high = min(high, variable.maximum if variable.maximum is not None else high)
+            found.append(Uncertain(name, nominal, low, high))
+        return tuple(found)
+
+    def _first_fit(
+        self,
+        simulations: Simulations,
+        windows: Sequence[Window],
+        rig: Rig,
+        noise: list[dict[str, NoiseLevel]],
+        setting: Setting,
+    ) -> Fitted:
+        """Refit the parameters by a budget without the loop's noise, which they shape."""
+        misfit = _without_loop_noise(simulations, windows, rig, noise)
+        hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
+        base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
+        assert base is not None, "the nominal twin was simulated a moment ago"
+        return fitted_from_elsewhere(misfit, base)
+
+    def _budget(
+        self,
+        simulations: Simulations,
+        windows: tuple[Window, ...],
+        rig: Rig,
+        base: Fitted,
+        ratio: float,
+    ) -> Budget:
+        noise = noise_levels(simulations.records, base.simulated)
+        point = base.hypothesis.point(base.x)
+        through = noise_through_loop(self.twin, simulations, windows, base, rig, noise, self.rng)
+        own = [
+            own_variances(record, levels, changes, run, rig.position)
+            for record, levels, changes, run in zip(
+                simulations.records, noise, through, base.simulated, strict=True
+            )
+        ]
+        spectra = covariances(windows, simulations.records, rig, own, through)
+        directions = nuisance_directions(simulations, point, base.simulated, rig.alignments, ratio)
+        squares = noise_squares(windows, simulations.records, rig, spectra)
+        return Budget(
+            windows, tuple(spectra), tuple(directions), tuple(through), tuple(own), squares
+        )
+
+
+def _without_loop_noise(
+    simulations: Simulations,
+    windows: Sequence[Window],
+    rig: Rig,
+    noise: Sequence[dict[str, NoiseLevel]],
+) -> Misfit:
+    """Residuals by a budget in which each signal's noise is its own, before more is known."""
+    empty: list[list[Direction]] = [[] for _ in simulations.records]
+    own = [white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)]
+    spectra = covariances(windows, simulations.records, rig, own, empty)
+    return Misfit(simulations, whiteners(windows, spectra, empty))

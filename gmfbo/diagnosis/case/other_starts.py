@@ -1,0 +1,112 @@
+"""The twin's parameters fitted from another start, where the first one led nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from gmfbo.diagnosis.case.case import Case, chi2_per_dof
+from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
+from gmfbo.diagnosis.runs.simulated import Simulated
+
+_FAR = 30.0  # chi2 per degree of freedom, from which it is looked elsewhere
+_STARTS = 16
+_SPREAD = 0.3  # of a parameter's size, by which starts lie on either side
+_FIRST_STEP = 0.05  # of a parameter's size
+_STEPS = 60  # points of the search that uses no slopes
+_MUCH_LESS = 0.9  # times what was left
+
+
+def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
+    """Fit the twin without names from where the fit with them ended.
+
+    A fit that stays behind a limit is led out of there by nearly any effect, which then seems to
+    explain what the parameters do.
+
+    Parameters
+    ----------
+    case : Case
+        With the fit that began at the nominal parameters.
+    named : Fitted
+        The twin with all named effects.
+
+    Returns
+    -------
+    Fitted or None
+        The better fit; None where there is none.
+    """
+    plain = case.plain
+    again = fit(plain, case.base.hypothesis, named.parameters, near=named, parallel=True)
+    before = case.base.measured_by(plain).chi2
+    return again if again is not None and again.chi2 < _MUCH_LESS * before else None
+
+
+def fitted_without_last(misfit: Misfit, fitted: Fitted) -> Fitted | None:
+    """Fit a model without its last effect from where the fit with it ended.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and budget.
+    fitted : Fitted
+        With the effect.
+    """
+    hypothesis = replace(fitted.hypothesis, effects=fitted.hypothesis.effects[:-1])
+    return fit(misfit, hypothesis, fitted.parameters, near=fitted, parallel=True)
+
+
+def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
+    """Look for a better start where a fit leaves much, by points around it.
+
+    An axis that lives at its limit switches between both ends of it. Slopes are steep there and
+    mean little, so that a fit by them may stay where it begins, however far off that is. The search
+    from the best point is that of Nelder and Mead (1965).
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and budget.
+    base : Fitted
+        The twin with its parameters refitted.
+
+    Returns
+    -------
+    Fitted
+        The better of the two.
+    """
+    hypothesis = base.hypothesis
+    if chi2_per_dof(base, misfit) <= _FAR or not base.x.size:
+        return base
+    scales = hypothesis.scales
+
+    def square(simulated: list[Simulated]) -> float:
+        if not all(run.finite for run in simulated):
+            return np.inf
+        return chi2(misfit.residual(simulated))
+
+    def square_at(x: NDArray[np.float64]) -> float:
+        point = hypothesis.point(hypothesis.inside(x))
+        return square(misfit.simulations.run([point])[0])
+
+    sides = 2.0 * qmc.Sobol(base.x.size, scramble=False).random(_STARTS) - 1.0
+    starts = [hypothesis.inside(base.x + _SPREAD * scales * side) for side in sides]
+    points = misfit.simulations.run([hypothesis.point(x) for x in starts])
+    squares = [square(simulated) for simulated in points]
+    best = int(np.argmin(squares))
+    if squares[best] >= base.chi2:
+        return base
+    corners = starts[best] + _FIRST_STEP * np.vstack([np.zeros_like(scales), np.diag(scales)])
+    found = minimize(
+        square_at,
+        starts[best],
+        method="Nelder-Mead",
+        options={"initial_simplex": corners, "maxfev": _STEPS},
+    )
+    parameters = hypothesis.parameters(hypothesis.inside(found.x))
+    again = fit(misfit, hypothesis, parameters, parallel=True)
+    return again if again is not None and again.chi2 < _MUCH_LESS * base.chi2 else base

@@ -1,0 +1,241 @@
+"""A look at recordings before any diagnosis: what is wrong with them, and what they can show."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
+from gmfbo.diagnosis.checking.findings import all_findings
+from gmfbo.diagnosis.checking.nominal_case import NominalCase, open_nominal
+from gmfbo.diagnosis.checking.recording_facts import recording_facts
+from gmfbo.diagnosis.checking.result import Check, ResponseSeen
+from gmfbo.diagnosis.checking.seen_alignment import against_controller
+from gmfbo.diagnosis.checking.showable_sizes import showable_sizes
+from gmfbo.diagnosis.naming.decision_told import units_of
+from gmfbo.diagnosis.result.findings import Cost
+from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.twin import FmuTwin
+
+Progress = Callable[[str, float], None]
+Array = NDArray[np.float64]
+
+_RUNS_A_RECORDING = 22  # that opening a case takes about, for the progress alone
+_OPENED = 0.3  # share of the time
+_ERRORS = 4.0  # standard deviations of a response, above which the twin is apart from it
+
+
+def check(
+    twin: FmuTwin | str | Path,
+    recordings: Sequence[Recording | str | Path],
+    *,
+    seed: int = 0,
+    progress: Progress | None = None,
+    jobs: int | None = None,
+) -> Check:
+    """See in seconds what is wrong with recordings and what they can show; nothing is fitted.
+
+    Parameters
+    ----------
+    twin : FmuTwin, str or Path
+        The twin, or its twin file.
+    recordings : sequence of Recording, str or Path
+        Runs of the real axis.
+    seed : int
+        Of the noise that is sent through the loop.
+    progress : callable (str, float), optional
+        Told the stage and the share that is done.
+    jobs : int, optional
+        Simulations at a time; one a processor unless given.
+
+    Returns
+    -------
+    Check
+        Findings, facts of each recording, responses, and the sizes that would show.
+
+    Raises
+    ------
+    RecordingError
+        A recording cannot be read, or has nothing to compare.
+    SimulationError
+        The twin as it is cannot follow the recordings.
+    """
+    started = time.perf_counter()
+    told = progress or _silent
+    told("reading", 0.0)
+    opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
+    try:
+        read = [as_recording(recording, opened) for recording in recordings]
+        counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
+        nominal = open_nominal(opened, read, seed=seed, jobs=jobs, on_run=counted.one)
+        try:
+            return _seen(nominal, told, started)
+        finally:
+            nominal.case.simulations.close()
+    finally:
+        if not isinstance(twin, FmuTwin):
+            opened.close()
+
+
+def _silent(stage: str, share: float) -> None:
+    """Tell nobody."""
+
+
+class _Counted:
+    """Progress by the runs that were made, while a case is opened."""
+
+    def __init__(self, told: Progress, expected: int) -> None:
+        self._told, self._expected, self._runs = told, expected, 0
+
+    def one(self) -> None:
+        self._runs += 1
+        if self._runs <= self._expected:
+            self._told("running the twin as it is", _OPENED * self._runs / self._expected)
+
+
+def _seen(nominal: NominalCase, told: Progress, started: float) -> Check:
+    case = nominal.case
+    told("looking at the columns", _OPENED)
+    views = against_controller(case, nominal.checked)
+    facts = {}
+    names = _names(case)
+    for k, name in enumerate(names):
+        view = views[k] if views else None
+        facts[name] = recording_facts(case, k, view, _bandwidth(case, k))
+    excited = showable_sizes(
+        case,
+        lambda share: told("trying the effects", _OPENED + 0.05 + (0.95 - _OPENED) * share),
+    )
+    told("done", 1.0)
+    units = units_of(case)
+    return Check(
+        twin=case.twin.name,
+        findings=all_findings(case, facts, views, nominal.logged),
+        recordings=facts,
+        logged=_logged(nominal),
+        parity_why_not=nominal.checked.why_not.get("controller", ""),
+        responses=_responses(case),
+        showable=excited.showable,
+        not_testable=excited.not_testable,
+        notes=tuple(case.notes),
+        units={"position": units.position, "velocity": units.velocity},
+        cost=Cost(case.simulations.runs, time.perf_counter() - started),
+    )
+
+
+def _names(case: Case) -> list[str]:
+    return [record.name for record in case.simulations.records]
+
+
+def _logged(nominal: NominalCase) -> dict[str, str]:
+    """Conventions that could be told: the command's by parity, others' as they were read."""
+    case = nominal.case
+    told = dict.fromkeys(case.simulations.new_rows, "new")
+    command = command_of(case)
+    if command is not None and nominal.logged is not None:
+        told[command] = nominal.logged
+    return told
+
+
+def _source(case: Case) -> str | None:
+    """Input that the recordings were driven by: the reference, or the one that moves most."""
+    inputs = [
+        name
+        for name in case.twin.file.inputs
+        if all(name in r.plan.recording.signals for r in case.simulations.records)
+    ]
+    if "reference" in inputs:
+        return "reference"
+    moving = [n for n in inputs if any(np.ptp(c) > 0.0 for c in _driven(case, n))]
+    return moving[0] if moving else None
+
+
+def _driven(case: Case, name: str) -> list[Array]:
+    return [np.asarray(r.plan.experiment.inputs[name]) for r in case.simulations.records]
+
+
+def _response(
+    case: Case, source: str, signal: str, chosen: Sequence[int], *, simulated: bool
+) -> Response | None:
+    """Estimate on each recording's own grid, on which the twin's inputs are held."""
+    xs, ys = [], []
+    for k in chosen:
+        record = case.simulations.records[k]
+        grid = record.plan.grid
+        for own, values in zip(record.signals, case.base.simulated[k].signals, strict=True):
+            if own.name != signal:
+                continue
+            inside = (grid >= own.time[0] - 1e-9) & (grid <= own.time[-1] + 1e-9)
+            column = values if simulated else own.values
+            xs.append(np.asarray(record.plan.experiment.inputs[source])[inside])
+            ys.append(np.interp(grid[inside], own.time, column))
+    return empirical_response(xs, ys, case.twin.step) if xs else None
+
+
+def _bandwidth(case: Case, record: int) -> float:
+    """[Hz] Highest frequency at which any signal still answers the source."""
+    source = _source(case)
+    if source is None:
+        return float("nan")
+    found = [
+        own.trusted[1]
+        for signal in case.simulations.records[record].signals
+        if (own := _response(case, source, signal.name, [record], simulated=False)) is not None
+    ]
+    known = [f for f in found if np.isfinite(f)]
+    return max(known, default=float("nan"))
+
+
+def _responses(case: Case) -> tuple[ResponseSeen, ...]:
+    source = _source(case)
+    if source is None:
+        return ()
+    chosen = _alike(case)
+    seen = []
+    for signal in case.twin.file.outputs:
+        recorded = _response(case, source, signal, chosen, simulated=False)
+        twin = _response(case, source, signal, chosen, simulated=True)
+        if recorded is not None and twin is not None:
+            seen.append(_response_seen(source, signal, recorded, twin))
+    return tuple(seen)
+
+
+def _alike(case: Case) -> list[int]:
+    """Recordings under the parameters of the first one: only those have one response."""
+    records = case.simulations.records
+    first = records[0].plan.experiment.parameters.in_force
+    return [k for k, r in enumerate(records) if r.plan.experiment.parameters.in_force == first]
+
+
+def _response_seen(source: str, signal: str, recorded: Response, twin: Response) -> ResponseSeen:
+    # The same reference excites both; a bin where only one answers is left out.
+    _, own, other = np.intersect1d(recorded.frequency, twin.frequency, return_indices=True)
+    frequency, coherence = recorded.frequency[own], recorded.coherence[own]
+    value, model = recorded.value[own], twin.value[other]
+    low, high = recorded.trusted
+    error = np.abs(value / model - 1.0)
+    told = (frequency >= low) & (frequency <= high) & (error > _ERRORS * recorded.error[own])
+    apart, apart_at = 0.0, float("nan")
+    if told.any():
+        worst = int(np.argmax(np.where(told, error, 0.0)))
+        apart, apart_at = float(error[worst]), float(frequency[worst])
+    return ResponseSeen(
+        source=source,
+        signal=signal,
+        frequency=tuple(frequency.tolist()),
+        gain=tuple(np.abs(value).tolist()),
+        phase=tuple(np.angle(value).tolist()),
+        twin_gain=tuple(np.abs(model).tolist()),
+        twin_phase=tuple(np.angle(model).tolist()),
+        coherence=tuple(coherence.tolist()),
+        trusted=recorded.trusted,
+        apart=apart,
+        apart_at=apart_at,
+    )

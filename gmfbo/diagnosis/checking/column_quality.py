@@ -1,0 +1,166 @@
+"""Faults of logging that a column shows by itself: repeats, latches, clipping, lost rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+
+from gmfbo.diagnosis.runs.scored_record import resolution
+
+Array = NDArray[np.float64]
+
+_AROUND = 11  # rows by which the usual step beside a row is told
+_QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
+_CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
+_LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
+_REST_ROWS = 50  # a value that stays longer is rest, not a latch
+_CLIPPED_ROWS = 3  # of a stretch at the extreme value
+_CLIPPED_ENTRY = 1e-3  # of the range, by which a signal runs into its limit in one row
+_JUMP = (1.5, 20.0)  # step over its neighbours' where rows are lost
+_JUMP_SPREADS = 6.0  # of all steps beside their neighbours'
+_JUMP_SHARE = 0.2  # of the fastest step: a lost row at standstill shows nothing
+_MOVING = 0.1  # of that share, above which another signal would have to jump too
+_ALIKE = 0.3  # by which two columns may differ in how many rows they miss
+
+
+def refresh_rows(values: Array, quantum: float) -> float:
+    """Rows for which a value stays the same on average, while the signal moves.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    quantum : float
+        Resolution; 0 for continuous values.
+
+    Returns
+    -------
+    float
+        1 where each row is a new sample, or where the resolution hides it.
+    """
+    steps = np.abs(np.diff(values))
+    moving = steps[steps > 0.0]
+    if moving.size < 10 or float(np.median(moving)) <= _QUANTA * quantum:
+        return 1.0
+    changes = np.flatnonzero(steps)
+    lengths = np.diff(changes)
+    own = lengths[lengths <= _REST_ROWS]
+    return float(np.mean(own)) if own.size else 1.0
+
+
+def repeated_rows(values: Array, quantum: float) -> NDArray[np.int64]:
+    """Rows that repeat the one before although the signal moves by more than its resolution.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    quantum : float
+        Resolution; 0 for continuous values.
+    """
+    steps = np.abs(np.diff(values))
+    quantum = quantum or _finest_quantum(steps)
+    usual = median_filter(steps, _AROUND, mode="nearest")
+    inside = (values[1:] < values.max()) & (values[1:] > values.min())
+    moving = (usual > _QUANTA * quantum) & inside
+    rows: NDArray[np.int64] = np.flatnonzero((steps == 0.0) & moving) + 1
+    if quantum:
+        # Rounding gives a step of zero about half as often as one of a quantum up or down.
+        ones = np.count_nonzero(moving & (np.abs(steps / quantum - 1.0) < 0.5))
+        if rows.size <= 0.5 * ones + _CHANCE * np.sqrt(ones + 1.0):
+            return np.zeros(0, dtype=np.int64)
+    return rows
+
+
+def _finest_quantum(steps: Array) -> float:
+    """Smallest step, if most others are multiples of it; 0 otherwise."""
+    moving = steps[steps > 0.0]
+    if moving.size < 10:
+        return 0.0
+    shares = moving / moving.min()
+    whole = np.abs(shares - np.round(shares)) < 0.05
+    return float(moving.min()) if whole.mean() > 0.9 else 0.0
+
+
+def is_latched(refresh: float) -> bool:
+    """Whether a column was sampled more slowly than it was logged."""
+    return refresh > _LATCHED
+
+
+def clipped_rows(values: Array, quantum: float) -> int:
+    """Rows at an extreme value into which the signal runs without slowing down.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    quantum : float
+        Resolution; 0 for continuous values.
+    """
+    entry = max(_QUANTA * quantum, _CLIPPED_ENTRY * float(np.ptp(values)))
+    total = 0
+    for side in (values, -values):
+        at = np.concatenate([[False], side >= side.max() - 0.5 * quantum, [False]])
+        edges = np.flatnonzero(np.diff(at.astype(int)))
+        for start, end in zip(edges[::2], edges[1::2], strict=True):
+            long_enough = end - start >= _CLIPPED_ROWS
+            # The last step is cut short by the limit; the one before it is whole.
+            if long_enough and start > 1 and np.diff(side[start - 2 : start + 1]).max() > entry:
+                total += int(end - start)
+    return total
+
+
+def lost_rows(positions: Sequence[Array], others: Sequence[Array]) -> NDArray[np.int64]:
+    """Rows before which all moving signals jump as far as if rows had been lost.
+
+    Parameters
+    ----------
+    positions : sequence of ndarray, shape (n,)
+        Measured positions, which cannot jump.
+    others : sequence of ndarray, shape (n,)
+        Signals such as the reference that would have to jump as well where they move.
+    """
+    found: set[int] = set()
+    beside = [_steps(other) for other in others]
+    for values in positions:
+        own = _steps(values)
+        for k in np.flatnonzero(own.jumps):
+            if all(
+                not other.moving[k] or abs(other.ratio[k] / own.ratio[k] - 1.0) < _ALIKE
+                for other in beside
+            ):
+                found.add(int(k) + 1)
+    return np.array(sorted(found), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class _Steps:
+    """Each step over the usual one beside it, whether it jumps, whether the signal moves there."""
+
+    ratio: Array
+    jumps: NDArray[np.bool_]
+    moving: NDArray[np.bool_]
+
+
+def _steps(values: Array) -> _Steps:
+    steps = np.diff(values)
+    padded = np.pad(steps, 2, mode="edge")
+    usual = np.median(np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]]), axis=0)
+    excess = np.abs(steps - usual)
+    quanta = _QUANTA * resolution(values)
+    least = max(_JUMP_SHARE * float(np.quantile(np.abs(steps), 0.95)), quanta)
+    spread = 1.4826 * float(np.median(excess))
+    ratio = np.divide(steps, usual, out=np.zeros(steps.size), where=usual != 0.0)
+    # A step after a repeat catches up: no row was lost.
+    before = np.concatenate([[1.0], steps[:-1]])
+    jumps = (
+        (before != 0.0)
+        & (ratio > _JUMP[0])
+        & (ratio < _JUMP[1])
+        & (excess > max(_JUMP_SPREADS * spread, least))
+    )
+    return _Steps(ratio, jumps, np.abs(usual) > _MOVING * least)

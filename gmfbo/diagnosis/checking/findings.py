@@ -1,0 +1,340 @@
+"""What is wrong with recordings, in words, and what to do about each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched
+from gmfbo.diagnosis.checking.result import (
+    ClockQuality,
+    ColumnQuality,
+    Finding,
+    RecordingFacts,
+    SeenAlignment,
+)
+from gmfbo.diagnosis.checking.seen_alignment import LEAST_GAIN, ControllerView, Culprit
+from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
+from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
+from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
+from gmfbo.plain_words import number, percent, quantity
+
+_LEAST_REPEATS = 3
+_REPEATED_SHARE = 1e-3
+_BLANK_SHARE = 1e-3
+_CLIPPED_SHARE = 3e-3
+_JITTER = 0.05  # of a step; recordings that jitter by more than twice that are not read
+_COARSE = 3.0 * math.sqrt(12.0)  # quanta: rounding is three times what the diagnosis tolerates
+_FARTHEST = 1.5  # standard deviations of a nuisance's prior, above which an error is told
+_SHIFT = 0.5  # of a sample, and
+_BY_CONTROLLER = (0.9, 0.95)  # of the residual, explained by a single error: down to noise, or not
+_BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
+_SHIFT_BY_TWIN = 2.0  # samples
+_SCALE_BY_TWIN = 0.02
+_OFFSET_BY_TWIN = 0.01  # of the range
+_SPOILING = {"lost_rows", "repeated_samples", "latched_column", "clipped_column"}
+
+# Worst first: what makes everything after it wrong.
+_ORDER = (
+    "lost_rows",
+    "repeated_samples",
+    "latched_column",
+    "logger_convention",
+    "shifted_column",
+    "scaled_column",
+    "offset_column",
+    "controller_gain",
+    "controller_parity",
+    "clipped_column",
+    "no_reversal",
+    "coarse_column",
+    "jitter",
+    "blank_samples",
+)
+
+
+def all_findings(
+    case: Case,
+    facts: Mapping[str, RecordingFacts],
+    views: Sequence[ControllerView],
+    logged: str | None,
+) -> tuple[Finding, ...]:
+    """Say everything that is wrong, worst first.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    facts : mapping of str to RecordingFacts
+        By recording.
+    views : sequence of ControllerView
+        One a recording; empty where the controller could not be checked.
+    logged : str or None
+        Convention of the command's column by the controller's parity.
+    """
+    found = _conventions(case, logged)
+    for k, (name, own) in enumerate(facts.items()):
+        faults = _of_clock(name, own.clock)
+        for signal, quality in own.columns.items():
+            faults += _of_column(case, k, name, signal, quality)
+        if not any(fault.kind in _SPOILING for fault in faults):
+            # Put right first: what is spoiled seems late or scaled as well.
+            faults += _of_alignment(case, name, own, views[k] if views else None)
+        found += faults
+    if not any(own.reversals for own in facts.values()):
+        found.append(
+            Finding(
+                "no_reversal",
+                "",
+                "",
+                "the velocity never changes sign: friction and a constant torque look alike, a "
+                "gap does not show",
+                "add a recording that moves to and fro",
+            )
+        )
+    return tuple(sorted(found, key=lambda finding: _ORDER.index(finding.kind)))
+
+
+def _conventions(case: Case, logged: str | None) -> list[Finding]:
+    command = command_of(case)
+    if logged is None or command is None:
+        return []
+    stated = case.twin.file.outputs[command].logged
+    if stated in ("unknown", logged):
+        return []
+    return [
+        Finding(
+            "logger_convention",
+            "",
+            command,
+            f'the twin file says logged = "{stated}", but the column holds the '
+            f"{'command just computed' if logged == 'new' else 'command still held'}",
+            f'write logged = "{logged}" for {command}',
+        )
+    ]
+
+
+def _of_clock(name: str, clock: ClockQuality) -> list[Finding]:
+    found = []
+    if clock.lost_by_clock:
+        found.append(
+            Finding(
+                "lost_rows",
+                name,
+                "",
+                f"{clock.lost_by_clock} rows are missing by the clock",
+                "log without losses, or cut the recording there (# use = FROM:TO)",
+            )
+        )
+    if clock.lost_at:
+        shown = ", ".join(number(t, 4) for t in clock.lost_at[:3])
+        more = " ..." if len(clock.lost_at) > 3 else ""
+        found.append(
+            Finding(
+                "lost_rows",
+                name,
+                "",
+                f"all signals jump at {shown}{more} s, as if rows were lost, but the times go on "
+                "evenly",
+                "log the drive's own time, or score a stretch without jumps (# use = FROM:TO)",
+            )
+        )
+    if clock.jitter > _JITTER:
+        found.append(
+            Finding(
+                "jitter",
+                name,
+                "",
+                f"steps of the clock are off by up to {percent(clock.jitter)}",
+                "log the time at which the drive sampled, not that of the computer",
+            )
+        )
+    return found
+
+
+def _of_column(
+    case: Case, record: int, name: str, signal: str, quality: ColumnQuality
+) -> list[Finding]:
+    is_output = signal in case.twin.file.outputs
+    found = []
+
+    def add(kind: str, what: str, cure: str) -> None:
+        found.append(Finding(kind, name, signal, what, cure))
+
+    if is_output and is_latched(quality.refresh):
+        add(
+            "latched_column",
+            f"holds each value for {number(quality.refresh, 2)} rows",
+            "log it at its own rate, or leave the repeated cells blank",
+        )
+    share = quality.repeated / quality.rows
+    if quality.repeated >= _LEAST_REPEATS and share > _REPEATED_SHARE:
+        add(
+            "repeated_samples",
+            f"{quality.repeated} of {quality.rows} rows repeat the one before while it moves",
+            "find out why the logger misses samples; leave those cells blank",
+        )
+    if quality.blank > _BLANK_SHARE * quality.rows:
+        add(
+            "blank_samples",
+            f"{quality.blank} samples are blank beyond its own rate",
+            "log without losses; what is blank is not scored or is interpolated",
+        )
+    if is_output and quality.resolution:
+        tolerance = POSITION_TOLERANCE if signal in case.rig.positions else TOLERANCE
+        if quality.steps < 1.0 / (_COARSE * tolerance):
+            add(
+                "coarse_column",
+                f"has {quality.steps:.0f} steps of "
+                f"{quantity(quality.resolution, quality.unit)} within its range",
+                "log it with more digits or move farther; smaller errors do not show",
+            )
+    if quality.clipped > _CLIPPED_SHARE and not _twin_clips(case, record, signal):
+        limit = ""
+        if quality.limit is not None:
+            limit = f"; the twin allows {quantity(quality.limit, quality.unit)}"
+        largest = max(abs(quality.low), abs(quality.high))
+        add(
+            "clipped_column",
+            f"stays at its extreme, {quantity(largest, quality.unit)}, for "
+            f"{percent(quality.clipped)} of the rows{limit}",
+            "check the logger's range and the drive's limit, or move less",
+        )
+    return found
+
+
+def _twin_clips(case: Case, record: int, signal: str) -> bool:
+    """Whether the twin as it is runs into the same kind of limit."""
+    simulated = case.base.simulated[record].response.held.get(signal)
+    if simulated is None:
+        return False
+    return clipped_rows(simulated, 0.0) > _CLIPPED_SHARE * simulated.size
+
+
+def _of_alignment(
+    case: Case, name: str, facts: RecordingFacts, view: ControllerView | None
+) -> list[Finding]:
+    if view is not None:
+        return _by_controller(case, name, view)
+    found = []
+    for signal, seen in facts.alignment.items():
+        found += _by_twin(case, name, signal, seen)
+    return found
+
+
+def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]:
+    """Where the controller computes what was recorded, both columns are right."""
+    if view.excess <= FAILS_ABOVE:
+        return []
+    best = view.culprits[0]
+    to_noise = (1.0 - best.explained) * view.excess <= FAILS_ABOVE
+    is_alone = best.explained >= _BY_CONTROLLER[0 if to_noise else 1]
+    if is_alone and best.kind == "gain":
+        return [_of_gain(name, best)] if abs(best.size) > LEAST_GAIN else []
+    if is_alone:
+        prior = case.rig.alignments[best.signal]
+        if not _is_far(best, prior, _sample(case, best.signal)):
+            return []
+        return [_of_culprit(name, best, _unit(case, best.signal), "the controller's command")]
+    return [
+        Finding(
+            "controller_parity",
+            name,
+            command_of(case) or "",
+            "is not what the twin's controller computes from the recorded measurement, and no "
+            "shift, scale or offset of one column explains it",
+            "check gains, filters and limits of the controller against the drive's",
+        )
+    ]
+
+
+def _of_gain(name: str, culprit: Culprit) -> Finding:
+    return Finding(
+        "controller_gain",
+        name,
+        culprit.signal,
+        f"was {number(1.0 + culprit.size)} times the value in force, as the controller's command "
+        "shows",
+        f"state the gain that the drive had: a line # {culprit.signal} = VALUE in the recording",
+    )
+
+
+def _by_twin(case: Case, name: str, signal: str, seen: SeenAlignment) -> list[Finding]:
+    """Without the controller's word, only what explains nearly all is told."""
+    if seen.explained < _BY_TWIN:
+        return []
+    sample, prior = _sample(case, signal), case.rig.alignments[signal]
+    parts = [
+        Culprit(signal, "shift", seen.shift, seen.explained),
+        Culprit(signal, "scale", seen.scale - 1.0, seen.explained),
+        Culprit(signal, "offset", seen.offset, seen.explained),
+    ]
+    least = {
+        "shift": _SHIFT_BY_TWIN * sample,
+        "scale": _SCALE_BY_TWIN,
+        "offset": _OFFSET_BY_TWIN * _extent(case, name, signal),
+    }
+    return [
+        _of_culprit(name, part, _unit(case, signal), "the twin (or physics is missing)")
+        for part in parts
+        if _is_far(part, prior, sample) and abs(part.size) > least[part.kind]
+    ]
+
+
+def _extent(case: Case, name: str, signal: str) -> float:
+    for record in case.simulations.records:
+        for own in record.signals:
+            if record.name == name and own.name == signal:
+                return float(own.values.max() - own.values.min())
+    return math.inf
+
+
+def _is_far(culprit: Culprit, prior: Alignment, sample: float) -> bool:
+    """Whether an error is larger than those that every rig has, which the diagnosis removes."""
+    if culprit.kind == "shift":
+        allowed = prior.shift or SHIFT_SHARE * sample
+        return abs(culprit.size) > max(_FARTHEST * allowed, _SHIFT * sample)
+    if culprit.kind == "scale":
+        return abs(culprit.size) > _FARTHEST * prior.scale
+    # Ten times the range stands for an offset that the twin file leaves free.
+    return prior.offset < 1.0
+
+
+def _of_culprit(name: str, culprit: Culprit, unit: str, against: str) -> Finding:
+    signal, size = culprit.signal, culprit.size
+    if culprit.kind == "shift":
+        side = "late" if size > 0.0 else "early"
+        return Finding(
+            "shifted_column",
+            name,
+            signal,
+            f"is {number(1e3 * abs(size))} ms {side} against {against}",
+            f"correct its time, or give {signal} a shift_range in the twin file",
+        )
+    if culprit.kind == "scale":
+        return Finding(
+            "scaled_column",
+            name,
+            signal,
+            f"is {number(1.0 + size, 4)} times what it should be against {against}",
+            f"correct its scale or unit, or give {signal} an uncertain_scale in the twin file",
+        )
+    return Finding(
+        "offset_column",
+        name,
+        signal,
+        f"is off by {quantity(size, unit)} against {against}",
+        f'correct its zero, or write offset = "fit" for {signal} in the twin file',
+    )
+
+
+def _sample(case: Case, signal: str) -> float:
+    spacings = [s.spacing for r in case.simulations.records for s in r.signals if s.name == signal]
+    return spacings[0] if spacings else case.twin.step
+
+
+def _unit(case: Case, signal: str) -> str:
+    variable = case.twin.file.outputs[signal].variable
+    return case.twin.binding.variables[variable].variable.si_unit

@@ -1,0 +1,124 @@
+"""A twin and recordings measured and aligned as for a diagnosis, with nothing fitted."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.case.open_case import open_case
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.locating.parities import Parities, parities
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.uncertain import uncertain_of
+
+
+@dataclass(frozen=True, eq=False)
+class NominalCase:
+    """A case at the twin's own values.
+
+    Attributes
+    ----------
+    case : Case
+        With derivatives by the uncertain parameters.
+    checked : Parities
+        Of the parts of the loop.
+    logged : str or None
+        Which command the logger stores by the controller's parity; None where it cannot tell.
+    """
+
+    case: Case
+    checked: Parities
+    logged: str | None
+
+
+def open_nominal(
+    twin: FmuTwin,
+    recordings: Sequence[Recording],
+    *,
+    seed: int,
+    jobs: int | None,
+    on_run: Callable[[], None],
+) -> NominalCase:
+    """Run the twin as it is along its recordings; the caller closes the case's simulations.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's.
+    recordings : sequence of Recording
+        Runs of the real axis.
+    seed : int
+        Of the noise runs.
+    jobs : int or None
+        Simulators; None for one a processor.
+    on_run : callable
+        Called after each run.
+
+    Raises
+    ------
+    RecordingError
+        There is nothing to compare.
+    SimulationError
+        The twin as it is cannot follow a recording.
+    """
+    # A twin of which nothing is uncertain is not refitted when its case is opened.
+    fixed = copy.copy(twin)
+    fixed.file = twin.file.model_copy(update={"uncertain": {}})
+    case = open_case(fixed, recordings, seed=seed, jobs=jobs, on_run=on_run)
+    try:
+        checked = parities(case, case.base)
+        logged = _logged_as(case, checked)
+        rows = _rows(case, logged)
+        if rows != case.simulations.new_rows:
+            case.simulations.close()
+            case = open_case(fixed, recordings, seed=seed, jobs=jobs, new_rows=rows, on_run=on_run)
+            checked = parities(case, case.base)
+        return NominalCase(_with_derivatives(case, twin), checked, logged)
+    except BaseException:
+        case.simulations.close()
+        raise
+
+
+def _logged_as(case: Case, checked: Parities) -> str | None:
+    """Which command the loggers store, by the recording that tells best; None where none can.
+
+    All recordings together would be misled by one whose column is shifted.
+    """
+    command = command_of(case)
+    if checked.controller is None or command is None:
+        return None
+    told: list[tuple[float, str]] = []
+    for record, run in zip(case.simulations.records, checked.held, strict=True):
+        signal = next(s for s in record.signals if s.name == command)
+        extent = float(np.var(signal.values)) or 1.0
+        left = {}
+        for which, columns in (("held", run.response.held), ("new", run.response.new)):
+            computed = np.interp(signal.time, record.plan.grid, columns[command])
+            left[which] = float(np.mean((signal.values - computed) ** 2)) / extent
+        if left["held"] != left["new"]:
+            told.append((min(left.values()), min(left, key=lambda which: left[which])))
+    return min(told)[1] if told else None
+
+
+def _rows(case: Case, logged: str | None) -> frozenset[str]:
+    """Outputs logged anew, where the controller's parity knows better than the files."""
+    rows, command = case.simulations.new_rows, command_of(case)
+    if logged is None or command is None:
+        return rows
+    return rows | {command} if logged == "new" else rows - {command}
+
+
+def _with_derivatives(case: Case, twin: FmuTwin) -> Case:
+    """Let the uncertain parameters vary about their values, so that no effect counts as one."""
+    setting = replace(case.setting, uncertain=uncertain_of(twin))
+    # One point: the values stay, and the twin is simulated beside them for its derivatives.
+    base = fit(case.misfit, Hypothesis(setting), {}, parallel=True, iterations=1)
+    assert base is not None, "the same values were simulated a moment ago"
+    return replace(case, twin=twin, setting=setting, base=base)

@@ -1,0 +1,173 @@
+"""What one recording holds: its motion, its columns, its clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.checking.clock_quality import clock_quality
+from gmfbo.diagnosis.checking.column_quality import (
+    clipped_rows,
+    is_latched,
+    lost_rows,
+    refresh_rows,
+    repeated_rows,
+)
+from gmfbo.diagnosis.checking.known_limits import known_limit
+from gmfbo.diagnosis.checking.result import (
+    ClockQuality,
+    ColumnQuality,
+    RecordingFacts,
+    SeenAlignment,
+)
+from gmfbo.diagnosis.checking.seen_alignment import ControllerView, against_twin
+from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, resolution
+from gmfbo.diagnosis.scoring.noise_levels import fast_power
+from gmfbo.recordings.recording import Recording
+
+Array = NDArray[np.float64]
+
+_AT_LIMIT = 0.99  # of a limit, from which a signal counts as at it
+
+
+def recording_facts(
+    case: Case, record: int, view: ControllerView | None, bandwidth: float
+) -> RecordingFacts:
+    """Gather what is seen of one recording.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    record : int
+        Which.
+    view : ControllerView or None
+        Of its command, where the controller could be checked.
+    bandwidth : float
+        [Hz] Of its response to the reference.
+    """
+    scored = case.simulations.records[record]
+    recording = scored.plan.recording
+    states = states_of(case.base.simulated[record], scored)
+    low, high = np.quantile(states.velocity, [0.005, 0.995])
+    position = _position(case, recording)
+    if position is None:
+        position = states.position
+    alignment = {
+        signal.name: _against_twin(case, record, place)
+        for place, signal in enumerate(scored.signals)
+    }
+    command = command_of(case)
+    if view is not None and command is not None:
+        alignment[command] = view.command
+        if case.rig.position in alignment:
+            alignment[case.rig.position] = view.position
+    return RecordingFacts(
+        duration=recording.duration,
+        bandwidth=bandwidth,
+        reversals=reversals(states),
+        position=(float(position.min()), float(position.max())),
+        speed=(float(low), float(high)),
+        clock=_clock(case, recording),
+        columns=_columns(case, recording),
+        alignment=alignment,
+        parity=view.excess if view is not None else math.nan,
+    )
+
+
+def _against_twin(case: Case, record: int, place: int) -> SeenAlignment:
+    name = case.simulations.records[record].signals[place].name
+    if case.simulations.tracking is not None and name in case.rig.positions:
+        # A loop holds an open-loop twin on the recorded position: that is never late.
+        return SeenAlignment("twin", math.nan, math.nan, math.nan, 0.0)
+    return against_twin(case, record, place)
+
+
+def _position(case: Case, recording: Recording) -> Array | None:
+    name = case.rig.position
+    if name is None or name not in recording.signals:
+        return None
+    values = recording.signal(name)
+    return np.asarray(values[np.isfinite(values)] / case.rig.position_to_si, dtype=np.float64)
+
+
+def _named(case: Case, recording: Recording) -> list[str]:
+    """Signals that the twin reads or is compared with."""
+    file = case.twin.file
+    return [n for n in (*file.inputs, *file.outputs) if n in recording.signals]
+
+
+def _clock(case: Case, recording: Recording) -> ClockQuality:
+    names = _named(case, recording)
+    known = {n: np.isfinite(recording.signal(n)) for n in names}
+    # Where columns have rates of their own, the fastest tells of the clock.
+    rows = max(known.values(), key=lambda mask: int(mask.sum()))
+    full = [n for n in names if known[n][rows].all()]
+    positions = _told(recording, [n for n in full if n in case.rig.positions], rows)
+    others = _told(recording, [n for n in full if n == "reference"], rows)
+    return clock_quality(recording.time[rows], lost_rows(positions, others))
+
+
+def _told(recording: Recording, names: Sequence[str], rows: NDArray[np.bool_]) -> list[Array]:
+    """Columns that are fresh in every row: a latched or coarse one jumps all the time."""
+    found = []
+    for name in names:
+        values = recording.signal(name)[rows]
+        if not is_latched(refresh_rows(values, resolution(values))):
+            found.append(values)
+    return found
+
+
+def _columns(case: Case, recording: Recording) -> dict[str, ColumnQuality]:
+    command = command_of(case)
+    return {
+        name: _quality(case, recording, name, is_command=name == command)
+        for name in _named(case, recording)
+        if np.isfinite(recording.signal(name)).sum() >= LEAST_ROWS
+    }
+
+
+def _quality(case: Case, recording: Recording, name: str, *, is_command: bool) -> ColumnQuality:
+    column = recording.signal(name)
+    known = np.flatnonzero(np.isfinite(column))
+    values = column[known]
+    quantum = resolution(values)
+    is_output = name in case.twin.file.outputs
+    refresh = refresh_rows(values, quantum)
+    repeated = clipped = 0
+    limit = known_limit(case.twin, name, is_command=is_command) if is_output else None
+    # An input may hold its value as long as it was asked to.
+    if is_output and not is_latched(refresh):
+        repeated = repeated_rows(values, quantum).size
+        clipped = clipped_rows(values, quantum)
+    places = np.diff(known)
+    usual = np.median(places)
+    extent = float(np.ptp(values))
+    return ColumnQuality(
+        unit=_unit(case, name),
+        rows=values.size,
+        resolution=quantum,
+        steps=extent / quantum if quantum else float("inf"),
+        noise=float(np.sqrt(fast_power(values))),
+        low=float(values.min()),
+        high=float(values.max()),
+        repeated=int(repeated),
+        refresh=refresh,
+        blank=int(np.sum(np.round(places / usual).clip(1.0) - 1.0)),
+        clipped=clipped / values.size,
+        limit=None if limit is None else limit.size,
+        limit_from="" if limit is None else limit.source,
+        at_limit=0.0 if limit is None else float(np.mean(np.abs(values) >= _AT_LIMIT * limit.size)),
+    )
+
+
+def _unit(case: Case, name: str) -> str:
+    file = case.twin.file
+    variable = (file.outputs[name] if name in file.outputs else file.inputs[name]).variable
+    return case.twin.binding.variables[variable].variable.si_unit

@@ -1,0 +1,297 @@
+"""What was seen in recordings before any diagnosis, as values."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from gmfbo.diagnosis.result.findings import Cost
+from gmfbo.diagnosis.result.named_effect import NotTestable
+
+Basis = Literal["controller", "twin"]
+
+CHECK_SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that is wrong with a recording, and what to do about it.
+
+    Attributes
+    ----------
+    kind : str
+        Such as `repeated_samples`.
+    recording : str
+        Its name; empty where all are meant.
+    signal : str
+        Which column; empty where it is all of them or the clock.
+    what : str
+        What is wrong, with numbers.
+    cure : str
+        What to do about it.
+    """
+
+    kind: str
+    recording: str
+    signal: str
+    what: str
+    cure: str
+
+
+@dataclass(frozen=True)
+class ColumnQuality:
+    """How one signal was logged in one recording.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit.
+    rows : int
+        Samples.
+    resolution : float
+        [unit] Quantum of the values; 0 where they are continuous.
+    steps : float
+        Quanta within the range; infinite where the values are continuous.
+    noise : float
+        [unit] White noise, standard deviation.
+    low, high : float
+        [unit] Extreme values.
+    repeated : int
+        Rows that repeat the one before although the signal moves.
+    refresh : float
+        Rows for which a value stays the same on average; 1 where each row is a new sample.
+    blank : int
+        Rows without a value between the first and the last sample, beyond its own rate.
+    clipped : float
+        Share of the rows that stay at an extreme value which the signal ran into.
+    limit : float or None
+        [unit] Size that the twin does not let the signal exceed.
+    limit_from : str
+        Where that limit was found.
+    at_limit : float
+        Share of the rows within 1 % of that limit.
+    """
+
+    unit: str
+    rows: int
+    resolution: float
+    steps: float
+    noise: float
+    low: float
+    high: float
+    repeated: int
+    refresh: float
+    blank: int
+    clipped: float
+    limit: float | None
+    limit_from: str
+    at_limit: float
+
+
+@dataclass(frozen=True)
+class ClockQuality:
+    """How evenly a recording was sampled.
+
+    Attributes
+    ----------
+    step : float
+        [s] Median time between rows.
+    jitter : float
+        Largest deviation of a step from that, as a share of it; lost rows do not count.
+    lost_by_clock : int
+        Rows that the times leave out.
+    lost_at : tuple of float
+        [s] Where all moving signals jump as if rows were lost, although the times do not show it.
+    """
+
+    step: float
+    jitter: float
+    lost_by_clock: int
+    lost_at: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SeenAlignment:
+    """How a column sits on what it should be, in one recording; nothing was fitted.
+
+    Attributes
+    ----------
+    basis : {"controller", "twin"}
+        Against what the controller computes from the recorded measurement, or against the twin as
+        it is with what small changes of its parameters would do left out.
+    shift : float
+        [s] By which the column is late.
+    scale : float
+        Recorded over expected.
+    offset : float
+        [SI] Recorded less expected.
+    explained : float
+        Share of the squared difference that these three take away.
+    """
+
+    basis: Basis
+    shift: float
+    scale: float
+    offset: float
+    explained: float
+
+
+@dataclass(frozen=True)
+class RecordingFacts:
+    """One recording.
+
+    Attributes
+    ----------
+    duration : float
+        [s]
+    bandwidth : float
+        [Hz] Up to which the response to the reference can be trusted; NaN where it cannot.
+    reversals : int
+        Sign changes of the velocity that last.
+    position, speed : tuple of float
+        [FMU's units] Lowest and highest; of the speed the 0.5 and 99.5 % quantiles.
+    clock : ClockQuality
+        Of its rows.
+    columns : mapping of str to ColumnQuality
+        By signal that the twin reads or is compared with.
+    alignment : mapping of str to SeenAlignment
+        By signal that the twin is compared with.
+    parity : float
+        Mean square of the controller's residual, 1 where it is right; NaN where it was not seen.
+    """
+
+    duration: float
+    bandwidth: float
+    reversals: int
+    position: tuple[float, float]
+    speed: tuple[float, float]
+    clock: ClockQuality
+    columns: Mapping[str, ColumnQuality]
+    alignment: Mapping[str, SeenAlignment]
+    parity: float
+
+
+@dataclass(frozen=True)
+class ResponseSeen:
+    """Empirical frequency response from the reference to a signal, over all recordings.
+
+    Attributes
+    ----------
+    source, signal : str
+        From which input to which output.
+    frequency : tuple of float
+        [Hz] Where the reference excites.
+    gain, phase : tuple of float
+        Recorded: [signal's unit / reference's unit] and [rad].
+    twin_gain, twin_phase : tuple of float
+        The same of the twin as it is, by the same estimator.
+    coherence : tuple of float
+        Of the recorded response, 0 to 1.
+    trusted : tuple of float
+        [Hz] Lowest and highest frequency at which it is; NaN where nowhere.
+    apart : float
+        Largest `|recorded / twin - 1|` between them that noise does not explain; 0 where it does.
+    apart_at : float
+        [Hz] Where that is; NaN where nowhere.
+    """
+
+    source: str
+    signal: str
+    frequency: tuple[float, ...]
+    gain: tuple[float, ...]
+    phase: tuple[float, ...]
+    twin_gain: tuple[float, ...]
+    twin_phase: tuple[float, ...]
+    coherence: tuple[float, ...]
+    trusted: tuple[float, float]
+    apart: float
+    apart_at: float
+
+
+@dataclass(frozen=True)
+class Showable:
+    """Smallest size of an effect that would have shown.
+
+    Attributes
+    ----------
+    parameter, unit : str
+        What says its size.
+    together : float
+        [unit] In all recordings together.
+    alone : mapping of str to float
+        [unit] In each recording by itself; infinite where it never would.
+    floor : float
+        [unit] Below which the effect is never claimed; no size is smaller.
+    """
+
+    parameter: str
+    unit: str
+    together: float
+    alone: Mapping[str, float]
+    floor: float
+
+
+@dataclass(frozen=True)
+class Check:
+    """What recordings are good for, seen in seconds and without a fit.
+
+    Attributes
+    ----------
+    twin : str
+        Its name.
+    findings : tuple of Finding
+        What is wrong, worst first; empty where nothing is.
+    recordings : mapping of str to RecordingFacts
+        By name.
+    logged : mapping of str to str
+        By signal that changes at a sampling instant: the logger stores the `held` or `new` value.
+    parity_why_not : str
+        Why the controller could not be checked; empty where it was.
+    responses : tuple of ResponseSeen
+        From the reference to each signal.
+    showable : mapping of str to Showable
+        By effect.
+    not_testable : tuple of NotTestable
+        Effects on which these recordings are silent, and why.
+    notes : tuple of str
+        Remarks.
+    units : mapping of str to str
+        `position` and `velocity`, as the FMU spells them.
+    cost : Cost
+        Simulations and time.
+    """
+
+    twin: str
+    findings: tuple[Finding, ...]
+    recordings: Mapping[str, RecordingFacts]
+    logged: Mapping[str, str]
+    parity_why_not: str
+    responses: tuple[ResponseSeen, ...]
+    showable: Mapping[str, Showable]
+    not_testable: tuple[NotTestable, ...]
+    notes: tuple[str, ...]
+    units: Mapping[str, str]
+    cost: Cost
+
+    @property
+    def has_reversal(self) -> bool:
+        """Without one, friction and a constant torque look alike and a gap does not show."""
+        return any(facts.reversals for facts in self.recordings.values())
+
+    def to_json(self) -> str:
+        """Return all numbers as JSON; a number that is not finite becomes null."""
+        content = {"schema": CHECK_SCHEMA, **_plain(asdict(self))}
+        return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(name): _plain(item) for name, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

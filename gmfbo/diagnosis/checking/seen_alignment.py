@@ -1,0 +1,323 @@
+"""Time shift, scale and offset of columns as they are seen against the twin, without a fit.
+
+The command is held against what the twin's controller computes from the recorded measurement: no
+plant is in that comparison, so no missing physics misleads it. It also tells whether instead the
+measurement is the column that is off, for the controller answers to that in another way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.case.held_out_split import rows_of
+from gmfbo.diagnosis.checking.result import SeenAlignment
+from gmfbo.diagnosis.locating.held_twin import HeldTwin, hold
+from gmfbo.diagnosis.locating.parities import Parities
+from gmfbo.diagnosis.locating.parity import FAILS_ABOVE, block_means
+from gmfbo.diagnosis.runs.scored_record import ScoredSignal
+
+Array = NDArray[np.float64]
+
+KINDS = ("shift", "scale", "offset")
+
+LEAST_GAIN = 0.02
+"""Share of a gain, above which another one is told from the one that was stated."""
+
+_ROUNDS = 4  # of linear steps, in which a shift of many samples is found
+_SMALL = 0.01  # change of scale, and of the range, by which the controller's answer is measured
+
+
+@dataclass(frozen=True)
+class Culprit:
+    """One error of a column or of a gain that alone explains the controller's residual.
+
+    Attributes
+    ----------
+    signal, kind : str
+        Which column, and one of `shift`, `scale`, `offset`; or which gain, and `gain`.
+    size : float
+        [s], share of the values, or [SI]; of a gain the share of it.
+    explained : float
+        Share of the squared residual that it takes away.
+    """
+
+    signal: str
+    kind: str
+    size: float
+    explained: float
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerView:
+    """The controller's residual of one recording before anything is taken out of it.
+
+    Attributes
+    ----------
+    excess : float
+        Mean square of its block means, 1 where the controller is right.
+    command, position : SeenAlignment
+        Of the command's column, and of the measurement's, each as if the other were right.
+    culprits : tuple of Culprit
+        Single errors of single columns, the one that explains most first.
+    """
+
+    excess: float
+    command: SeenAlignment
+    position: SeenAlignment
+    culprits: tuple[Culprit, ...]
+
+
+def against_twin(case: Case, record: int, place: int) -> SeenAlignment:
+    """Alignment of a column against the twin; what its parameters could change is left out.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    record, place : int
+        Which recording, and which of its signals.
+    """
+    signal = case.simulations.records[record].signals[place]
+    rows = rows_of(case, range(len(case.budget.windows)), record, place)
+    free = [column[record][place][rows] for column in case.base.columns]
+    simulated = case.base.simulated[record].signals[place]
+    return _alignment(signal, simulated, rows, free)
+
+
+def _alignment(
+    signal: ScoredSignal, simulated: Array, rows: NDArray[np.int64], free: Sequence[Array]
+) -> SeenAlignment:
+    ones = np.ones(rows.size)
+    shift, scale, offset = 0.0, 1.0, 0.0
+    left = before = _left(signal.values[rows] - simulated[rows], free)
+    for _ in range(_ROUNDS):
+        moved = np.interp(signal.time - shift, signal.time, simulated)
+        rate = np.gradient(moved, signal.spacing)[rows]
+        columns = [moved[rows], ones, -rate]
+        target = signal.values[rows] - moved[rows]
+        together = np.column_stack([*columns, *free])
+        size = np.sqrt(np.mean(together**2, axis=0))
+        size = np.where(size > 0.0, size, 1.0)
+        found = np.linalg.lstsq(together / size, target, rcond=1e-9)[0] / size
+        left = float(np.mean((target - together @ found) ** 2))
+        scale, offset = 1.0 + float(found[0]), float(found[1])
+        shift += float(found[2]) / (scale or 1.0)
+    return SeenAlignment("twin", shift, scale, offset, 1.0 - left / before if before else 0.0)
+
+
+def _left(target: Array, free: Sequence[Array]) -> float:
+    if not free:
+        return float(np.mean(target**2))
+    columns = np.column_stack(free)
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    found = np.linalg.lstsq(columns / size, target, rcond=1e-9)[0] / size
+    return float(np.mean((target - columns @ found) ** 2))
+
+
+def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
+    """Look at each recording's command; empty where the controller could not be checked.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    checked : Parities
+        Of its parts.
+    """
+    command = command_of(case)
+    if checked.controller is None or command is None or case.rig.position is None:
+        return []
+    twin = hold(case, case.base, case.rig.position)
+    computed = [run.response for run in checked.held]
+    which = "new" if command in case.simulations.new_rows else "held"
+    noise = checked.controller.noise
+    views = []
+    for k, response in enumerate(computed):
+        expected = (response.new if which == "new" else response.held)[command]
+        answers = _answers(case, twin, k, expected, which, command)
+        view = _view(case, k, command, expected, answers, noise)
+        if view.excess > FAILS_ABOVE:
+            view = _with_gains(case, twin, k, (command, which, expected), view)
+        views.append(view)
+    return views
+
+
+def _with_gains(
+    case: Case, twin: HeldTwin, k: int, told: tuple[str, str, Array], view: ControllerView
+) -> ControllerView:
+    """Add each gain of the controller to what may be wrong: its file may state another one."""
+    command, which, expected = told
+    residual, means = _residual(case, k, command, expected)
+    before = float(np.mean(residual**2))
+    point = case.base.hypothesis.point(case.base.x)
+    in_force = case.simulations.records[k].plan.experiment.parameters.in_force
+    measured = twin.recorded(k)
+    culprits = list(view.culprits)
+    for name in case.twin.file.gains:
+        value = float(in_force.get(name, case.twin.binding.nominal(name)))
+        if not value:
+            continue
+        changed = replace(point, parameters={**point.parameters, name: (1.0 + _SMALL) * value})
+        run = case.simulations.run_parity(changed, k, twin.settings, measured)
+        if run.outcome.status != "ok":
+            continue
+        answer = means((run.new if which == "new" else run.held)[command] - expected)
+        size, left = _alone(residual, answer)
+        culprits.append(Culprit(name, "gain", _SMALL * size, _explained(before, left)))
+    return replace(view, culprits=_ordered(culprits))
+
+
+def _ordered(culprits: Sequence[Culprit]) -> tuple[Culprit, ...]:
+    return tuple(sorted(culprits, key=lambda culprit: -culprit.explained))
+
+
+def _answers(
+    case: Case, twin: HeldTwin, k: int, expected: Array, which: str, command: str
+) -> dict[str, tuple[float, Array]]:
+    """Change of the computed command by each small error of the measurement, and its size."""
+    measured = twin.recorded(k)
+    step = case.twin.step
+    size = _SMALL * float(np.ptp(measured))
+    earlier = np.concatenate([measured[1:], measured[-1:]])
+    changed = {
+        # A column that is late by a step has to be read a step ahead.
+        "shift": (step, earlier),
+        "scale": (_SMALL, measured / (1.0 + _SMALL)),
+        "offset": (size * case.rig.position_to_si, measured - size),
+    }
+    answers = {}
+    for kind, (amount, column) in changed.items():
+        runs = twin.run({k: column})
+        if runs is not None:
+            after = (runs[0].new if which == "new" else runs[0].held)[command]
+            answers[kind] = (amount, expected - after)
+    return answers
+
+
+def _view(
+    case: Case,
+    k: int,
+    command: str,
+    expected: Array,
+    answers: dict[str, tuple[float, Array]],
+    noise: float,
+) -> ControllerView:
+    residual, means = _residual(case, k, command, expected)
+    grid = case.simulations.records[k].plan.grid
+    own = _aligned(grid, _recorded(case, k, command), expected, means)
+    before = float(np.mean(residual**2))
+    culprits = [
+        Culprit(command, kind, size, _explained(before, left))
+        for kind, (size, left) in own.single.items()
+    ]
+    for kind, (amount, answer) in answers.items():
+        # A reading that is too large made the controller compute `answer` too much.
+        size, left = _alone(residual, -means(answer))
+        culprits.append(
+            Culprit(case.rig.position or "", kind, amount * size, _explained(before, left))
+        )
+    seen = SeenAlignment(
+        "controller", own.shift, own.scale, own.offset, _explained(before, own.left)
+    )
+    position = _measured(residual, answers, means)
+    return ControllerView(before / noise**2, seen, position, _ordered(culprits))
+
+
+def _recorded(case: Case, k: int, command: str) -> Array:
+    record = case.simulations.records[k]
+    signal = next(s for s in record.signals if s.name == command)
+    return np.asarray(np.interp(record.plan.grid, signal.time, signal.values), dtype=np.float64)
+
+
+def _residual(
+    case: Case, k: int, command: str, expected: Array
+) -> tuple[Array, Callable[[Array], Array]]:
+    """Means of blocks of what was recorded less what was computed, and who takes such means."""
+    record = case.simulations.records[k]
+    grid = record.plan.grid
+    inside = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
+
+    def means(column: Array) -> Array:
+        return block_means(grid, np.where(inside, column, np.nan))[1]
+
+    return means(_recorded(case, k, command) - expected), means
+
+
+def _measured(
+    residual: Array,
+    answers: dict[str, tuple[float, Array]],
+    means: Callable[[Array], Array],
+) -> SeenAlignment:
+    """Errors of the measurement together that come nearest to the controller's residual."""
+    if len(answers) < len(KINDS):
+        return SeenAlignment("controller", float("nan"), float("nan"), float("nan"), 0.0)
+    columns = np.column_stack([-means(answers[kind][1]) for kind in KINDS])
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    found = np.linalg.lstsq(columns / size, residual, rcond=1e-9)[0] / size
+    shift, scale, offset = (
+        answers[kind][0] * float(share) for kind, share in zip(KINDS, found, strict=True)
+    )
+    before, left = np.mean(residual**2), np.mean((residual - columns @ found) ** 2)
+    return SeenAlignment(
+        "controller", shift, 1.0 + scale, offset, _explained(float(before), float(left))
+    )
+
+
+@dataclass(frozen=True)
+class _Aligned:
+    """The command's own errors together, and each as the only one: (size, mean square left)."""
+
+    shift: float
+    scale: float
+    offset: float
+    left: float
+    single: dict[str, tuple[float, float]]
+
+
+def _aligned(
+    grid: Array, recorded: Array, expected: Array, means: Callable[[Array], Array]
+) -> _Aligned:
+    shift = 0.0
+    scale, offset, left = 1.0, 0.0, 0.0
+    alone = 0.0
+    target = means(recorded - expected)
+    single: dict[str, tuple[float, float]] = {}
+    for _ in range(_ROUNDS):
+        moved = np.interp(grid - shift, grid, expected)
+        columns = np.column_stack(
+            [means(moved), means(np.ones(grid.size)), -means(np.gradient(moved, grid))]
+        )
+        target = means(recorded - moved)
+        found = np.linalg.lstsq(columns, target, rcond=1e-9)[0]
+        left = float(np.mean((target - columns @ found) ** 2))
+        scale, offset = 1.0 + float(found[0]), float(found[1])
+        shift += float(found[2]) / (scale or 1.0)
+    for _ in range(_ROUNDS):
+        moved = np.interp(grid - alone, grid, expected)
+        target = means(recorded - moved)
+        more, remains = _alone(target, -means(np.gradient(moved, grid)))
+        alone += more
+        single["shift"] = (alone, remains)
+    target = means(recorded - expected)
+    single["scale"] = _alone(target, means(expected))
+    single["offset"] = _alone(target, means(np.ones(grid.size)))
+    return _Aligned(shift, scale, offset, left, single)
+
+
+def _alone(target: Array, column: Array) -> tuple[float, float]:
+    """Multiple of one column that comes nearest, and the mean square that is left."""
+    square = float(column @ column)
+    size = float(column @ target) / square if square else 0.0
+    return size, float(np.mean((target - size * column) ** 2))
+
+
+def _explained(before: float, left: float) -> float:
+    return 1.0 - left / before if before else 0.0

@@ -1,0 +1,113 @@
+"""Which effects recordings could show, each recording by itself and all together, and how small."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.checking.result import Showable
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.decision_told import detectable_sizes, units_of
+from gmfbo.diagnosis.naming.threshold import LEAST_THRESHOLD
+from gmfbo.diagnosis.result.named_effect import DetectableSize, NotTestable
+from gmfbo.diagnosis.screening.probes import Probe, probes, screen
+from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
+from gmfbo.physics import CATALOGUE
+
+_CHUNK = 6  # effects' starts that are simulated between two words to the user
+_LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes; below it, it is not tested
+
+
+@dataclass(frozen=True)
+class Excited:
+    """What recordings show.
+
+    Attributes
+    ----------
+    showable : mapping of str to Showable
+        By effect.
+    not_testable : tuple of NotTestable
+        The others.
+    """
+
+    showable: Mapping[str, Showable]
+    not_testable: tuple[NotTestable, ...]
+
+
+def showable_sizes(case: Case, progress: Callable[[float], None]) -> Excited:
+    """Simulate every effect at its probing size, and scale it to what would have been named.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    progress : callable (float)
+        Told the share that is done.
+    """
+    reasons = untestable(
+        case.twin.file,
+        case.setting.excitation,
+        has_inertia=case.setting.inertia is not None,
+        is_open=case.simulations.tracking is not None,
+    )
+    library = candidates(
+        [name for name in CATALOGUE if name not in reasons], case.setting.excitation
+    )
+    tried = _probed(case, library, progress)
+    together, alike = _sizes(case, tried, None)
+    reasons |= alike
+    alone = {
+        record.name: _sizes(case, tried, k)[0] for k, record in enumerate(case.simulations.records)
+    }
+    showable = {}
+    for name, size in together.items():
+        if name in reasons:
+            continue
+        by_one = {k: own[name].size if name in own else math.inf for k, own in alone.items()}
+        # What one recording shows, it shows among others too.
+        least = min(size.size, *by_one.values())
+        floor = CATALOGUE[name].floor(case.setting.excitation)
+        showable[name] = Showable(size.parameter, size.unit, least, by_one, floor)
+    return Excited(
+        showable,
+        tuple(NotTestable(name, reasons[name]) for name in CATALOGUE if name in reasons),
+    )
+
+
+def _probed(
+    case: Case, library: Sequence[Candidate], progress: Callable[[float], None]
+) -> list[Probe]:
+    tried: list[Probe] = []
+    for first in range(0, len(library), _CHUNK):
+        progress(first / len(library))
+        tried += probes(case.misfit, case.base, library[first : first + _CHUNK])
+    return tried
+
+
+def _sizes(
+    case: Case, tried: Sequence[Probe], record: int | None
+) -> tuple[dict[str, DetectableSize], dict[str, str]]:
+    """Sizes by effect that one recording or all would show; which effects do not, and why."""
+    whiteners = case.misfit.whiteners
+    if record is not None:
+        whiteners = tuple(w for w in whiteners if w.window.record == record)
+    if not whiteners:
+        return {}, {}
+    misfit = case.misfit.with_whiteners(whiteners)
+    screened = screen(misfit, case.base.measured_by(misfit), tried, [0] * len(whiteners))
+    most: dict[str, float] = {}
+    felt: dict[str, float] = {}
+    for entry in screened:
+        name = entry.probe.candidate.effect
+        most[name] = max(most.get(name, 0.0), entry.unlike_parameters)
+        felt[name] = max(felt.get(name, 0.0), entry.information)
+    alike = {
+        name: "like [uncertain] parameters" if felt[name] > 0.0 else "changes nothing here"
+        for name, share in most.items()
+        if share < _LEAST_UNLIKE
+    }
+    seen = Decision(screened=screened, threshold=LEAST_THRESHOLD)
+    return detectable_sizes(case, seen, [], units_of(case)), alike

@@ -1,0 +1,265 @@
+"""A check in a few lines: what is wrong first, then what these recordings can show."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
+from gmfbo.plain_words import number, percent, quantity, unit_words, words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.checking.result import (
+        Check,
+        Finding,
+        RecordingFacts,
+        ResponseSeen,
+        Showable,
+    )
+
+WIDTH = 79
+
+# What drives lack most often, one of each kind; the others stand behind `every`.
+_USUAL = (
+    "coulomb_friction",
+    "load_dependent_friction",
+    "backlash",
+    "torsional_compliance",
+    "cogging_torque",
+    "torque_ripple",
+    "constant_torque_offset",
+    "actuator_saturation",
+    "actuator_lag",
+    "transport_delay",
+    "sensor_eccentricity",
+)
+_MOST_ALONE = 6  # recordings that have a column of their own
+_MOST_FINDINGS = 8
+_FAR = 20.0  # times the size that all together show: as good as never
+
+
+def check_lines(check: Check, *, every: bool = False) -> list[str]:
+    """Return lines of at most 79 characters.
+
+    Parameters
+    ----------
+    check : Check
+        What was seen.
+    every : bool
+        Tell of all findings and effects, not of the usual ones.
+    """
+    return [
+        *_findings(check, every),
+        "",
+        *_recordings(check),
+        "",
+        *_columns(check),
+        *_controller(check),
+        "",
+        *_responses(check),
+        *_sizes(check, every),
+        *_silent(check),
+        *(line for note in check.notes for line in _wrapped("note: ", note)),
+        f"cost: {check.cost.simulations} simulations in {check.cost.seconds:.1f} s",
+    ]
+
+
+def _findings(check: Check, every: bool) -> list[str]:
+    files = len(check.recordings)
+    runs = f"{files} recording{'s' if files != 1 else ''}"
+    alike = _alike(check.findings)
+    if not alike:
+        which = "it" if files == 1 else "them"
+        return [f"{check.twin}: {runs}, nothing wrong with {which} was seen"]
+    lines = [f"{check.twin}: {runs}, {len(alike)} thing{'s' if len(alike) != 1 else ''} to look at"]
+    shown = alike if every else alike[:_MOST_FINDINGS]
+    for group in shown:
+        lines += _wrapped("! ", f"{_title(group)}: {group[0].what}")
+        lines += _wrapped("  -> ", group[0].cure)
+    if len(alike) > len(shown):
+        lines.append(f"  and {len(alike) - len(shown)} more: --all")
+    return lines
+
+
+def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Findings of one kind and column, over the recordings."""
+    groups: dict[tuple[str, str], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault((finding.kind, finding.signal), []).append(finding)
+    return list(groups.values())
+
+
+def _title(group: Sequence[Finding]) -> str:
+    """Where it is wrong: "run0.csv and 2 more, torque command"."""
+    first = group[0]
+    others = len({finding.recording for finding in group}) - 1
+    place = f"{first.recording} and {others} more" if others else first.recording
+    parts = [part for part in (place, words(first.signal)) if part]
+    return ", ".join(parts) or "all recordings"
+
+
+def _wrapped(head: str, text: str) -> list[str]:
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=head,
+        subsequent_indent=" " * len(head),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _table(told: Sequence[tuple[str, ...]]) -> list[str]:
+    """First column to the left, the others to the right; long first ones are cut."""
+    rows = [(_cut(first, 30), *rest) for first, *rest in told]
+    wide = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return ["  ".join([row[0].ljust(wide[0]), *map(str.rjust, row[1:], wide[1:])]) for row in rows]
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
+def _recordings(check: Check) -> list[str]:
+    place, speed = (unit_words(check.units[key]) for key in ("position", "velocity"))
+    rows = [
+        (
+            "recording",
+            "time",
+            "up to",
+            "reversals",
+            f"position [{place}]",
+            f"speed [{speed}]",
+            "rows",
+        )
+    ]
+    for name, facts in check.recordings.items():
+        rows.append(
+            (
+                _cut(name, 16),
+                f"{number(facts.duration)} s",
+                f"{_hertz(facts.bandwidth)} Hz",
+                str(facts.reversals),
+                _range(facts.position),
+                _range(facts.speed),
+                _rows(facts),
+            )
+        )
+    return _table(rows)
+
+
+def _hertz(frequency: float) -> str:
+    return f"{frequency:.0f}" if frequency >= 10.0 else number(frequency, 2)
+
+
+def _range(ends: tuple[float, float]) -> str:
+    return " to ".join(number(end, 2) for end in ends)
+
+
+def _rows(facts: RecordingFacts) -> str:
+    step = f"{number(1e3 * facts.clock.step)} ms"
+    return step if facts.clock.jitter < 1e-3 else f"{step} +-{percent(facts.clock.jitter)}"
+
+
+def _columns(check: Check) -> list[str]:
+    """Columns that the twin is compared with: the coarsest, and the farthest off, of all files."""
+    rows = [("column", "resolution", "noise", "peak", "late ms", "scale", "logged")]
+    names = dict.fromkeys(n for f in check.recordings.values() for n in f.alignment)
+    for name in names:
+        facts = [f for f in check.recordings.values() if name in f.alignment and name in f.columns]
+        if not facts:
+            continue
+        own = [f.columns[name] for f in facts]
+        seen = [f.alignment[name] for f in facts]
+        late = max((a.shift for a in seen), key=abs)
+        scale = max((a.scale for a in seen), key=lambda s: abs(s - 1.0))
+        quantum = max(c.resolution for c in own)
+        rows.append(
+            (
+                words(name),
+                quantity(quantum, own[0].unit, 2) if quantum else "continuous",
+                quantity(max(c.noise for c in own), own[0].unit, 2),
+                _peak(max((max(abs(c.low), abs(c.high)), c.limit, c.unit) for c in own)),
+                f"{round(1e3 * late, 2) + 0.0:.2f}" if math.isfinite(late) else "-",
+                f"{scale:.3f}" if math.isfinite(scale) else "-",
+                check.logged.get(name, ""),
+            )
+        )
+    return _table(rows)
+
+
+def _peak(told: tuple[float, float | None, str]) -> str:
+    peak, limit, unit = told
+    if limit is None:
+        return quantity(peak, unit, 2)
+    return f"{number(peak, 2)} of {quantity(limit, unit, 2)}"
+
+
+def _controller(check: Check) -> list[str]:
+    if check.parity_why_not:
+        return _wrapped("controller: ", f"not checked: {check.parity_why_not}")
+    worst = max(facts.parity for facts in check.recordings.values())
+    word = "computes" if worst <= FAILS_ABOVE else "does not compute"
+    shown = f"{worst:.0f}" if worst >= 10.0 else f"{worst:.2f}"
+    excess = f"mean square {shown}, fails above {FAILS_ABOVE:g}"
+    return [f"controller: {word} what was recorded ({excess})"]
+
+
+def _responses(check: Check) -> list[str]:
+    if not check.responses:
+        return []
+    lines = []
+    for one in check.responses:
+        told = f"{words(one.source)} to {words(one.signal)}: {_response(one)}"
+        lines += _wrapped("", told)
+    return [*lines, ""]
+
+
+def _response(one: ResponseSeen) -> str:
+    low, high = one.trusted
+    if not math.isfinite(high):
+        return "the response cannot be trusted at any frequency"
+    band = f"trusted from {_hertz(low)} to {_hertz(high)} Hz, twin "
+    if not one.apart:
+        return f"{band}agrees within noise"
+    return f"{band}{percent(one.apart)} apart at {_hertz(one.apart_at)} Hz"
+
+
+def _sizes(check: Check, every: bool) -> list[str]:
+    chosen = [n for n in check.showable if every or n in _USUAL]
+    if not chosen:
+        return []
+    names = list(check.recordings)
+    own = names if len(names) <= _MOST_ALONE else []
+    rows = [("smallest size that would show", "together", *(_cut(n, 10) for n in own))]
+    for name in chosen:
+        size = check.showable[name]
+        rows.append(
+            (
+                words(name),
+                quantity(size.together, size.unit, 2),
+                *(_times(size, n) for n in own),
+            )
+        )
+    lines = _table(rows)
+    more = len(check.showable) - len(chosen)
+    return [*lines, f"and {more} more effects: --all"] if more else lines
+
+
+def _times(size: Showable, recording: str) -> str:
+    """How many times as large it would have to be for one recording alone to show it."""
+    ratio = size.alone.get(recording, math.inf) / size.together
+    return f"x{ratio:.1f}" if ratio < _FAR else "-"
+
+
+def _silent(check: Check) -> list[str]:
+    entries = check.not_testable
+    if not entries:
+        return []
+    reasons: dict[str, list[str]] = {}
+    for entry in entries:
+        reasons.setdefault(entry.why, []).append(words(entry.name))
+    told = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
+    return _wrapped("cannot show: ", told)

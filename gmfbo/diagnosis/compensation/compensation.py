@@ -1,0 +1,113 @@
+"""From a diagnosis to what a drive can add so that the left-out physics is cancelled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from gmfbo.diagnosis.compensation.laws import ADVICE, REST_SHARE, Ground, compensating_tables
+from gmfbo.diagnosis.compensation.table import Compensation, CompensationTable, NotCompensated
+from gmfbo.diagnosis.diagnosis import Diagnosis
+from gmfbo.diagnosis.result.named_effect import NamedEffect
+from gmfbo.diagnosis.result.predictions import Predictions, Span
+from gmfbo.errors import InputError
+from gmfbo.plain_words import words
+
+
+def compensation_of(
+    diagnosis: Diagnosis, name: str, smoothing: float | None = None
+) -> Compensation:
+    """Turn what a diagnosis named into tables that a drive can look up.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What is missing from the twin, and so what the axis has beyond it.
+    name : str
+        Of the diagnosis, for the header: its folder.
+    smoothing : float, optional
+        [velocity] Within which the sign of the velocity rises from -1 to 1; 1 % of the fastest
+        recorded motion unless given.
+
+    Returns
+    -------
+    Compensation
+        At least one table.
+
+    Raises
+    ------
+    InputError
+        Nothing was found that a feed-forward cancels, or the diagnosis is of an older version.
+    """
+    told = diagnosis.predictions
+    if told is None:
+        raise InputError(
+            f"{name}: expected a diagnosis that holds 'predictions', which this older one does "
+            "not; diagnose again"
+        )
+    if smoothing is not None and not (np.isfinite(smoothing) and smoothing > 0.0):
+        raise InputError(f"--smoothing: expected a velocity above zero, got {smoothing:g}")
+    ground = _ground(told.spans, smoothing)
+    tables: list[CompensationTable] = []
+    left: list[NotCompensated] = []
+    for effect in diagnosis.effects:
+        found = compensating_tables(effect.name, _values(effect, told), ground)
+        tables += found
+        if not found:
+            left.append(NotCompensated(effect.name, ADVICE.get(effect.name, "tune with it")))
+    tables += _unnamed(diagnosis, ground)
+    if not tables:
+        raise InputError(_nothing(diagnosis, name, left))
+    return Compensation(name, tuple(tables), tuple(left), ground.units, _remarks(diagnosis))
+
+
+def _ground(spans: Mapping[str, Span], smoothing: float | None) -> Ground:
+    speed = max(abs(spans["velocity"].low), abs(spans["velocity"].high), 1e-12)
+    units = {name: span.unit for name, span in spans.items()}
+    units |= {"reference": units["position"], "acceleration": f"{units['position']}/s2"}
+    return Ground(spans, smoothing or REST_SHARE * speed, units)
+
+
+def _values(effect: NamedEffect, told: Predictions) -> dict[str, float]:
+    """Identified values, and those that were fixed beside them."""
+    head = f"{effect.name}."
+    fixed = {
+        name.removeprefix(head): value
+        for name, value in told.explanations[0].physics.items()
+        if name.startswith(head)
+    }
+    return {**fixed, **{name: one.value for name, one in effect.parameters.items()}}
+
+
+def _unnamed(diagnosis: Diagnosis, ground: Ground) -> list[CompensationTable]:
+    """The inferred curve, where no law of the library explains the recordings."""
+    shape = diagnosis.shape
+    if shape is None or shape.port != "torque" or shape.against not in ("velocity", "position"):
+        return []
+    x, first = np.unique(np.asarray(shape.x, dtype=np.float64), return_index=True)
+    y = -np.asarray(shape.y, dtype=np.float64)[first]
+    known = np.isfinite(x) & np.isfinite(y)
+    table = ground.table("inferred_curve", "torque", shape.against, x[known], y[known])
+    told = "a curve that was inferred, no law: look at its band in the report first"
+    return [replace(table, unit_x=shape.unit_x, unit_y=shape.unit_y, remark=told)]
+
+
+def _remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
+    return tuple(
+        f"{words(effect.name)} cannot be told from "
+        f"{words(', '.join(effect.indistinguishable_from))}: this cancels the former"
+        for effect in diagnosis.effects
+        if effect.indistinguishable_from
+    )
+
+
+def _nothing(diagnosis: Diagnosis, name: str, left: list[NotCompensated]) -> str:
+    expected = f"{name}: expected a diagnosis of something that a feed-forward can cancel, "
+    if left:
+        told = "; ".join(f"{words(entry.effect)}: {entry.advice}" for entry in left)
+        return f"{expected}it named only {told}"
+    if diagnosis.verdict == "outside_library":
+        return f"{expected}it found physics outside the library that is no function of one state"
+    return f"{expected}it named nothing; use the twin's parameters as they were refitted"

@@ -1,0 +1,97 @@
+"""Explanations of an earlier diagnosis, to be simulated along other recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
+from gmfbo.diagnosis.naming.open_explanations import as_candidate
+from gmfbo.diagnosis.result.predictions import Explanation
+from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.errors import InputError
+from gmfbo.physics import CATALOGUE
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.uncertain import uncertain_of
+
+
+def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -> Fitted:
+    """Return a hypothesis at exactly the values of an explanation; nothing is simulated.
+
+    Parameters
+    ----------
+    explanation : Explanation
+        Of an earlier diagnosis.
+    setting : Setting
+        Of the recordings that are simulated now.
+    twin : FmuTwin
+        The same twin as then.
+
+    Raises
+    ------
+    InputError
+        The explanation is of another twin, or of a later version.
+    """
+    check_known(explanation, twin)
+    effects = tuple(
+        as_candidate(name, explanation.physics)
+        for name in explanation.effects
+        if any(key.startswith(f"{name}.") for key in explanation.physics)
+    )
+    hypothesis = Hypothesis(replace(setting, uncertain=uncertain_of(twin)), effects)
+    values = [explanation.parameters.get(u.name, u.nominal) for u in hypothesis.setting.uncertain]
+    for candidate in effects:
+        values += [candidate.values[p.name] for p in candidate.parameters]
+    return Fitted(hypothesis, np.array(values, dtype=np.float64), [], (), (), [])
+
+
+def check_known(explanation: Explanation, twin: FmuTwin) -> None:
+    """Refuse an explanation that this twin cannot be simulated with.
+
+    Parameters
+    ----------
+    explanation : Explanation
+        Of a diagnosis.
+    twin : FmuTwin
+        The twin.
+
+    Raises
+    ------
+    InputError
+        A parameter or an effect is unknown here.
+    """
+    for name in explanation.parameters:
+        if name not in twin.file.uncertain:
+            raise InputError(
+                f"the diagnosis is of another twin than {twin.name}: expected '{name}' under "
+                "[uncertain]; give the twin file that was diagnosed"
+            )
+    for name in explanation.effects:
+        if name not in CATALOGUE:
+            raise InputError(
+                f"the diagnosis names '{name}', which this version does not know; diagnose again"
+            )
+
+
+def points_of(
+    explanations: Sequence[Explanation], setting: Setting, twin: FmuTwin
+) -> dict[str, Point]:
+    """Values of twin and physics under each explanation, by its name.
+
+    Parameters
+    ----------
+    explanations : sequence of Explanation
+        Of an earlier diagnosis.
+    setting : Setting
+        Of the recordings that are simulated now.
+    twin : FmuTwin
+        The same twin as then.
+    """
+    points = {}
+    for explanation in explanations:
+        fitted = fitted_as_saved(explanation, setting, twin)
+        points[explanation.name] = fitted.hypothesis.point(fitted.x)
+    return points

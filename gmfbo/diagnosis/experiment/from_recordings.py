@@ -1,0 +1,208 @@
+"""The recording that would tell rivals apart, or show what was not excited."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.experiment.menu_runs import (
+    Menu,
+    Played,
+    distance,
+    make_menu,
+    play,
+    playing,
+    reference_input,
+    whitener_of,
+)
+from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.result.next_experiment import NextExperiment
+from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
+from gmfbo.physics import CATALOGUE, Excitation, States
+from gmfbo.plain_words import words
+from gmfbo.recordings.writing.writer import write_recording
+
+FILE_NAME = "next.csv"
+
+
+def propose(
+    case: Case, rivals: Sequence[Fitted], threshold: float, folder: Path | None = None
+) -> NextExperiment | None:
+    """Choose the reference on which rivals differ most after each is refitted.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    rivals : sequence of Fitted
+        Hypotheses that the recordings cannot tell apart, likeliest first.
+    threshold : float
+        Distance above which two are told apart.
+    folder : Path or None
+        Where `next.csv` is written; None writes nothing.
+
+    Returns
+    -------
+    NextExperiment or None
+        None where there are no two rivals or no reference that a drive could play.
+    """
+    reference = reference_input(case)
+    if reference is None or len(rivals) < 2:
+        return None
+    menu = make_menu(case, rivals[0], reference)
+    names = rival_names(rivals)
+    with playing(case, menu):
+        played = [play(case, rival) for rival in rivals] if menu.entries else []
+        runs = {n: p for n, p in zip(names, played, strict=False) if p is not None}
+        if len(runs) < 2:
+            return None
+        distances = [_distances(case, menu, entry, runs) for entry in range(len(menu.entries))]
+        best = max(range(len(distances)), key=lambda e: _worth(distances[e], threshold))
+        told = {
+            name: predicted_outcome(case, menu.records[best], name, best, runs) for name in runs
+        }
+    choice = _Choice(menu, best, distances[best], threshold, folder)
+    return choice.telling_apart(told) if choice.apart else choice.in_vain(told)
+
+
+def propose_for(
+    case: Case, base: Fitted, effects: Sequence[str], folder: Path | None = None
+) -> NextExperiment | None:
+    """Choose the reference that excites most of the effects that were not excited.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    base : Fitted
+        The model that predicts how the axis will move.
+    effects : sequence of str
+        Names in the catalogue.
+    folder : Path or None
+        Where `next.csv` is written; None writes nothing.
+
+    Returns
+    -------
+    NextExperiment or None
+        None where there is nothing to excite or no reference that a drive could play.
+    """
+    reference = reference_input(case)
+    if reference is None or not effects:
+        return None
+    menu = make_menu(case, base, reference)
+    if not menu.entries:
+        return None
+    with playing(case, menu):
+        runs = case.simulations.run([base.hypothesis.quiet.point(base.x)])[0]
+        shown = []
+        for record, run in zip(menu.records, runs, strict=True):
+            excitation = _with_entry(
+                case.setting.excitation, states_of(run, record), finite=run.finite
+            )
+            shown.append([n for n in effects if CATALOGUE[n].not_excited(excitation) is None])
+    best = max(range(len(shown)), key=lambda e: len(shown[e]))
+    if not shown[best]:
+        why = "; ".join(
+            f"{words(n)}: {CATALOGUE[n].not_excited(case.setting.excitation)}" for n in effects
+        )
+        said = f"no reference within the recorded range and speed excites them: {why}"
+        return NextExperiment("", (), 0.0, 0.0, {}, said)
+    listed = ", ".join(words(name) for name in shown[best])
+    why = f"{menu.entries[best].words}, played twice, excites what was not: {listed}"
+    return NextExperiment(_write(menu, best, folder), tuple(shown[best]), 0.0, 0.0, {}, why)
+
+
+def rival_names(rivals: Sequence[Fitted]) -> list[str]:
+    """Name of each rival: its effects, or `parameters` where it has none; each name once."""
+    names: list[str] = []
+    for rival in rivals:
+        effects = [candidate.effect for candidate in rival.hypothesis.effects]
+        name = " + ".join(effects) or "parameters"
+        alike = sum(other.partition(" (")[0] == name for other in names)
+        names.append(f"{name} ({alike + 1})" if alike else name)
+    return names
+
+
+def _distances(
+    case: Case, menu: Menu, entry: int, runs: Mapping[str, Played]
+) -> dict[tuple[str, str], float]:
+    """Smaller of the two distances of each pair: either may be the truth."""
+    first = next(iter(runs.values()))
+    whitener = whitener_of(case, menu, entry, first.simulated[entry])
+    return {
+        (a, b): min(
+            distance(whitener, runs[a], runs[b], entry),
+            distance(whitener, runs[b], runs[a], entry),
+        )
+        for a, b in combinations(runs, 2)
+    }
+
+
+def _worth(distances: Mapping[tuple[str, str], float], threshold: float) -> tuple[int, float]:
+    """More pairs told apart first, then the surest margin among them, or the largest at all."""
+    enough = [d for d in distances.values() if d >= threshold]
+    return len(enough), min(enough) if enough else max(distances.values())
+
+
+def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Excitation:
+    """What the recordings would show together with one entry of the menu."""
+    if not finite:
+        return excitation
+    speed = float(np.quantile(np.abs(states.velocity), 0.995))
+    duration = float(states.time[-1] - states.time[0])
+    return replace(
+        excitation,
+        reversals=excitation.reversals + reversals(states),
+        stroke=max(excitation.stroke, float(np.ptp(states.position))),
+        speed=max(excitation.speed, speed),
+        duration=max(excitation.duration, duration),
+        total=excitation.total + duration,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Choice:
+    """The best entry of a menu, and what it does to the rivals."""
+
+    menu: Menu
+    entry: int
+    distances: Mapping[tuple[str, str], float]
+    threshold: float
+    folder: Path | None
+
+    @property
+    def apart(self) -> dict[tuple[str, str], float]:
+        """Pairs that it tells apart."""
+        return {pair: d for pair, d in self.distances.items() if d >= self.threshold}
+
+    def telling_apart(self, told: Mapping[str, str]) -> NextExperiment:
+        names = tuple(n for n in told if any(n in pair for pair in self.apart))
+        entry = self.menu.entries[self.entry]
+        why = f"{entry.words}, played twice, is where they differ most on the menu"
+        together = [f"{a} and {b}" for a, b in self.distances if (a, b) not in self.apart]
+        if together:
+            why += f"; it does not tell apart {words('; '.join(together))}"
+        nearest = min(self.apart.values())
+        file = _write(self.menu, self.entry, self.folder)
+        return NextExperiment(file, names, nearest, self.threshold, told, why)
+
+    def in_vain(self, told: Mapping[str, str]) -> NextExperiment:
+        largest = max(self.distances.values())
+        entry = self.menu.entries[self.entry]
+        why = (
+            "no experiment on the menu separates them: the largest predicted distance is "
+            f"{largest:.3g} with {entry.words}, {self.threshold:.3g} would be needed"
+        )
+        return NextExperiment("", (), largest, self.threshold, told, why)
+
+
+def _write(menu: Menu, entry: int, folder: Path | None) -> str:
+    if folder is not None:
+        write_recording(menu.references[entry], Path(folder) / FILE_NAME)
+    return FILE_NAME

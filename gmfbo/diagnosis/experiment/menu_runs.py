@@ -1,0 +1,275 @@
+"""References of the menu made ready to be simulated and compared, in place of the recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.experiment.reference_menu import MenuEntry, RecordedLimits, reference_menu
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.noise.replayed_noise import without_noise
+from gmfbo.diagnosis.runs.scored_record import Record, ScoredSignal
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.scoring.noise_levels import tolerance_covariance, white_covariance
+from gmfbo.diagnosis.scoring.nuisances import record_directions
+from gmfbo.diagnosis.scoring.whitening import Whitener, make_window
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+
+_MOVES = 0.99  # of a reference's power lies below its bandwidth
+_JUMP = 20.0  # times the fastest motion: what moves faster in one sample is a step
+
+
+@dataclass(frozen=True, eq=False)
+class Menu:
+    """References of the menu as if they had been recorded.
+
+    Attributes
+    ----------
+    entries : tuple of MenuEntry
+        What is on it.
+    references : tuple of Recording
+        The same as files would hold them.
+    records : tuple of Record
+        With the signals that recordings hold.
+    """
+
+    entries: tuple[MenuEntry, ...]
+    references: tuple[Recording, ...]
+    records: tuple[Record, ...]
+
+
+def reference_input(case: Case) -> str | None:
+    """Input that the controller follows: in the position's unit or in none; None where none is."""
+    if case.simulations.tracking is not None or case.rig.position is None:
+        return None
+    binding = case.twin.binding
+    inputs, outputs = binding.file.inputs, binding.file.outputs
+    unit = binding.variables[outputs[case.rig.position].variable].variable.si_unit
+    alike = [
+        name
+        for name, entry in inputs.items()
+        if binding.variables[entry.variable].variable.si_unit in (unit, "", "1")
+    ]
+    held = [n for n in alike if n in case.simulations.records[0].plan.recording.signals]
+    return "reference" if "reference" in held else next(iter(held), None)
+
+
+def recorded_limits(case: Case, base: Fitted, reference: str) -> RecordedLimits:
+    """Range, speed, acceleration and bandwidth of what was recorded.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    base : Fitted
+        The model that moves as they do; without the encoder's noise.
+    reference : str
+        Input that the controller follows.
+    """
+    speeds, accelerations, bands, columns = [], [], [], []
+    simulated = without_noise(case.simulations, base).simulated
+    for record, run in zip(case.simulations.records, simulated, strict=True):
+        grid = record.plan.grid
+        velocity = np.gradient(run.response.held[case.rig.position or ""], grid)
+        speeds.append(float(np.quantile(np.abs(velocity), 0.995)))
+        accelerations.append(float(np.quantile(np.abs(np.gradient(velocity, grid)), 0.99)))
+        column = record.plan.experiment.inputs[reference]
+        columns.append(column)
+        bands.append(_bandwidth(column, grid))
+    speed = max(speeds)
+    first = case.simulations.records[0].plan.grid
+    spacing = float(first[1] - first[0])
+    return RecordedLimits(
+        start=float(columns[0][0]),
+        low=min(float(c.min()) for c in columns),
+        high=max(float(c.max()) for c in columns),
+        speed=speed,
+        acceleration=max(accelerations),
+        bandwidth=max(bands),
+        duration=case.setting.excitation.duration,
+        step=_largest_step(columns, _JUMP * speed * spacing),
+        spacing=spacing,
+    )
+
+
+def _bandwidth(column: NDArray[np.float64], grid: NDArray[np.float64]) -> float:
+    """Frequency [Hz] below which a reference has almost all of its power."""
+    power = np.abs(np.fft.rfft((column - column.mean()) * np.hanning(column.size))) ** 2
+    total = np.cumsum(power)
+    place = int(np.searchsorted(total, _MOVES * total[-1])) + 1
+    return place / float(grid[-1] - grid[0])
+
+
+def _largest_step(columns: Sequence[NDArray[np.float64]], least: float) -> float:
+    """Largest jump within one sample from where the reference starts; 0 where there is none."""
+    jumps = np.concatenate([np.diff(column) for column in columns])
+    largest = float(jumps[int(np.argmax(np.abs(jumps)))])
+    start = float(columns[0][0])
+    inside = min(c.min() for c in columns) <= start + largest <= max(c.max() for c in columns)
+    return largest if abs(largest) > least and inside else 0.0
+
+
+def make_menu(case: Case, base: Fitted, reference: str) -> Menu:
+    """Lay the references that are safe for this axis on the communication grid.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    base : Fitted
+        About which limits are read.
+    reference : str
+        Input that the controller follows.
+    """
+    limits = recorded_limits(case, base, reference)
+    if limits.stroke <= 0.0 or limits.speed <= 0.0 or limits.acceleration <= 0.0:
+        return Menu((), (), ())
+    entries = reference_menu(limits)
+    like = case.simulations.records[0]
+    references = tuple(_as_recording(case, like, reference, entry, limits) for entry in entries)
+    with AugmentedTwin(case.twin, substeps=case.substeps) as simulator:
+        records = tuple(_as_record(simulator, like, recording) for recording in references)
+    return Menu(entries, references, records)
+
+
+def _as_recording(
+    case: Case, like: Record, reference: str, entry: MenuEntry, limits: RecordedLimits
+) -> Recording:
+    """A file to play: the reference moves, other inputs stay as they began."""
+    time = np.arange(entry.values.size, dtype=np.float64) * limits.spacing
+    signals = {
+        name: entry.values if name == reference else np.full(time.size, column[0])
+        for name, column in like.plan.experiment.inputs.items()
+    }
+    binding = case.twin.binding
+    units = {
+        name: binding.variables[binding.file.inputs[name].variable].variable.si_unit
+        for name in signals
+    }
+    return Recording(
+        time=time,
+        signals=signals,
+        units=units,
+        name=f"{entry.name}.csv",
+        parameters=like.plan.recording.parameters,
+    )
+
+
+def _as_record(simulator: AugmentedTwin, like: Record, recording: Recording) -> Record:
+    plan = simulator.plan(recording, {})
+    start, end = float(recording.time[0]), float(recording.time[-1])
+    signals = []
+    for signal in like.signals:
+        rows = int((end - start) / signal.spacing) + 1
+        time = start + signal.spacing * np.arange(rows, dtype=np.float64)
+        signals.append(ScoredSignal(signal.name, time, np.zeros(rows), signal.resolution))
+    return Record(recording.name, plan, tuple(signals), start, end)
+
+
+@contextmanager
+def playing(case: Case, menu: Menu) -> Iterator[None]:
+    """Let the simulators of a case play the menu for a while."""
+    recorded = case.simulations.records
+    case.simulations.replace_records(menu.records)
+    try:
+        yield
+    finally:
+        case.simulations.replace_records(recorded)
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """A rival on the menu.
+
+    Attributes
+    ----------
+    simulated : list of Simulated
+        Each entry.
+    columns : list
+        Change of the signals per unit of each free parameter, as in Fitted.
+    """
+
+    simulated: list[Simulated]
+    columns: list[list[tuple[NDArray[np.float64], ...]]]
+
+
+def play(case: Case, rival: Fitted) -> Played | None:
+    """Simulate the menu under a rival and its neighbours; None where a run ends early.
+
+    Parameters
+    ----------
+    case : Case
+        Whose simulators play the menu now.
+    rival : Fitted
+        A hypothesis with its values.
+    """
+    hypothesis = rival.hypothesis.quiet
+    simulated = case.simulations.run([hypothesis.point(rival.x)])[0]
+    if not all(run.finite for run in simulated):
+        return None
+    unscored = Misfit(case.simulations, ())
+    columns = unscored.sensitivities(
+        hypothesis, rival.x, simulated, range(rival.x.size), parallel=True
+    )
+    return Played(simulated, columns)
+
+
+def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whitener:
+    """Measure differences on one entry in noise, tolerance and the nuisances of every rig.
+
+    Parameters
+    ----------
+    case : Case
+        Whose simulators play the menu now.
+    menu : Menu
+        What is played.
+    entry : int
+        Which reference.
+    simulated : Simulated
+        The same, simulated.
+    """
+    record = menu.records[entry]
+    rows = [slice(0, s.values.size) for s in record.signals]
+    window = make_window(entry, [s.spacing for s in record.signals], rows)
+    values = zip(record.signals, simulated.signals, strict=True)
+    seen = replace(record, signals=tuple(replace(s, values=v) for s, v in values))
+    variances = [case.noise[s.name].total ** 2 for s in record.signals]
+    covariance = white_covariance(window, variances)
+    covariance = covariance + tolerance_covariance(window, seen, case.rig.positions)
+    own = record_directions(record, simulated, case.rig.alignments)
+    return Whitener(window, covariance).without(own)
+
+
+def distance(whitener: Whitener, true: Played, other: Played, entry: int) -> float:
+    """Square of what the other rival cannot follow, however its parameters are refitted.
+
+    Parameters
+    ----------
+    whitener : Whitener
+        Of the entry.
+    true, other : Played
+        What happens, and what is fitted to it.
+    entry : int
+        Which reference.
+    """
+    apart = [
+        a - b
+        for a, b in zip(true.simulated[entry].signals, other.simulated[entry].signals, strict=True)
+    ]
+    target = whitener.whiten(apart)
+    if not other.columns:
+        return float(target @ target)
+    own = [np.stack(list(s)) for s in zip(*(c[entry] for c in other.columns), strict=True)]
+    matrix = np.nan_to_num(whitener.whiten(own)).T
+    size = np.linalg.norm(matrix, axis=0)
+    matrix = matrix[:, size > 0.0] / size[size > 0.0]
+    best = np.linalg.lstsq(matrix, target, rcond=1e-8)[0]
+    left = target - matrix @ best
+    return float(left @ left)

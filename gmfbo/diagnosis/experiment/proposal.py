@@ -1,0 +1,52 @@
+"""What an experiment would be, within limits: the file, what it shows, and what is predicted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from gmfbo.diagnosis.experiment.play_limits import PlayLimits
+from gmfbo.diagnosis.experiment.safe_player import Peaks
+from gmfbo.diagnosis.result.named_effect import DetectableSize, NotTestable
+from gmfbo.recordings.recording import Recording
+
+
+@dataclass(frozen=True, eq=False)
+class ProposedExperiment:
+    """The next reference, within limits.
+
+    Attributes
+    ----------
+    recording : Recording
+        What a drive plays.
+    words : str
+        What it is: "a slow triangle, then a chirp".
+    limits : PlayLimits
+        That were given.
+    peaks : Peaks
+        How far the axis goes in simulation, at the twin's values and under each explanation.
+    shows : mapping of str to DetectableSize
+        Smallest size of each effect that it would show.
+    hidden : tuple of NotTestable
+        Effects that it does not show, and why.
+    wanted : tuple of str
+        Effects for which it was chosen; empty where for all.
+    rivals : tuple of str
+        Explanations that it was chosen to tell apart; fewer than two where there are none.
+    distance, threshold : float
+        Least predicted chi2 between two of them after each is refitted, and what it takes.
+    predicted : mapping of str to str
+        What would be seen under each explanation.
+    """
+
+    recording: Recording
+    words: str
+    limits: PlayLimits
+    peaks: Peaks
+    shows: Mapping[str, DetectableSize]
+    hidden: tuple[NotTestable, ...]
+    wanted: tuple[str, ...]
+    rivals: tuple[str, ...]
+    distance: float
+    threshold: float
+    predicted: Mapping[str, str]

@@ -1,0 +1,356 @@
+"""Choosing the next experiment within limits, from the twin alone or to settle a diagnosis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from itertools import combinations, combinations_with_replacement
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.checking.nominal_case import open_nominal
+from gmfbo.diagnosis.checking.showable_sizes import Excited, showable_sizes
+from gmfbo.diagnosis.diagnosis import Diagnosis
+from gmfbo.diagnosis.experiment.explained_twin import fitted_as_saved, points_of
+from gmfbo.diagnosis.experiment.menu_runs import Menu, Played, play, playing, whitener_of
+from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
+from gmfbo.diagnosis.experiment.play_limits import PlayLimits
+from gmfbo.diagnosis.experiment.play_patterns import play_patterns
+from gmfbo.diagnosis.experiment.played_input import played_input
+from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
+from gmfbo.diagnosis.experiment.reference_menu import MenuEntry
+from gmfbo.diagnosis.experiment.safe_player import Peaks, SafePlayer
+from gmfbo.diagnosis.naming.threshold import LEAST_THRESHOLD
+from gmfbo.diagnosis.result.named_effect import DetectableSize
+from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation
+from gmfbo.diagnosis.runs.scored_record import scored_record
+from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.diagnosis.scoring.whitening import Whitener
+from gmfbo.errors import InputError, SimulationError
+from gmfbo.plain_words import NOT_EXCITED
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.version import __version__
+
+Progress = Callable[[str, float], None]
+Pair = tuple[int, int]
+
+POSITION_NOISE, OTHER_NOISE = 1e-4, 2e-3
+"""Of a signal's range: noise that is assumed where no diagnosis has measured it."""
+
+_SUBSTEPS = 5  # of a communication step, where only limits are checked
+_UNSEEN = 100.0  # times the smallest size: what an effect that is not shown counts as
+
+
+def propose_experiment(
+    twin: FmuTwin,
+    limits: PlayLimits,
+    diagnosis: Diagnosis | None = None,
+    *,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> ProposedExperiment:
+    """Choose what to play next: two patterns of the menu, one after the other.
+
+    Without a diagnosis, those that show most effects, at the smallest sizes. With one that left
+    rivals, those on which the rivals differ most after each is refitted; with one that did not,
+    those that show best what was not excited.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The twin.
+    limits : PlayLimits
+        Of the axis.
+    diagnosis : Diagnosis, optional
+        Of earlier recordings.
+    seed : int
+        Of the noise.
+    jobs : int, optional
+        Simulations at a time; one a processor unless given.
+    progress : callable (str, float), optional
+        Told the stage and the share that is done.
+
+    Raises
+    ------
+    InputError
+        No reference keeps the limits, or the diagnosis is of another twin.
+    SimulationError
+        The twin cannot follow what would be played.
+    """
+    told = progress or _silent
+    explanations = _explanations(diagnosis)
+    points = [Point(), *(Point(e.parameters, e.physics) for e in explanations)]
+    played = played_input(twin)
+    with SafePlayer(twin, played, limits, _SUBSTEPS, points) as player:
+        told("keeping the limits", 0.02)
+        patterns = _playable(player, limits)
+        records = [player.reference(column, entry.name) for entry, column in patterns]
+        noisy = _as_recorded(twin, records, diagnosis, np.random.default_rng(seed))
+        told("running the patterns", 0.1)
+        case = open_nominal(twin, noisy, seed=seed, jobs=jobs, on_run=lambda: None).case
+        try:
+            choice = _Choice(case, [entry for entry, _ in patterns], diagnosis, explanations, told)
+            first, second = choice.best
+            motion = np.concatenate([patterns[first][0].values, patterns[second][0].values])
+            column = np.concatenate([patterns[first][1], patterns[second][1]])
+            peaks = player.peaks(motion, column)
+            if peaks.excess(limits, float(motion[0])) > 1.0:
+                # One after the other they go a little further than each by itself.
+                motion, column, peaks, _ = player.shrunk(motion)
+            told("predicting", 0.95)
+            recording = player.reference(column, "next.csv")
+            return choice.proposed(recording, limits, peaks)
+        finally:
+            case.simulations.close()
+
+
+def _silent(stage: str, share: float) -> None:
+    """Tell nobody."""
+
+
+def _explanations(diagnosis: Diagnosis | None) -> tuple[Explanation, ...]:
+    if diagnosis is None:
+        return ()
+    if diagnosis.predictions is None:
+        raise InputError(
+            "expected a diagnosis that holds 'predictions', which this older one does not; "
+            "diagnose again"
+        )
+    return diagnosis.predictions.explanations
+
+
+def _playable(
+    player: SafePlayer, limits: PlayLimits
+) -> list[tuple[MenuEntry, NDArray[np.float64]]]:
+    """Patterns as the axis can be moved through them, with the columns to play."""
+    start = player.start
+    if not limits.low <= start <= limits.high:
+        raise InputError(
+            f"{player.twin.name} stands at {start:g} and the limits of the position are "
+            f"{limits.low:g} to {limits.high:g}; widen them, or let the twin start within"
+        )
+    found: list[tuple[MenuEntry, NDArray[np.float64]]] = []
+    why: InputError | None = None
+    for entry in play_patterns(limits, start, player.spacing):
+        try:
+            motion, column, _, _ = player.shrunk(entry.values)
+        except InputError as error:
+            why = error
+            continue
+        found.append((replace(entry, values=motion), column))
+    if not found:
+        assert why is not None, "there is at least one pattern"
+        raise why
+    return found
+
+
+def _as_recorded(
+    twin: FmuTwin,
+    references: Sequence[Recording],
+    diagnosis: Diagnosis | None,
+    rng: np.random.Generator,
+) -> list[Recording]:
+    """What a logger would store if the axis were its twin: the patterns, with noise."""
+    told = None if diagnosis is None else diagnosis.predictions
+    known = {} if told is None else told.noise
+    recordings = []
+    for reference in references:
+        run = twin.run({}, reference)
+        if run.status != "ok":
+            raise SimulationError(f"{twin.name}: cannot follow {reference.name}: {run.message}")
+        signals = dict(run.signals)
+        for name in twin.file.outputs:
+            share = POSITION_NOISE if run.units.get(name) in ("rad", "m") else OTHER_NOISE
+            size = known.get(name, math.nan)
+            size = size if math.isfinite(size) else share * float(np.ptp(signals[name]))
+            signals[name] = signals[name] + size * rng.standard_normal(run.time.size)
+        recordings.append(
+            Recording(
+                time=run.time,
+                signals=signals,
+                units=run.units,
+                name=reference.name,
+                written_by=__version__,
+            )
+        )
+    return recordings
+
+
+class _Choice:
+    """Which two patterns, and what comes of them."""
+
+    def __init__(
+        self,
+        case: Case,
+        entries: Sequence[MenuEntry],
+        diagnosis: Diagnosis | None,
+        explanations: Sequence[Explanation],
+        progress: Progress,
+    ) -> None:
+        self.case, self.entries, self.explanations = case, tuple(entries), tuple(explanations)
+        self.progress = progress
+        named = [e for e in explanations if e.name != PARAMETERS_ONLY]
+        self.rivals = tuple(named) if len(named) > 1 else ()
+        self.threshold = LEAST_THRESHOLD
+        if diagnosis is not None and diagnosis.predictions is not None:
+            self.threshold = max(self.threshold, diagnosis.predictions.threshold)
+        self.excited = showable_sizes(
+            case, lambda share: progress("screening the library", 0.2 + 0.6 * share)
+        )
+        self.wanted = _wanted(diagnosis, self.excited)
+        self.distances: dict[Pair, float] = {}
+        pairs = list(combinations_with_replacement(range(len(self.entries)), 2))
+        if self.rivals:
+            progress("playing the rivals", 0.82)
+            self.distances = self._distances(pairs)
+            self.best = max(pairs, key=lambda pair: self.distances[pair])
+        else:
+            self.best = min(pairs, key=self._badness)
+
+    @property
+    def words(self) -> str:
+        """What is played."""
+        first, second = (self.entries[place].words for place in self.best)
+        return f"{first}, played twice" if first == second else f"{first}, then {second}"
+
+    def proposed(
+        self, recording: Recording, limits: PlayLimits, peaks: Peaks
+    ) -> ProposedExperiment:
+        """Gather what comes of the best two patterns."""
+        sizes = {name: self._size(name, self.best) for name in self.excited.showable}
+        shows = {
+            name: DetectableSize(
+                self.excited.showable[name].parameter, size, self.excited.showable[name].unit
+            )
+            for name, size in sizes.items()
+            if math.isfinite(size)
+        }
+        return ProposedExperiment(
+            recording=recording,
+            words=self.words,
+            limits=limits,
+            peaks=peaks,
+            shows=shows,
+            hidden=self.excited.not_testable,
+            wanted=tuple(name for name in self.wanted if name in shows),
+            rivals=tuple(e.name for e in self.rivals),
+            distance=self.distances.get(self.best, math.nan),
+            threshold=self.threshold,
+            predicted=self._predicted(recording),
+        )
+
+    # ---- what it shows -----------------------------------------------------------------------
+
+    def _size(self, name: str, pair: Pair) -> float:
+        """Smallest size that two patterns show: what each tells adds up."""
+        seen = self.excited.showable[name]
+        records = self.case.simulations.records
+        alone = [seen.alone.get(records[place].name, math.inf) for place in pair]
+        told = sum(size**-2.0 for size in alone if math.isfinite(size) and size > 0.0)
+        return max(told**-0.5, seen.floor) if told > 0.0 else math.inf
+
+    def _badness(self, pair: Pair) -> float:
+        """Mean logarithm of the sizes, each relative to the smallest that any two would show."""
+        names = self.wanted or tuple(self.excited.showable)
+        total = 0.0
+        for name in names:
+            least = min(
+                self._size(name, other)
+                for other in combinations_with_replacement(range(len(self.entries)), 2)
+            )
+            size = self._size(name, pair)
+            if math.isfinite(least):
+                total += math.log(min(size / least, _UNSEEN))
+        return total
+
+    # ---- what tells rivals apart -------------------------------------------------------------
+
+    def _distances(self, pairs: Sequence[Pair]) -> dict[Pair, float]:
+        """Least distance between two rivals on each two patterns, each refitted to the other."""
+        case = self.case
+        runs = {}
+        for rival in self.rivals:
+            done = play(case, fitted_as_saved(rival, case.setting, case.twin))
+            if done is not None:
+                runs[rival.name] = done
+        if len(runs) < 2:
+            raise SimulationError(
+                f"{case.twin.name}: the twin cannot follow the patterns under the rivals"
+            )
+        menu = Menu(self.entries, (), case.simulations.records)
+        first = next(iter(runs.values()))
+        whiteners = [
+            whitener_of(case, menu, k, first.simulated[k]) for k in range(len(self.entries))
+        ]
+        return {
+            pair: min(
+                _apart(whiteners, true, other, pair)
+                for a, b in combinations(runs.values(), 2)
+                for true, other in ((a, b), (b, a))
+            )
+            for pair in pairs
+        }
+
+    def _predicted(self, recording: Recording) -> dict[str, str]:
+        """What is seen of the whole under each explanation; empty where there is but one."""
+        case = self.case
+        shown = self.rivals or self.explanations
+        if len(shown) < 2:
+            return {}
+        like = case.simulations.records[0]
+        with AugmentedTwin(case.twin, substeps=case.substeps) as simulator:
+            plan = simulator.plan(recording, {})
+        columns = {s.name: np.zeros(recording.time.size) for s in like.signals}
+        made = replace(recording, signals={**recording.signals, **columns})
+        record = scored_record(made, plan, list(columns), 0.0)
+        points = points_of(shown, case.setting, case.twin)
+        with playing(case, Menu((), (), (record,))):
+            runs = case.simulations.run(list(points.values()))
+        played = {
+            name: Played(list(run), [])
+            for name, run in zip(points, runs, strict=True)
+            if all(one.finite for one in run)
+        }
+        if len(played) < 2:
+            return {}
+        return {name: predicted_outcome(case, record, name, 0, played) for name in played}
+
+
+def _wanted(diagnosis: Diagnosis | None, excited: Excited) -> tuple[str, ...]:
+    """Effects that a diagnosis could not test for want of motion, and that this might show."""
+    if diagnosis is None:
+        return ()
+    silent: Collection[str] = {
+        entry.name
+        for entry in diagnosis.not_testable
+        if entry.why.startswith((NOT_EXCITED, "changes nothing"))
+    }
+    return tuple(name for name in excited.showable if name in silent)
+
+
+def _apart(whiteners: Sequence[Whitener], true: Played, other: Played, pair: Pair) -> float:
+    """Square of what one rival cannot follow of another on two patterns together."""
+    targets, rows = [], []
+    for k in pair:
+        apart = [
+            a - b
+            for a, b in zip(true.simulated[k].signals, other.simulated[k].signals, strict=True)
+        ]
+        targets.append(whiteners[k].whiten(apart))
+        if other.columns:
+            own = [np.stack(list(s)) for s in zip(*(c[k] for c in other.columns), strict=True)]
+            rows.append(np.nan_to_num(whiteners[k].whiten(own)))
+    target = np.concatenate(targets)
+    if not rows:
+        return float(target @ target)
+    matrix = np.concatenate(rows, axis=1).T
+    size = np.linalg.norm(matrix, axis=0)
+    matrix = matrix[:, size > 0.0] / size[size > 0.0]
+    left = target - matrix @ np.linalg.lstsq(matrix, target, rcond=1e-8)[0]
+    return float(left @ left)

@@ -1,0 +1,246 @@
+"""Fits of a hypothesis to all recordings through the FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.fitting.misfit import Blocks, Misfit, chi2
+from gmfbo.diagnosis.runs.simulated import Simulated
+
+_ITERATIONS = 10
+_CHEAP = 20  # points of a search that keeps its columns
+_TOLERANCE = 3e-4  # of chi2: far below what separates two hypotheses
+_FLAT = 1e-12  # gradient where parameters change nothing, as in a recording at rest
+_HOPELESS = 1e4  # residual that stands for a run which ended early
+_FAR = 2.0  # chi2 per degree of freedom of a model whose columns are another one's no longer
+_SHORTFALL = 0.25  # of what a step promised, beyond which its slopes are measured anew
+
+Array = NDArray[np.float64]
+Columns = list[tuple[Array, ...]]
+"""Change of each recording's signals per unit of one parameter."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A hypothesis at the values that fit best.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        With its effects at these values.
+    x : ndarray, shape (n,)
+        Free parameters.
+    simulated : list of Simulated
+        The recordings there.
+    residual : Blocks
+        Recorded minus simulated, whitened, one block a window.
+    sensitivity : Blocks
+        Whitened change of the simulation per unit of each parameter, shape (n, n_residuals).
+    columns : list
+        The same before whitening: one list a parameter, of tuples of signals a recording.
+    """
+
+    hypothesis: Hypothesis
+    x: Array
+    simulated: list[Simulated]
+    residual: Blocks
+    sensitivity: Blocks
+    columns: list[Columns]
+
+    @property
+    def chi2(self) -> float:
+        """Whitened sum of squares."""
+        return chi2(self.residual)
+
+    @property
+    def prior(self) -> Array:
+        """Precision of a weak prior of each free parameter, shape (n,)."""
+        return self.hypothesis.prior
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Uncertain parameters of the twin."""
+        return self.hypothesis.parameters(self.x)
+
+    def measured_by(self, misfit: Misfit) -> Fitted:
+        """Return the same fit whitened by another budget; nothing is simulated."""
+        return Fitted(
+            self.hypothesis,
+            self.x,
+            self.simulated,
+            misfit.residual(self.simulated),
+            stacked(misfit, self.columns),
+            self.columns,
+        )
+
+
+def fit(
+    misfit: Misfit,
+    hypothesis: Hypothesis,
+    parameters: Mapping[str, float],
+    *,
+    near: Fitted | None = None,
+    parallel: bool = False,
+    iterations: int = _ITERATIONS,
+) -> Fitted | None:
+    """Fit all free parameters by least squares; None where the start cannot be simulated.
+
+    What a parameter changes is much the same a step further, and with one effect more. Beside a
+    model that has effects and is not far off, the search begins with that model's columns and keeps
+    what it has (the chord method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of
+    what was promised. From where that ends, all columns are measured at each step.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Recordings and budget.
+    hypothesis : Hypothesis
+        What is free; its effects' values are the start.
+    parameters : mapping of str to float
+        Start of the twin's uncertain parameters.
+    near : Fitted, optional
+        A fit of a hypothesis that shares free parameters, the model nearby.
+    parallel : bool
+        Use all simulators for this fit alone.
+    iterations : int
+        Points that are tried at most with all columns measured.
+    """
+    if hypothesis.setting.is_rough:
+        hypothesis = with_clear_steps(misfit, hypothesis, parameters, parallel=parallel)
+    search = _Search(misfit, hypothesis, parallel, near)
+    x = hypothesis.start(parameters)
+    if not all(run.finite for run in search.simulate(x)):
+        return None
+    if x.size:
+        if search.has_columns:
+            x = search.solution(x, _CHEAP)
+            search.forget()
+        x = search.solution(x, iterations)
+    return search.fitted(x)
+
+
+def stacked(misfit: Misfit, columns: list[Columns]) -> Blocks:
+    """Whiten columns of several parameters together, shape (n, n_residuals) a window."""
+    if not columns:
+        return tuple(np.zeros((0, w.n_residuals)) for w in misfit.whiteners)
+    records = range(len(columns[0]))
+    together = [
+        [np.stack(signals) for signals in zip(*(column[k] for column in columns), strict=True)]
+        for k in records
+    ]
+    return misfit.whitened(together)
+
+
+def _is_near(model: Fitted) -> bool:
+    """Whether columns of a model are worth keeping: with effects they are many, and about right."""
+    residuals = sum(block.size for block in model.residual)
+    return bool(model.hypothesis.effects) and model.chi2 < _FAR * residuals
+
+
+class _Search:
+    """Residuals and Jacobians for SciPy, simulating no point twice."""
+
+    def __init__(
+        self, misfit: Misfit, hypothesis: Hypothesis, parallel: bool, near: Fitted | None
+    ) -> None:
+        self._misfit, self._hypothesis, self._parallel = misfit, hypothesis, parallel
+        self._known: dict[bytes, list[Simulated]] = {}
+        self._columns: dict[tuple[bytes, int], Columns] = {}
+        self._length = sum(w.n_residuals for w in misfit.whiteners)
+        self._near: dict[str, Columns] = {}
+        if near is not None and _is_near(near):
+            self._near = dict(zip(near.hypothesis.names, near.columns, strict=True))
+        self._last: tuple[Array, Array] | None = None
+
+    @property
+    def has_columns(self) -> bool:
+        """Whether a model nearby has some of the columns."""
+        return bool(self._near)
+
+    def forget(self) -> None:
+        """Measure all columns at each step from here on."""
+        self._near, self._last = {}, None
+
+    def solution(self, x: Array, steps: int) -> Array:
+        """Where a search from x ends."""
+        found = least_squares(
+            self.residual,
+            x,
+            jac=self.jacobian,
+            bounds=self._hypothesis.bounds,
+            x_scale=self._hypothesis.scales,
+            ftol=_TOLERANCE,
+            xtol=1e-4,
+            gtol=_FLAT,
+            max_nfev=steps,
+        )
+        return np.asarray(found.x)
+
+    def simulate(self, x: Array) -> list[Simulated]:
+        if x.tobytes() not in self._known:
+            point, runs = self._hypothesis.point(x), self._misfit.simulations
+            self._known[x.tobytes()] = (
+                runs.run([point])[0] if self._parallel else runs.run_here(point)
+            )
+        return self._known[x.tobytes()]
+
+    def residual(self, x: Array) -> Array:
+        simulated = self.simulate(x)
+        if not all(run.finite for run in simulated):
+            return np.full(self._length, _HOPELESS)
+        return np.concatenate(self._misfit.residual(simulated))
+
+    def jacobian(self, x: Array) -> Array:
+        if not self._near or (self._last is not None and self._was_misled(*self._last, x)):
+            slopes = self._slopes(self._change(x))
+        elif self._last is None:
+            names = list(enumerate(self._hypothesis.names))
+            new = [i for i, name in names if name not in self._near]
+            measured = dict(zip(new, self._measured(x, new), strict=True))
+            slopes = self._slopes(
+                [measured[i] if i in measured else self._near[name] for i, name in names]
+            )
+        else:
+            slopes = self._last[1]
+        self._last = x, slopes
+        return slopes
+
+    def _was_misled(self, before: Array, slopes: Array, x: Array) -> bool:
+        """Whether a step fell short of what the slopes promised."""
+        there, here = self.residual(before), self.residual(x)
+        promised = there + slopes @ (x - before)
+        missing = here @ here - promised @ promised
+        return bool(missing > _SHORTFALL * (there @ there - promised @ promised))
+
+    def _slopes(self, columns: list[Columns]) -> Array:
+        blocks = stacked(self._misfit, columns)
+        # A neighbour that could not be simulated tells nothing about its direction.
+        return -np.nan_to_num(np.concatenate(blocks, axis=1)).T
+
+    def fitted(self, x: Array) -> Fitted:
+        simulated = self.simulate(x)
+        columns = self._change(x)
+        blocks = tuple(np.nan_to_num(block) for block in stacked(self._misfit, columns))
+        return Fitted(
+            self._hypothesis.at(x), x, simulated, self._misfit.residual(simulated), blocks, columns
+        )
+
+    def _change(self, x: Array) -> list[Columns]:
+        return self._measured(x, range(x.size))
+
+    def _measured(self, x: Array, which: Sequence[int]) -> list[Columns]:
+        """Columns at x of some parameters."""
+        at = x.tobytes()
+        missing = [i for i in which if (at, i) not in self._columns]
+        found = self._misfit.sensitivities(
+            self._hypothesis, x, self.simulate(x), missing, parallel=self._parallel
+        )
+        self._columns |= {(at, i): column for i, column in zip(missing, found, strict=True)}
+        return [self._columns[at, i] for i in which]

@@ -1,0 +1,133 @@
+"""How well a fit determines its parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.linear_left_out import normal_equations
+from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
+from gmfbo.sources.binding.binding import Binding
+
+_DRAWS = 400
+_SEEN = 0.15  # of a parameter's scale: a standard deviation below it counts as seen
+_UNSEEN_DIRECTION = 1e-6  # of the largest squared singular value
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Standard deviation and 95 % interval of each free parameter.
+
+    Attributes
+    ----------
+    deviation, low, high : ndarray, shape (n,)
+        [unit of the parameter]
+    """
+
+    deviation: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
+    """Intervals by a bootstrap over the windows, no narrower than the noise allows.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        On these windows.
+    rng : numpy Generator
+        Source of the draws.
+    """
+    groups = list(range(len(fitted.residual)))
+    normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior)
+    n, count = fitted.x.size, len(groups)
+    if not n:
+        empty = np.zeros(0)
+        return Spread(empty, empty, empty)
+    whole = normal.matrix.sum(axis=0) + np.diag(fitted.prior)
+    spread = max(1.0, float(normal.square.sum()) / max(1, sum(r.size for r in fitted.residual)))
+    deviation = np.sqrt(np.diag(np.linalg.pinv(whole, hermitian=True)) * spread)
+    changes = []
+    for _ in range(_DRAWS if count > 2 else 0):
+        drawn = rng.integers(0, count, count)
+        matrix = normal.matrix[drawn].sum(axis=0) + np.diag(fitted.prior)
+        changes.append(np.linalg.solve(matrix, normal.vector[drawn].sum(axis=0)))
+    half = 1.96 * deviation
+    if changes:
+        # About the fit itself: resampling moves the estimate, not the truth.
+        ends = np.quantile(np.abs(np.array(changes) - np.mean(changes, axis=0)), 0.95, axis=0)
+        half = np.maximum(half, ends)
+    return Spread(np.maximum(deviation, half / 1.96), fitted.x - half, fitted.x + half)
+
+
+def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, EstimatedParameter]:
+    """The twin's uncertain parameters, with those that cannot be seen left nominal.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Best model.
+    spread : Spread
+        Of the same fit.
+    binding : Binding
+        For units.
+    """
+    found = {}
+    for i, uncertain in enumerate(fitted.hypothesis.setting.uncertain):
+        width = uncertain.high - uncertain.low
+        seen = bool(spread.deviation[i] < _SEEN * max(abs(uncertain.nominal), 0.3 * width))
+        value = float(fitted.x[i]) if seen else uncertain.nominal
+        half = float(spread.high[i] - fitted.x[i])
+        found[uncertain.name] = EstimatedParameter(
+            nominal=uncertain.nominal,
+            value=value,
+            unit=binding.variables[uncertain.name].variable.si_unit or "1",
+            low=max(uncertain.low, value - half) if seen else uncertain.low,
+            high=min(uncertain.high, value + half) if seen else uncertain.high,
+            identifiable=seen,
+        )
+    return found
+
+
+def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
+    """Ratios that the recordings see where parameters trade off against each other.
+
+    Along an unseen direction n of the logarithms, ln p_i / n_i - ln p_k / n_k stays the same:
+    each parameter of the direction is reported relative to the one that moves most.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Best model.
+    spread : Spread
+        Of the same fit.
+    """
+    uncertain = fitted.hypothesis.setting.uncertain
+    values = np.array([fitted.x[i] for i in range(len(uncertain))])
+    if len(uncertain) < 2 or np.any(values <= 0.0):
+        return ()
+    logs = [s[: len(uncertain)] * values[:, None] for s in fitted.sensitivity]
+    matrix = sum(s @ s.T for s in logs)
+    sizes, directions = np.linalg.eigh(np.asarray(matrix))
+    found = []
+    for size, direction in zip(sizes, directions.T, strict=True):
+        if size > _UNSEEN_DIRECTION * sizes[-1]:
+            continue
+        pivot = int(np.argmax(np.abs(direction)))
+        for i, share in enumerate(direction):
+            power = share / direction[pivot]
+            if i == pivot or abs(abs(power) - 1.0) > 0.1:
+                continue
+            sign = "/" if power > 0.0 else "*"
+            expression = f"{uncertain[i].name} {sign} {uncertain[pivot].name}"
+            value = float(values[i] * values[pivot] ** (-1.0 if power > 0.0 else 1.0))
+            inverse = np.linalg.pinv(np.asarray(matrix), rcond=10.0 * _UNSEEN_DIRECTION)
+            ratio = np.zeros(len(uncertain))
+            ratio[i], ratio[pivot] = 1.0, -1.0 if power > 0.0 else 1.0
+            half = 1.96 * value * float(np.sqrt(max(float(ratio @ inverse @ ratio), 0.0)))
+            found.append(Combination(expression, value, value - half, value + half))
+    return tuple(found)

@@ -1,0 +1,324 @@
+"""Which part of the loop parts from the recordings: controller, plant or transmission.
+
+The recorded measurement is fed to the twin's controller, whose command must then come out as it
+was recorded; at the same time a virtual spring and damper hold the plant on the recording, and
+what torque that takes is what the plant lacks (parity relations, Gertler 1998).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.locating.held_twin import DISTURBANCE, HeldTwin, hold, mean_effort
+from gmfbo.diagnosis.locating.parity import Parity, block_rows, block_spread, fast_noise
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.scoring.noise_levels import TOLERANCE
+from gmfbo.diagnosis.scoring.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
+from gmfbo.sources.twin.augmented_twin import Response
+
+_PASSES_BELOW = 1.0  # mean square of scores of a null simulation
+_FARTHEST = 2.0  # standard deviations of a nuisance
+_LOAD_SHARE = 1.0 / 3.0  # of the torque's range: its typical size where it is not recorded
+
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Parities:
+    """Residuals of the parts of the loop that could be checked.
+
+    Attributes
+    ----------
+    controller : Parity or None
+        [SI unit of the command] Recorded minus computed on the recorded measurement.
+    plant : Parity or None
+        [unit of the torque port] Torque that holds the twin on the recording.
+    transmission : Parity or None
+        [SI unit of the position] Recorded minus simulated place of the load by the motor's.
+    why_not : mapping of str to str
+        `controller`, `plant`, `transmission`: why it could not be checked.
+    logged : mapping of str to float
+        Mean square of the command's residual if the logger stores the `held` or the `new` one;
+        empty where the controller could not be checked.
+    held : tuple of Simulated
+        The twin while it was held on each recording; empty where it could not be.
+    """
+
+    controller: Parity | None
+    plant: Parity | None
+    transmission: Parity | None
+    why_not: Mapping[str, str]
+    logged: Mapping[str, float] = field(default_factory=dict)
+    held: tuple[Simulated, ...] = ()
+
+
+def logged_as(checked: Parities) -> str | None:
+    """Which command the logger stores, `held` or `new`; None where that cannot be told."""
+    if not checked.logged:
+        return None
+    held, new = checked.logged["held"], checked.logged["new"]
+    return None if held == new else ("new" if new < held else "held")
+
+
+def parities(case: Case, base: Fitted) -> Parities:
+    """Check each part of the loop on its own.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    base : Fitted
+        The model whose residuals are looked at.
+    """
+    return _Checks(case, base).run()
+
+
+class _Checks:
+    """The residuals of all parts, and why a part has none."""
+
+    def __init__(self, case: Case, base: Fitted) -> None:
+        self.case, self.base = case, base
+        self.records = case.simulations.records
+        self.grids = [record.plan.grid for record in self.records]
+        self.rows = float(np.mean([block_rows(grid) for grid in self.grids]))
+        self.command = self._command()
+        self.why_not: dict[str, str] = {}
+
+    def run(self) -> Parities:
+        transmission = self._transmission()
+        if self.case.simulations.tracking is not None:
+            self.why_not["controller"] = "the twin is an open-loop plant"
+            kept = tuple(self.base.simulated)
+            return Parities(None, self._open_loop(), transmission, self.why_not, held=kept)
+        twin = self._held_twin()
+        if twin is None or not twin.settings:
+            return Parities(None, None, transmission, self.why_not)
+        measured = [twin.recorded(k) for k in range(len(self.records))]
+        held = twin.run(dict(enumerate(measured)))
+        if held is None:
+            for name in ("controller", "plant"):
+                self.why_not.setdefault(name, "the twin cannot be held on its recordings")
+            return Parities(None, None, transmission, self.why_not)
+        efforts = []
+        if twin.holds_plant:
+            efforts = [twin.effort(m, run) for m, run in zip(measured, held, strict=True)]
+        controller: Parity | None = None
+        logged: dict[str, float] = {}
+        if self.command is not None and twin.feeds_controller:
+            leak = self._leak(twin, self.command)
+            if leak is not None:
+                controller, logged = self._controller(
+                    held, self.command, leak * self._more(efforts)
+                )
+        plant = None
+        if twin.holds_plant:
+            if controller is not None and controller.fails:
+                efforts = self._under_recorded_command(efforts, controller)
+            plant = self._plant(efforts, held, self._noise_of_effort(twin))
+        kept = tuple(Simulated((), run) for run in held)
+        return Parities(controller, plant, transmission, self.why_not, logged, kept)
+
+    def _held_twin(self) -> HeldTwin | None:
+        position = self.case.rig.position
+        if position is None or not all(
+            position in record.plan.recording.signals for record in self.records
+        ):
+            why = "the position was not recorded"
+            self.why_not |= {"controller": why, "plant": why}
+            return None
+        twin = hold(self.case, self.base, position)
+        if not twin.holds_plant:
+            self.why_not["plant"] = "the twin has no torque port"
+        if not twin.feeds_controller:
+            self.why_not["controller"] = "the twin has no sensor port"
+        elif self.command is None:
+            self.why_not["controller"] = "no recorded signal is the controller's command"
+        return twin
+
+    def _command(self) -> str | None:
+        """Output that is the state `command`, where it is scored in every recording."""
+        file = self.case.twin.file
+        wanted = file.states.get("command")
+        for name, entry in file.outputs.items():
+            scored = all(any(s.name == name for s in r.signals) for r in self.records)
+            if wanted is not None and entry.variable == wanted and scored:
+                return name
+        return None
+
+    # ---- null simulations -------------------------------------------------------------------
+
+    def _leak(self, twin: HeldTwin, command: str) -> float | None:
+        """Spread of a command that should come out; None where it does not come out at all.
+
+        The twin itself computed the command, under a disturbance that is hidden now. Without the
+        disturbance, the test would pass even if the sensor port fed nothing.
+        """
+        k = twin.busiest
+        run = twin.disturbed(k)
+        back = twin.run({k: twin.logged(k, run.response.held[twin.position])})
+        if not run.finite or back is None:
+            self.why_not["controller"] = "a null simulation of it did not run to its end"
+            return None
+        residual = run.response.held[command] - back[0].held[command]
+        spread = block_spread([self.grids[k]], [self._scored(k, residual)])
+        noise = self._command_noise(command, self.case.noise[command].total)
+        if (spread / noise) ** 2 > _PASSES_BELOW:
+            self.why_not["controller"] = (
+                "the twin's own command does not come out when its own measurement is fed back "
+                "through the sensor port: the port does not feed every path of the controller, "
+                "or the twin adds noise of its own"
+            )
+            return None
+        return spread
+
+    def _more(self, efforts: Sequence[Column]) -> float:
+        """By how much the recordings' disturbance exceeds that of the null simulation."""
+        if not efforts:
+            return 1.0
+        hidden = DISTURBANCE * self.case.setting.excitation.torque
+        scored = [self._scored(k, effort) for k, effort in enumerate(efforts)]
+        return max(1.0, block_spread(self.grids, scored) / hidden)
+
+    def _noise_of_effort(self, twin: HeldTwin) -> float:
+        """Spread of the effort's block means that the recorded position's noise causes."""
+        k = twin.busiest
+        clean = self.base.simulated[k].response.held[twin.position]
+        level = self.case.noise[twin.position].total if twin.position in self.case.noise else 0.0
+        noisy = twin.logged(k, clean + level * np.random.default_rng(0).standard_normal(clean.size))
+        runs = twin.run({k: noisy})
+        if runs is None:
+            return 0.0
+        return block_spread([self.grids[k]], [self._scored(k, twin.effort(noisy, runs[0]))])
+
+    # ---- residuals --------------------------------------------------------------------------
+
+    def _controller(
+        self, held: Sequence[Response], name: str, leak: float
+    ) -> tuple[Parity, dict[str, float]]:
+        both = {
+            "held": [self._command_residual(k, name, r.held[name]) for k, r in enumerate(held)],
+            "new": [self._command_residual(k, name, r.new[name]) for k, r in enumerate(held)],
+        }
+        logged = {
+            key: float(np.nanmean(np.concatenate(columns) ** 2)) for key, columns in both.items()
+        }
+        columns = both["new" if name in self.case.simulations.new_rows else "held"]
+        fast = float(np.median([fast_noise(column) for column in columns]))
+        noise = self._command_noise(name, max(fast, self.case.noise[name].least))
+        noise = float(np.hypot(noise, leak))
+        return Parity(tuple(columns), tuple(self.grids), noise, self._unit(name)), logged
+
+    def _command_residual(self, k: int, name: str, computed: Column) -> Column:
+        """Recorded minus computed, without what clocks, scales and zeros explain."""
+        signal = next(s for s in self.records[k].signals if s.name == name)
+        grid, prior = self.grids[k], self.case.rig.alignments[name]
+        shift = prior.shift or SHIFT_SHARE * signal.spacing
+        columns = [prior.scale * computed, shift * np.gradient(computed, grid)]
+        if prior.offset:
+            columns.append(np.full(grid.size, prior.offset * float(np.ptp(signal.values))))
+        residual = self._scored(k, self._on_grid(k, name) - computed)
+        return _without(residual, columns, self.case.noise[name].total)
+
+    def _command_noise(self, name: str, level: float) -> float:
+        """Spread of block means: white noise of this level, and what nobody cares about."""
+        rms = [np.sqrt(np.mean(run.response.held[name] ** 2)) for run in self.base.simulated]
+        return max(float(np.hypot(level / np.sqrt(self.rows), TOLERANCE * np.median(rms))), 1e-15)
+
+    def _under_recorded_command(
+        self, efforts: Sequence[Column], controller: Parity
+    ) -> list[Column]:
+        """Effort that the recorded command would have left over, where the twin's is another."""
+        ratio = self.case.setting.excitation.torque / self.case.setting.excitation.command
+        return [e - ratio * c for e, c in zip(efforts, controller.columns, strict=True)]
+
+    def _plant(self, efforts: Sequence[Column], held: Sequence[Response], noise: float) -> Parity:
+        """Effort without what a slightly wrong actuator explains."""
+        excitation = self.case.setting.excitation
+        ratio = excitation.torque / excitation.command
+        columns, rms = [], []
+        for k, (effort, run) in enumerate(zip(efforts, held, strict=True)):
+            residual = self._scored(k, effort)
+            if self.case.simulations.tracking is None and "command" in run.states:
+                driving = ratio * run.states["command"]
+                rate = np.gradient(driving, self.grids[k])
+                small = [ACTUATOR_GAIN * driving, ACTUATOR_LAG_S * rate]
+                rms.append(float(np.sqrt(np.mean(driving**2))))
+                spread = float(np.hypot(noise, TOLERANCE * rms[-1]))
+                # By means of blocks: command and effort share the noise of the measurement.
+                residual = _without(residual, small, spread, block_rows(self.grids[k]))
+            columns.append(residual)
+        typical = float(np.median(rms)) if rms else _LOAD_SHARE * excitation.torque
+        total = max(float(np.hypot(noise, TOLERANCE * typical)), 1e-15)
+        unit = self._variable_unit(self.case.twin.file.ports["torque"])
+        return Parity(tuple(columns), tuple(self.grids), total, unit)
+
+    def _open_loop(self) -> Parity:
+        """The loop that holds such a twin on its recordings tells what the plant lacks."""
+        tracking = self.case.simulations.tracking
+        assert tracking is not None, "asked of a twin that is held"
+        held = [run.response for run in self.base.simulated]
+        efforts = [
+            mean_effort(tracking.settings, measured, run, self.case.twin.step)
+            for measured, run in zip(tracking.measured, held, strict=True)
+        ]
+        noise = float(np.median([fast_noise(self._scored(k, e)) for k, e in enumerate(efforts)]))
+        return self._plant(efforts, held, noise / np.sqrt(self.rows))
+
+    def _transmission(self) -> Parity | None:
+        file, motor = self.case.twin.file, self.case.rig.position
+        wanted = file.states.get("load_position")
+        load = next((n for n, e in file.outputs.items() if wanted and e.variable == wanted), None)
+        if (
+            load is None
+            or motor is None
+            or load == motor
+            or not all({motor, load} <= {s.name for s in r.signals} for r in self.records)
+        ):
+            self.why_not["transmission"] = "the load's position was not recorded beside the motor's"
+            return None
+        columns = []
+        for k, run in enumerate(self.base.simulated):
+            simulated = run.response.held
+            ratio = float(np.polyfit(simulated[motor], simulated[load], 1)[0])
+            change = {name: self._on_grid(k, name) - simulated[name] for name in (motor, load)}
+            column = self._scored(k, change[load] - ratio * change[motor])
+            columns.append(column - np.nanmean(column))
+        level = float(np.hypot(self.case.noise[load].total, self.case.noise[motor].total))
+        noise = level / np.sqrt(self.rows)
+        return Parity(tuple(columns), tuple(self.grids), noise, self._unit(load))
+
+    # ---- columns ----------------------------------------------------------------------------
+
+    def _on_grid(self, k: int, name: str) -> Column:
+        signal = next(s for s in self.records[k].signals if s.name == name)
+        return np.asarray(np.interp(self.grids[k], signal.time, signal.values), dtype=np.float64)
+
+    def _scored(self, k: int, column: Column) -> Column:
+        record, grid = self.records[k], self.grids[k]
+        inside = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
+        return np.where(inside, column, np.nan)
+
+    def _unit(self, signal: str) -> str:
+        return self._variable_unit(self.case.twin.file.outputs[signal].variable)
+
+    def _variable_unit(self, variable: str) -> str:
+        return self.case.twin.binding.variables[variable].variable.si_unit
+
+
+def _without(residual: Column, columns: Sequence[Column], noise: float, rows: int = 1) -> Column:
+    """Leave out columns that are each as long as one standard deviation of their prior."""
+    count = residual.size // rows
+    together = np.column_stack([residual, *columns])
+    means = together[: count * rows].reshape(count, rows, -1).mean(axis=1)
+    means = means[np.isfinite(means).all(axis=1)] / noise
+    target, own = means[:, 0], means[:, 1:]
+    sizes = np.linalg.solve(own.T @ own + np.eye(len(columns)), own.T @ target)
+    # A large residual would overrule any prior; what is this far off is not a nuisance.
+    sizes = np.clip(sizes, -_FARTHEST, _FARTHEST)
+    return np.asarray(residual - np.column_stack(columns) @ sizes, dtype=np.float64)

@@ -1,0 +1,207 @@
+"""Noise of the sensor as the loop carries it to every signal, and what each has beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.scoring.noise_levels import (
+    NoiseLevel,
+    fast_power,
+    power_beside,
+)
+from gmfbo.diagnosis.scoring.nuisances import Direction
+from gmfbo.sources.twin.augmented_twin import Response
+
+NOISE_RUNS = 4
+"""Noise runs of each recording; smoothing over frequency does the rest."""
+
+_CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
+_SENT = 0.1  # of a resolution, that is left where it was sent through the loop
+_COARSE = 0.3  # of a position's noise, which counts make up before they are no white noise
+
+
+def noise_runs(
+    simulations: Simulations,
+    point: Point,
+    base: Sequence[Simulated],
+    sigma: float | None,
+    position: str | None,
+    input_noise: Mapping[str, Sequence[float]],
+    rng: np.random.Generator,
+    resolution: float = 0.0,
+) -> list[list[Direction]]:
+    """Send noise of the recorded size through the loop: changes of each recording's signals.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Who runs the twin.
+    point : Point
+        Where.
+    base : sequence of Simulated
+        The same without noise.
+    sigma : float or None
+        [FMU's unit] Of the position's noise; None where it is not recorded.
+    position : str or None
+        Output that is the recorded position.
+    input_noise : mapping of str to sequence of float
+        [FMU's unit] Of recorded inputs, by the port at which they enter, for each recording.
+    rng : numpy Generator
+        Source of the noise.
+    resolution : float
+        [FMU's unit] Step of the encoder: an axis at rest stays on one count, whose error is no
+        white noise.
+
+    Returns
+    -------
+    list, one a recording, of up to NOISE_RUNS changes; empty where no port takes noise
+    """
+    ports = base[0].response.ports
+    if sigma is None or (simulations.tracking is None and "sensor" not in ports):
+        return [[] for _ in base]
+    orders = []
+    for k, record in enumerate(simulations.records):
+        for _ in range(NOISE_RUNS):
+            rows = record.plan.grid.size
+            driven = {p: level[k] * rng.standard_normal(rows) for p, level in input_noise.items()}
+            column = sensor_noise(base[k], position, sigma, resolution, rng)
+            orders.append((k, column, driven))
+
+    def one(
+        order: tuple[int, NDArray[np.float64], dict[str, NDArray[np.float64]]],
+    ) -> tuple[int, Direction | None]:
+        k, column, driven = order
+        if simulations.tracking is not None:
+            run = simulations.run_one(point, k, measured_noise=column, excitation=driven)
+        else:
+            run = simulations.run_one(point, k, excitation={"sensor": column})
+        if not run.finite:
+            return k, None
+        signals = run.signals
+        if position is not None:
+            if simulations.tracking is None:
+                logged = _as_logged(run.response, base[k].response, position, column)
+            else:
+                # What is scored is recorded less simulated: the recording holds the noise.
+                held = {**run.response.held, position: run.response.held[position] - column}
+                logged = replace(run.response, held=held)
+            signals = simulations.read(logged, k)
+        return k, tuple(a - b for a, b in zip(signals, base[k].signals, strict=True))
+
+    changes: list[list[Direction]] = [[] for _ in base]
+    for k, change in simulations.map(one, orders):
+        if change is not None:
+            changes[k].append(change)
+    return changes
+
+
+def sensor_noise(
+    base: Simulated,
+    position: str | None,
+    sigma: float,
+    resolution: float,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """White noise and the error of an encoder's counts along a simulated motion, shape (rows,).
+
+    Parameters
+    ----------
+    base : Simulated
+        The motion.
+    position : str or None
+        Output that is the reading.
+    sigma : float
+        [FMU's unit] Standard deviation of both together.
+    resolution : float
+        [FMU's unit] Step of the encoder; 0 where it counts finely.
+    rng : numpy Generator
+        Source of the noise, and of where the counts lie.
+    """
+    rows = next(iter(base.response.held.values())).size
+    white = rng.standard_normal(rows)
+    counts = resolution / np.sqrt(12.0)
+    if position is None or counts < _COARSE * sigma:
+        return np.asarray(sigma * white)
+    jitter = np.sqrt(max(sigma**2 - counts**2, 0.0))
+    true = base.response.held[position] + resolution * rng.uniform(-0.5, 0.5)
+    read = resolution * np.round((true + jitter * white) / resolution)
+    return np.asarray(read - true)
+
+
+def _as_logged(
+    noisy: Response, quiet: Response, position: str, noise: NDArray[np.float64]
+) -> Response:
+    """Let a reading hold the noise of its own instant, as the logger and the controller see it.
+
+    The output at t_k is read before the inputs of t_k act: where it contains the sensor port, it
+    still holds the noise of the point before.
+    """
+    before = np.concatenate([noise[:1], noise[:-1]])
+    change = noisy.held[position] - quiet.held[position]
+    if float(change @ noise) > _CONTAINED * float(noise @ noise):
+        return noisy
+    contained = float(change @ before) / float(before @ before) > _CONTAINED
+    reading = noisy.held[position] + noise - (before if contained else 0.0)
+    return replace(noisy, held={**noisy.held, position: reading})
+
+
+def white_variances(record: Record, noise: Mapping[str, NoiseLevel]) -> list[float]:
+    """Variance of each signal's noise as if it were its own.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    noise : mapping of str to NoiseLevel
+        White noise of each signal.
+    """
+    return [noise[signal.name].total ** 2 for signal in record.signals]
+
+
+def own_variances(
+    record: Record,
+    noise: Mapping[str, NoiseLevel],
+    loop_noise: Sequence[Direction],
+    base: Simulated,
+    position: str | None,
+) -> list[float]:
+    """Variance of each signal beyond what the loop makes of the sensor's noise.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    noise : mapping of str to NoiseLevel
+        White noise of each signal.
+    loop_noise : sequence of Direction
+        Changes under the sensor's noise.
+    base : Simulated
+        The same without noise.
+    position : str or None
+        Signal that is the sensor's reading.
+    """
+    names = [signal.name for signal in record.signals]
+    place = names.index(position) if position in names else None
+    left = [s.values - run for s, run in zip(record.signals, base.signals, strict=True)]
+    variances = []
+    for i, signal in enumerate(record.signals):
+        level = noise[signal.name]
+        own = level.total**2
+        through = 0.0
+        if loop_noise:
+            through = float(np.mean([fast_power(change[i]) for change in loop_noise]))
+            own = max(own - through, 0.0)
+            if place is not None and place != i and left[i].size == left[place].size:
+                pairs = [(change[i], change[place]) for change in loop_noise]
+                own = min(power_beside(left[i], left[place], pairs), level.total**2)
+        # What went through the loop holds the reading's own resolution.
+        least = level.least * (_SENT if through > 0.5 * level.total**2 else 1.0)
+        variances.append(max(own, least**2))
+    return variances

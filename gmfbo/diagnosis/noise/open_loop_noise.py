@@ -1,0 +1,153 @@
+"""The noise of a recorded position, left out of all that drives a plant in open loop.
+
+A plant that runs on the recorded command of a loop is driven by the noise that is in its recorded
+position as well: the controller answered it. A residual that is scored below 200 Hz is not white in
+time, so a model gains by making that noise out of the command: half of a delay of 1.4 ms is fitted,
+and the rest as a shaft of the transmission (Ljung 1999, sec. 13.4: closed-loop data and a noise
+model that is not the true one). The loop that keeps the twin near its recordings passes the noise
+on to it too, and a light motor on a soft shaft would show it at its resonance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.noise.replayed_noise import above, corner_of_noise
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.scoring.noise_levels import noise_level
+from gmfbo.diagnosis.scoring.signal_parts import Rig
+from gmfbo.sources.twin.augmented_twin import RunPlan
+
+Array = NDArray[np.float64]
+
+_ANSWERS_WITHIN_S = 5e-3
+_LEAST_SHARE = 0.1  # of a command's fast power: 5 rows explain 1 % of 500 by chance
+
+
+@dataclass(frozen=True, eq=False)
+class ReadNoise:
+    """Fast noise of one recording's position.
+
+    Attributes
+    ----------
+    column : ndarray, shape (rows,)
+        [SI] On the communication grid.
+    step : float
+        [s] Of the grid.
+    corner : float
+        [Hz] Above which it is known.
+    """
+
+    column: Array
+    step: float
+    corner: float
+
+    def answer_in(self, command: Array) -> tuple[Array, float]:
+        """Part of a command that answers the noise, and its share of the power above the corner.
+
+        Parameters
+        ----------
+        command : ndarray, shape (rows,)
+            On the communication grid.
+        """
+        fast = above(command, self.step, self.corner)
+        rows = range(int(np.ceil(_ANSWERS_WITHIN_S / self.step)) + 1)
+        late = np.array([np.roll(self.column, n) * (np.arange(fast.size) >= n) for n in rows]).T
+        answer: Array = late @ np.linalg.lstsq(late, fast, rcond=None)[0]
+        return answer, 1.0 - float(np.var(fast - answer)) / max(float(np.var(fast)), 1e-300)
+
+
+def leave_out_noise(simulations: Simulations, rig: Rig, model: Fitted) -> float | None:
+    """Drive a plant in open loop without the noise of its recorded positions.
+
+    What that noise moved is known from the model, and is taken off the recorded signals: left in,
+    it would be noise that the budget lacks.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Held by a tracking loop; gets another one, and other records.
+    rig : Rig
+        Which signal is the position.
+    model : Fitted
+        About which the noise is read: what it leaves of the position, where that is white.
+
+    Returns
+    -------
+    float or None
+        Median share of the commands' fast power that answered the noise; None where no noise
+        could be read, and nothing is changed.
+    """
+    tracking, records = simulations.tracking, simulations.records
+    if tracking is None or rig.position is None:
+        return None
+    noise = [
+        _read(record, run, rig.position)
+        for record, run in zip(records, model.simulated, strict=True)
+    ]
+    if not any(noise):
+        return None
+    measured = tuple(
+        column if own is None else column - own.column / rig.position_to_si
+        for column, own in zip(tracking.measured, noise, strict=True)
+    )
+    quieted = [
+        (record, 0.0) if own is None else _without_answers(record, own)
+        for record, own in zip(records, noise, strict=True)
+    ]
+    simulations.tracking = replace(tracking, measured=measured)
+    simulations.replace_records([record for record, _ in quieted])
+    after = simulations.run([model.hypothesis.point(model.x)])[0]
+    if not all(run.finite for run in after):
+        simulations.tracking = tracking
+        simulations.replace_records(records)
+        return None
+    simulations.replace_records(
+        [
+            _without_motion(record, before, quiet)
+            for (record, _), before, quiet in zip(quieted, model.simulated, after, strict=True)
+        ]
+    )
+    return float(np.median([share for _, share in quieted]))
+
+
+def _read(record: Record, run: Simulated, position: str) -> ReadNoise | None:
+    recording, grid = record.plan.recording, record.plan.grid
+    signal = next((s for s in record.signals if s.name == position), None)
+    if signal is None or recording.time.size != grid.size:
+        return None
+    if not np.allclose(recording.time, grid, atol=1e-7):
+        return None
+    difference = recording.signal(position) - run.response.held[position]
+    if not np.all(np.isfinite(difference)):
+        return None
+    step = float(grid[1] - grid[0])
+    corner = corner_of_noise(difference, step, noise_level(signal, difference).total)
+    if corner is None:
+        return None
+    return ReadNoise(above(difference, step, corner), step, corner)
+
+
+def _without_answers(record: Record, noise: ReadNoise) -> tuple[Record, float]:
+    plan = record.plan
+    inputs, shares = dict(plan.experiment.inputs), [0.0]
+    for name, column in inputs.items():
+        answer, share = noise.answer_in(column)
+        if share > _LEAST_SHARE:
+            inputs[name] = column - answer
+            shares.append(share)
+    experiment = replace(plan.experiment, inputs=inputs)
+    quiet = RunPlan.after(plan.recording, experiment, plan.lead, plan.substeps)
+    return replace(record, plan=quiet), max(shares)
+
+
+def _without_motion(record: Record, before: Simulated, after: Simulated) -> Record:
+    moved = zip(record.signals, before.signals, after.signals, strict=True)
+    signals = tuple(replace(s, values=s.values - (own - quiet)) for s, own, quiet in moved)
+    return replace(record, signals=signals)

@@ -1,0 +1,114 @@
+"""The account of one named effect: what, how sure, how large, and what it may be instead."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from gmfbo.diagnosis.page.charts import part_words
+from gmfbo.diagnosis.page.law_text import law_html
+from gmfbo.pages.html_page import columns, paragraph, table
+from gmfbo.pages.marked_number import (
+    marked_interval,
+    marked_number,
+    marked_probability,
+)
+from gmfbo.physics import CATALOGUE
+from gmfbo.plain_words import words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.findings import Findings
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
+
+
+def effect_account(place: int, diagnosis: Findings) -> str:
+    """Write an effect with its numbers.
+
+    Parameters
+    ----------
+    place : int
+        Which of those that the diagnosis names.
+    diagnosis : Findings
+        The whole, for what was fitted on what.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    effect = diagnosis.effects[place]
+    own = ("effects", place)
+    evidence = marked_number((*own, "evidence"), effect.evidence)
+    threshold = marked_number((*own, "threshold"), effect.threshold)
+    sure = (
+        f"<p>Probability <b>{marked_probability((*own, 'probability'), effect.probability)}</b>. "
+        f"Evidence {evidence}, named from {threshold}. It acts at the "
+        f"{escape(words(effect.port))} port.</p>"
+    )
+    return "".join(
+        (
+            f"<article><h3>{escape(words(effect.name).capitalize())}</h3>",
+            paragraph(effect.statement),
+            f'<p class="law">{law_html(effect.equation)}</p>',
+            sure,
+            _parameters(place, effect),
+            columns(_rivals(place, effect), _recordings(place, effect, diagnosis)),
+            "</article>",
+        )
+    )
+
+
+def _parameters(place: int, effect: NamedEffect) -> str:
+    known = CATALOGUE.get(effect.name)
+    meaning = {one.name: one.words for one in known.parameters} if known else {}
+    rows = []
+    for name, one in effect.parameters.items():
+        path = ("effects", place, "parameters", name)
+        shown = marked_interval(path, one.value, one.low, one.high, one.unit)
+        rows.append(
+            [
+                escape(words(name)),
+                escape(meaning.get(name, "")),
+                shown.value,
+                f"{shown.low} to {shown.high}",
+                f'<span class="nowrap">{escape(shown.unit)}</span>',
+            ]
+        )
+    heads = ["parameter", "what it is", "value", "95 % interval", "unit"]
+    return table(heads, rows, numbers=(2, 3))
+
+
+def _rivals(place: int, effect: NamedEffect) -> str:
+    if not effect.indistinguishable_from:
+        told = "No other effect in the library explains these recordings as well."
+        return f"<h4>Rivals</h4>{paragraph(told)}"
+    known = CATALOGUE.get(effect.name)
+    apart = known.confused_with if known else {}
+    shares = {one.name: (k, one) for k, one in enumerate(effect.rivals)}
+    rows = []
+    for name in (effect.name, *effect.indistinguishable_from):
+        share = ""
+        if name in shares:
+            k, one = shares[name]
+            path = ("effects", place, "rivals", k, "probability")
+            share = marked_probability(path, one.probability)
+        rows.append([escape(words(name)), share, escape(apart.get(name, ""))])
+    told = (
+        "These explain the recordings as well. The probability above is that of all of them "
+        "together; here it is divided by how well each fits."
+    )
+    listed = table(["rival", "probability", "what would tell it apart"], rows, numbers=(1,), best=0)
+    return f"<h4>Rivals</h4>{paragraph(told)}{listed}"
+
+
+def _recordings(place: int, effect: NamedEffect, diagnosis: Findings) -> str:
+    rows = [
+        [
+            escape(name),
+            part_words(diagnosis, name),
+            marked_number(("effects", place, "evidence_per_recording", name), gain),
+        ]
+        for name, gain in effect.evidence_per_recording.items()
+    ]
+    listed = table(["recording", "part", "evidence"], rows, numbers=(2,))
+    return f"<h4>Evidence by recording</h4>{listed}" if rows else ""

@@ -1,0 +1,222 @@
+"""The first screen: verdict, curves on a recording that no fit saw, and the errors in numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from html import escape
+from typing import TYPE_CHECKING
+
+from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
+from gmfbo.diagnosis.result.sentence import verdict_sentence
+from gmfbo.pages.html_page import paragraph, table
+from gmfbo.pages.marked_number import (
+    marked_interval,
+    marked_number,
+    marked_percent,
+    marked_probability,
+    scale_for,
+)
+from gmfbo.pages.svg_chart import swatch
+from gmfbo.plain_words import words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.findings import Findings
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
+
+VERDICTS: Mapping[str, str] = {
+    "none": "nothing is missing",
+    "parameters": "parameters explain it",
+    "missing_physics": "physics is missing",
+    "outside_library": "unknown physics",
+}
+"""What each verdict is called on the page."""
+
+_HEADLINE = 290  # characters that a headline may have: three lines
+_QUANTITY = re.compile(
+    r"\d (?:%|(?:kg|[mµkM]?(?:N|rad|s|m|V|A|W|Hz))(?:[/\d][\w/()]*)?"
+    r"(?: (?:m|s)(?:[/\d][\w/()]*)?)*)"
+    r"(?=[\s,.;:)]|$)"
+)
+_ASSURING = ("coulomb_friction", "backlash", "transport_delay", "cogging_torque")
+_MODELS = ("nominal", "parameters_only", "augmented", "unnamed_spline", "noise_floor")
+_SWATCHES = {**STYLES, "unnamed_spline": "spline", "noise_floor": "floor"}
+
+
+def first_screen(diagnosis: Findings) -> str:
+    """Write what is seen before anybody scrolls.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+
+    Returns
+    -------
+    str
+        HTML; recordings beyond the first are folded below it.
+    """
+    panels = before_and_after_panels(diagnosis)
+    numbers = f'<div class="numbers">{_error_table(diagnosis)}{_key_facts(diagnosis)}</div>'
+    shown = f'<div class="panels">{panels[0]}</div>' if panels else ""
+    layout = "first" if panels else "first alone"
+    more = "".join(panels[1:])
+    if more:
+        more = (
+            '<details class="more-panels"><summary>Other signals and recordings</summary>'
+            f'<div class="columns">{more}</div></details>'
+        )
+    return f'{_head(diagnosis)}<div class="{layout}">{shown}{numbers}</div>{more}'
+
+
+def _head(diagnosis: Findings) -> str:
+    verdict = VERDICTS[diagnosis.verdict]
+    twin = diagnosis.augmentation.twin_name if diagnosis.augmentation else ""
+    enough = {
+        "sufficient": "the recordings can tell",
+        "insufficient": "the recordings cannot tell enough",
+    }[diagnosis.evidence]
+    named = f"<span>Diagnosis of <b>{escape(twin)}</b></span>" if twin else "<span>Diagnosis</span>"
+    headline, rest = split_sentence(verdict_sentence(diagnosis))
+    return (
+        f'<header><div class="top">{named}'
+        f'<span class="badge {diagnosis.verdict}">{verdict}</span>'
+        f"<span>evidence {diagnosis.evidence}: {enough}</span></div>"
+        f'<h1 id="verdict">{escape(unbroken(headline))}</h1>'
+        f"{paragraph(unbroken(rest), 'lead')}</header>"
+    )
+
+
+def unbroken(text: str) -> str:
+    """Keep numbers and their units on one line.
+
+    Parameters
+    ----------
+    text : str
+        A sentence.
+    """
+    return _QUANTITY.sub(lambda found: found[0].replace(" ", "\u00a0"), text)
+
+
+def split_sentence(sentence: str) -> tuple[str, str]:
+    """Split a verdict into a headline and the rest, at the end of a sentence.
+
+    Parameters
+    ----------
+    sentence : str
+        One or a few sentences.
+
+    Returns
+    -------
+    headline, rest : str
+        The whole and nothing where it is short; joined by a blank they are the verdict.
+    """
+    if len(sentence) <= _HEADLINE:
+        return sentence, ""
+    ends = [found.end() - 1 for found in re.finditer(r"[.] (?=[A-Z])", sentence)]
+    fitting = [end for end in ends if end <= _HEADLINE] or ends[:1]
+    if not fitting:
+        return sentence, ""
+    return sentence[: fitting[-1]], sentence[fitting[-1] + 1 :]
+
+
+def _error_table(diagnosis: Findings) -> str:
+    fit = diagnosis.fit
+    if not fit.signals:
+        return ""
+    known = [
+        model
+        for model in _MODELS
+        if any(math.isfinite(getattr(one, model)) for one in fit.signals.values())
+    ]
+    rows = [
+        [
+            f"{swatch(_SWATCHES[model])}{WORDS[model]}",
+            *(
+                marked_percent(("fit", "signals", name, model), getattr(one, model))
+                for name, one in fit.signals.items()
+            ),
+        ]
+        for model in known
+    ]
+    heads = ["error, unseen recordings", *(words(name) for name in fit.signals)]
+    best = known.index("augmented") if "augmented" in known else None
+    told = table(heads, rows, numbers=range(1, len(heads)), style="wide errors", best=best)
+    return told + paragraph("RMS error over the range of the recorded signal.", "soft small")
+
+
+def _key_facts(diagnosis: Findings) -> str:
+    facts = [_effect_fact(place, effect) for place, effect in enumerate(diagnosis.effects)]
+    share = diagnosis.fit.explainable_error_removed
+    if share is not None:
+        removed = marked_percent(("fit", "explainable_error_removed"), share)
+        facts.append(f"<b>{removed}</b> of the error that physics can explain is removed")
+    if not diagnosis.effects and diagnosis.shape is None:
+        facts += [*_moved_parameters(diagnosis), *_would_have_shown(diagnosis)]
+    where = place_words(diagnosis)
+    if where:
+        facts.append(f'<b>Where</b> <a href="#where">{escape(where)}</a>')
+    if diagnosis.next_experiment is not None:
+        facts.append('<b>Next</b> <a href="#next">the recording that would tell more</a>')
+    return f'<ul class="key">{"".join(f"<li>{fact}</li>" for fact in facts)}</ul>' if facts else ""
+
+
+def _moved_parameters(diagnosis: Findings) -> list[str]:
+    """Parameters whose refitted interval leaves out the value in the twin."""
+    facts = []
+    for name, one in diagnosis.parameters.items():
+        if not one.identifiable or one.low <= one.nominal <= one.high:
+            continue
+        path = ("parameters", name)
+        shown = marked_interval(path, one.value, one.low, one.high, one.unit)
+        ends = (one.value, one.low, one.high)
+        factor = scale_for(max(abs(end) for end in ends), one.unit).factor
+        nominal = marked_number((*path, "nominal"), one.nominal, factor=factor, digits=4)
+        facts.append(f"<b>{escape(name)}</b> = {shown.text}, in the twin {nominal}")
+    return facts[:4]
+
+
+def _would_have_shown(diagnosis: Findings) -> list[str]:
+    """Smallest sizes of a few common effects: what makes it believable that nothing is missing."""
+    sizes = []
+    for name in _ASSURING:
+        if name in diagnosis.detectable:
+            one = diagnosis.detectable[name]
+            scale = scale_for(one.size, one.unit, share=True)
+            path = ("detectable", name, one.parameter)
+            size = marked_number(path, one.size, factor=scale.factor, digits=2)
+            sizes.append(f"{escape(words(name))} from {size}\u00a0{escape(scale.unit)}")
+    if not sizes:
+        return []
+    return [f'<b>Would have shown</b>: {", ".join(sizes)}, <a href="#shown">and others</a>']
+
+
+def _effect_fact(place: int, effect: NamedEffect) -> str:
+    own = ("effects", place)
+    sure = marked_probability((*own, "probability"), effect.probability)
+    values = []
+    for name, one in list(effect.parameters.items())[:2]:
+        path = (*own, "parameters", name)
+        shown = marked_interval(path, one.value, one.low, one.high, one.unit)
+        values.append(f'<span class="nowrap">{escape(words(name))} = {shown.text}</span>')
+    if len(effect.parameters) > len(values):
+        values.append('<a href="#missing">more</a>')
+    return (
+        f"<b>{escape(words(effect.name).capitalize())}</b>, probability {sure}<br>"
+        f'<span class="small">{", ".join(values)}</span>'
+    )
+
+
+def place_words(diagnosis: Findings) -> str:
+    """Tell where the mismatch sits: part of the loop, and state in which it acts.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+    """
+    location = diagnosis.location
+    path = f"in the {location.signal_path}" if location.signal_path else ""
+    joint = "; " if location.region.startswith("it ") else ", "
+    return joint.join(part for part in (path, location.region) if part)

@@ -1,0 +1,96 @@
+"""A diagnosis as files in a folder, each whole or not at all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gmfbo.diagnosis.page.page import diagnosis_page
+from gmfbo.diagnosis.result.diagnosis_json import diagnosis_text
+from gmfbo.errors import GmfboError, InputError
+from gmfbo.files.durable import cause, write_whole
+from gmfbo.files.private_folder import PrivateFolder
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.findings import Findings
+
+NEXT_FILE = "next.csv"
+TWIN_FILES = ("augmented.fmu", "augmented.toml")
+
+
+def save(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
+    """Write a diagnosis; see `gmfbo.Diagnosis.save`.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+    folder : Path
+        Made if it is not there.
+
+    Returns
+    -------
+    tuple of Path
+        The files written; `diagnosis.json` comes last to the disk, so that it tells of the rest.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        twin_files, note = _write_twin(diagnosis, folder)
+        told = replace(diagnosis, notes=(*diagnosis.notes, note)) if note else diagnosis
+        played = _write_reference(diagnosis, folder)
+        report, content = folder / "report.html", folder / "diagnosis.json"
+        write_whole(report, diagnosis_page(told).encode("utf-8"))
+        write_whole(content, diagnosis_text(told).encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot write '{error.filename or folder}': {cause(error)}") from None
+    return content, report, *twin_files, *played
+
+
+def _write_twin(diagnosis: Findings, folder: Path) -> tuple[tuple[Path, ...], str]:
+    """Write the augmented twin: its files, and why there are none."""
+    if diagnosis.augmentation is None:
+        return _kept_twin(diagnosis, folder), ""
+    private = PrivateFolder()
+    try:
+        exported = diagnosis.augmentation.export(private.path)
+        for source, name in zip((exported.fmu, exported.twin_file), TWIN_FILES, strict=True):
+            write_whole(folder / name, source.read_bytes())
+    except GmfboError as error:
+        _remove_twin(folder)
+        return (), f"no augmented twin was written: {error}"
+    finally:
+        private.remove()
+    return tuple(folder / name for name in TWIN_FILES), ""
+
+
+def _write_reference(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
+    """Write the next reference as the file that a drive can play; an older one must not stay."""
+    told = diagnosis.next_experiment
+    if told is None or not told.reference or not diagnosis.next_reference:
+        (folder / NEXT_FILE).unlink(missing_ok=True)
+        return ()
+    write_whole(folder / told.reference, diagnosis.next_reference.encode("utf-8"))
+    return (folder / told.reference,)
+
+
+def _kept_twin(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
+    """Copy the files that a diagnosis was read with; an older twin of another one must not stay."""
+    origin = diagnosis.exported
+    if origin is None:
+        _remove_twin(folder)
+        return ()
+    if origin.parent.resolve() != folder.resolve():
+        for name in TWIN_FILES:
+            write_whole(folder / name, origin.with_name(name).read_bytes())
+    return tuple(folder / name for name in TWIN_FILES)
+
+
+def _remove_twin(folder: Path) -> None:
+    for name in TWIN_FILES:
+        (folder / name).unlink(missing_ok=True)

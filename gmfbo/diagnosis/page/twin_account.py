@@ -1,0 +1,104 @@
+"""The twin's own values after the refit, and how its signals were logged."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from gmfbo.pages.html_page import paragraph, table
+from gmfbo.pages.marked_number import (
+    marked,
+    marked_interval,
+    marked_number,
+    scale_for,
+)
+from gmfbo.plain_words import words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.estimated import Alignment
+    from gmfbo.diagnosis.result.findings import Findings
+
+
+def parameter_table(diagnosis: Findings) -> str:
+    """Show each uncertain parameter before and after the refit.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+    """
+    rows = []
+    for name, one in diagnosis.parameters.items():
+        path = ("parameters", name)
+        shown = marked_interval(path, one.value, one.low, one.high, one.unit)
+        ends = [abs(x) for x in (one.value, one.low, one.high) if x == x]
+        factor = scale_for(max(ends, default=0.0), one.unit).factor
+        nominal = marked_number((*path, "nominal"), one.nominal, factor=factor, digits=4)
+        # What the recordings cannot see keeps its value, and its interval says nothing.
+        interval = f"{shown.low} to {shown.high}" if one.identifiable else "not seen by itself"
+        unit = f'<span class="nowrap">{escape(shown.unit)}</span>'
+        value = shown.value if one.identifiable else nominal
+        rows.append([escape(name), nominal, value, interval, unit])
+    heads = ["parameter", "in the twin", "refitted", "95 % interval", "unit"]
+    return table(heads, rows, numbers=(1, 2, 3))
+
+
+def combination_table(diagnosis: Findings) -> str:
+    """Show what the recordings see of parameters that they cannot see by themselves.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+    """
+    rows = []
+    for place, one in enumerate(diagnosis.combinations):
+        shown = marked_interval(("combinations", place), one.value, one.low, one.high, "")
+        rows.append([escape(one.expression), shown.value, f"{shown.low} to {shown.high}"])
+    if not rows:
+        hidden = [name for name, one in diagnosis.parameters.items() if not one.identifiable]
+        told = "Each parameter is seen by itself." if diagnosis.parameters and not hidden else ""
+        return paragraph(told, "soft")
+    told = "Some parameters are not visible by themselves in these recordings, only together:"
+    return paragraph(told) + table(["combination", "value", "95 % interval"], rows, numbers=(1, 2))
+
+
+def alignment_table(diagnosis: Findings) -> str:
+    """Show how each signal was logged.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+    """
+    units = {curve.signal: curve.unit for curve in diagnosis.curves}
+    rows = [
+        [
+            escape(words(name)),
+            escape(one.logged),
+            _lateness(name, one),
+            marked(("alignment", name, "scale"), f"{one.scale:.4f}"),
+            _offset(name, one, units.get(name, "")),
+        ]
+        for name, one in diagnosis.alignment.items()
+    ]
+    told = "Found beside the physics, and never taken for physics."
+    heads = ["signal", "command logged", "column is", "scale", "offset"]
+    return paragraph(told, "soft") + table(heads, rows, numbers=(2, 3, 4)) if rows else ""
+
+
+def _lateness(name: str, one: Alignment) -> str:
+    """How late a column is; "early" where the number is negative."""
+    path = ("alignment", name, "shift")
+    scale = scale_for(one.shift, "s")
+    if one.shift == 0.0:
+        return f"{marked(path, '0')}\u00a0s late"
+    word, sign = ("late", 1.0) if one.shift > 0.0 else ("early", -1.0)
+    shown = marked_number(path, one.shift, factor=sign * scale.factor, digits=2)
+    return f"{shown}\u00a0{scale.unit} {word}"
+
+
+def _offset(name: str, one: Alignment, unit: str) -> str:
+    scale = scale_for(one.offset, unit)
+    shown = marked_number(("alignment", name, "offset"), one.offset, factor=scale.factor, digits=2)
+    return f"{shown}\u00a0{escape(scale.unit)}" if scale.unit else shown

@@ -1,0 +1,117 @@
+"""What a diagnosis found, as values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from gmfbo.diagnosis.result.augmentation import Augmentation
+from gmfbo.diagnosis.result.curve import Curve
+from gmfbo.diagnosis.result.estimated import Alignment, Combination, EstimatedParameter
+from gmfbo.diagnosis.result.held_out_errors import Fit
+from gmfbo.diagnosis.result.named_effect import DetectableSize, NamedEffect, NotTestable
+from gmfbo.diagnosis.result.next_experiment import NextExperiment
+from gmfbo.diagnosis.result.predictions import Predictions
+from gmfbo.diagnosis.result.reference_test import ResidualTest
+from gmfbo.diagnosis.result.whereabouts import Location, Shape
+
+Verdict = Literal["none", "parameters", "missing_physics", "outside_library"]
+Sufficiency = Literal["sufficient", "insufficient"]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a diagnosis took.
+
+    Attributes
+    ----------
+    simulations : int
+        Runs of the twin, one recording each.
+    seconds : float
+        [s] Wall-clock time.
+    """
+
+    simulations: int
+    seconds: float
+
+
+@dataclass(frozen=True, repr=False)
+class Findings:
+    """Fields of a `gmfbo.Diagnosis`, which adds what can be done with them.
+
+    Attributes
+    ----------
+    verdict : {"none", "parameters", "missing_physics", "outside_library"}
+        Nothing beyond noise; the twin's uncertain values explain it; at least one named effect;
+        or a mismatch that no known effect explains, whose `shape` was inferred.
+    evidence : {"sufficient", "insufficient"}
+        Whether these recordings can tell; if not, the verdict names only what is certain.
+    effects : tuple of NamedEffect
+        What is missing, strongest evidence first.
+    parameters : mapping of str to EstimatedParameter
+        The twin's uncertain parameters, refitted.
+    combinations : tuple of Combination
+        What the recordings see of the parameters that they cannot see by themselves.
+    alignment : mapping of str to Alignment
+        How each signal was logged.
+    detectable : mapping of str to DetectableSize
+        For each effect that is not named, the smallest size that would have shown.
+    location : Location
+        Where the mismatch sits.
+    fit : Fit
+        Errors on held-out recordings.
+    shape : Shape or None
+        The inferred signal where the verdict is `outside_library`.
+    next_experiment : NextExperiment or None
+        What to record next, where that would tell more.
+    not_testable : tuple of NotTestable
+        Effects on which nothing can be said, and why.
+    cost : Cost
+        Simulations and time.
+    seed : int
+        Seed of all randomness.
+    versions : mapping of str to str
+        Versions of the software.
+    notes : tuple of str
+        Plain remarks, such as numerical limits.
+    predictions : Predictions or None
+        Explanations that remain, with the values that predict a recording under each.
+    latent : Shape or None
+        What is missing at the torque port, inferred without a name, where physics was named.
+    residual_tests : tuple of ResidualTest
+        Whether what is left still follows the reference, on held-out recordings.
+    curves : tuple of Curve
+        Signals before and after, for plots; not part of the JSON.
+    augmentation : Augmentation or None
+        What the augmented twin is made of; not part of the JSON.
+    exported : Path or None
+        Twin file of an augmented twin that was saved before, where this was read from a folder.
+    next_reference : str
+        Text of the file with the next reference; not part of the JSON.
+    """
+
+    verdict: Verdict
+    evidence: Sufficiency
+    effects: tuple[NamedEffect, ...]
+    parameters: Mapping[str, EstimatedParameter]
+    combinations: tuple[Combination, ...]
+    alignment: Mapping[str, Alignment]
+    detectable: Mapping[str, DetectableSize]
+    location: Location
+    fit: Fit
+    shape: Shape | None
+    next_experiment: NextExperiment | None
+    not_testable: tuple[NotTestable, ...]
+    cost: Cost
+    seed: int
+    versions: Mapping[str, str]
+    notes: tuple[str, ...] = ()
+    predictions: Predictions | None = None
+    latent: Shape | None = None
+    residual_tests: tuple[ResidualTest, ...] = ()
+    curves: tuple[Curve, ...] = field(default=(), compare=False)
+    augmentation: Augmentation | None = field(default=None, compare=False)
+    exported: Path | None = field(default=None, compare=False)
+    next_reference: str = field(default="", compare=False)

@@ -1,0 +1,135 @@
+"""The verdict of a diagnosis in plain words."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gmfbo.plain_words import NOT_EXCITED, percent, quantity, words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.findings import Findings
+
+
+def verdict_sentence(diagnosis: Findings) -> str:
+    """Return what a diagnosis came to, in one or a few sentences.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        What was found.
+
+    Returns
+    -------
+    str
+        Plain words with the numbers that matter.
+    """
+    told = {
+        "none": _nothing,
+        "parameters": _parameters,
+        "missing_physics": _physics,
+        "outside_library": _outside,
+    }[diagnosis.verdict](diagnosis)
+    return f"{told}{_unseen(diagnosis)}"
+
+
+def _nothing(diagnosis: Findings) -> str:
+    if diagnosis.evidence == "insufficient":
+        return "These recordings cannot tell: they show no left-out physics, but excite too little."
+    fits = diagnosis.fit.signals
+    errors = ", ".join(
+        f"{words(name)} error {percent(fit.nominal)}{_floor(fit.noise_floor)}"
+        for name, fit in list(fits.items())[:3]
+    )
+    return (
+        f"Nothing is missing: the twin meets unseen recordings to the noise ({errors})."
+        if (errors)
+        else "Nothing is missing: the twin meets the recordings to the noise."
+    )
+
+
+def _parameters(diagnosis: Findings) -> str:
+    moved = {
+        name: parameter
+        for name, parameter in diagnosis.parameters.items()
+        if parameter.identifiable and not parameter.low <= parameter.nominal <= parameter.high
+    }
+    values = ", ".join(
+        f"{name} is {quantity(parameter.value, parameter.unit)} instead of "
+        f"{quantity(parameter.nominal, '')}"
+        for name, parameter in list(moved.items())[:3]
+    )
+    more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
+    told = f": {values}{more}" if values else ""
+    return f"The twin's uncertain values explain the difference{told}; no physics is missing."
+
+
+def _physics(diagnosis: Findings) -> str:
+    first, *others = diagnosis.effects
+    improved = _improvement(diagnosis)
+    if not others:
+        tail = f"; with it {improved}." if improved else "."
+        told = first.statement.rstrip(". ") + tail
+    else:
+        told = " ".join(effect.statement for effect in diagnosis.effects)
+        told += f" With them {improved}." if improved else ""
+    for effect in diagnosis.effects:
+        if effect.indistinguishable_from:
+            rivals = " or ".join(words(name) for name in effect.indistinguishable_from)
+            told += f" These recordings cannot tell {words(effect.name)} from {rivals}."
+    return told
+
+
+def _outside(diagnosis: Findings) -> str:
+    from gmfbo.physics import CATALOGUE
+    from gmfbo.physics.units import quantity as prefixed
+
+    if len({entry.name for entry in diagnosis.not_testable}) >= len(CATALOGUE):
+        return (
+            "Something is missing, and none of the effects known here can be tested with this twin."
+        )
+    told = f"Something is missing that is none of the {len(CATALOGUE)} effects known here"
+    shape = diagnosis.shape
+    if shape is not None and shape.y:
+        largest = max((abs(y) for y in shape.y if math.isfinite(y)), default=math.nan)
+        told += (
+            f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that "
+            f"depends on the {words(shape.against)}"
+        )
+    certain = " ".join(effect.statement for effect in diagnosis.effects)
+    return f"{told}.{' Certain is: ' + certain if certain else ''}"
+
+
+def _improvement(diagnosis: Findings) -> str:
+    """Return the fall of the error that the physics reduces most; empty where none falls."""
+    name = diagnosis.fit.most_improved
+    if name is None:
+        return ""
+    fit = diagnosis.fit.signals[name]
+    before, after = percent(fit.parameters_only), percent(fit.augmented)
+    if before == after:
+        before, after = (f"{100.0 * v:.3g} %" for v in (fit.parameters_only, fit.augmented))
+    return (
+        f"the {words(name)} error on unseen recordings falls from {before} to {after}"
+        f"{_floor(fit.noise_floor, '()')}"
+    )
+
+
+def _floor(noise_floor: float, around: str = "") -> str:
+    if not math.isfinite(noise_floor):
+        return ""
+    text = f"noise floor {percent(noise_floor)}"
+    return f" ({text})" if around else f", {text}"
+
+
+def _unseen(diagnosis: Findings) -> str:
+    """Tell how many effects the recordings are silent on, where that decides."""
+    if diagnosis.evidence == "sufficient":
+        return ""
+    silent = sum(entry.why.startswith(NOT_EXCITED) for entry in diagnosis.not_testable)
+    told = f" They do not excite {silent} of the known effects." if silent else ""
+    if diagnosis.verdict != "none":
+        told = f" These recordings cannot tell more.{told}"
+    if diagnosis.next_experiment is not None:
+        told += f" Record {diagnosis.next_experiment.reference} next."
+    return told

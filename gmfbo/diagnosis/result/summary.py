@@ -1,0 +1,90 @@
+"""A diagnosis in a few lines, for a prompt and for a notebook."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from gmfbo.diagnosis.result.sentence import verdict_sentence
+from gmfbo.plain_words import interval, percent, probability, words
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.findings import Findings
+    from gmfbo.diagnosis.result.held_out_errors import SignalFit
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
+
+COLUMNS = ("nominal", "parameters only", "augmented", "noise floor")
+
+
+def fit_cells(fit: SignalFit) -> tuple[str, str, str, str]:
+    """Errors of one signal [%], in the order of `COLUMNS`."""
+    return (
+        percent(fit.nominal),
+        percent(fit.parameters_only),
+        percent(fit.augmented),
+        percent(fit.noise_floor),
+    )
+
+
+def parameter_texts(effect: NamedEffect) -> list[str]:
+    """Each parameter of an effect with its interval and unit."""
+    return [
+        f"{name} = {interval(one.value, one.low, one.high, one.unit)}"
+        for name, one in effect.parameters.items()
+    ]
+
+
+def rivals_text(effect: NamedEffect) -> str:
+    """What else explains the recordings; empty where nothing does."""
+    return " or ".join(words(name) for name in effect.indistinguishable_from)
+
+
+def fit_lines(diagnosis: Findings) -> list[str]:
+    """Return the before/after table as text of at most 79 characters, one line a signal."""
+    if not diagnosis.fit.signals:
+        return []
+    rows = [("error, unseen runs", COLUMNS)]
+    rows += [(words(name), fit_cells(fit)) for name, fit in diagnosis.fit.signals.items()]
+    wide = min(max(len(name) for name, _ in rows), 28)
+    return [
+        (name if len(name) <= wide else f"{name[: wide - 3]}...").ljust(wide)
+        + "".join(cell.rjust(width) for cell, width in zip(cells, (10, 17, 11, 13), strict=True))
+        for name, cells in rows
+    ]
+
+
+def summary_text(diagnosis: Findings) -> str:
+    """Return the verdict sentence, the effects with numbers and the before/after table."""
+    lines = [f"<Diagnosis: {diagnosis.verdict}> {verdict_sentence(diagnosis)}"]
+    for effect in diagnosis.effects:
+        lines.append(f"{words(effect.name)}, probability {probability(effect.probability)}")
+        lines += [f"  {text}" for text in parameter_texts(effect)]
+        if effect.indistinguishable_from:
+            lines.append(f"  cannot be told from {rivals_text(effect)}")
+    return "\n".join([*lines, *fit_lines(diagnosis)])
+
+
+def summary_html(diagnosis: Findings) -> str:
+    """Return the same as a fragment of a page."""
+    rows = "".join(
+        f"<tr><td>{escape(words(effect.name))}</td><td>{probability(effect.probability)}</td>"
+        f"<td>{'<br>'.join(escape(text) for text in parameter_texts(effect))}</td>"
+        f"<td>{escape(rivals_text(effect)) or '-'}</td></tr>"
+        for effect in diagnosis.effects
+    )
+    heads = "<th>missing</th><th>probability</th><th>parameters</th><th>rivals</th>"
+    effects = f"<table><tr>{heads}</tr>{rows}</table>" if rows else ""
+    return f"<p><b>{escape(verdict_sentence(diagnosis))}</b></p>{effects}{_fit_html(diagnosis)}"
+
+
+def _fit_html(diagnosis: Findings) -> str:
+    if not diagnosis.fit.signals:
+        return ""
+    heads = "".join(f"<th>{name}</th>" for name in ("error, unseen recordings", *COLUMNS))
+    rows = "".join(
+        f"<tr><td>{escape(words(name))}</td>"
+        + "".join(f"<td>{cell}</td>" for cell in fit_cells(fit))
+        + "</tr>"
+        for name, fit in diagnosis.fit.signals.items()
+    )
+    return f"<table><tr>{heads}</tr>{rows}</table>"

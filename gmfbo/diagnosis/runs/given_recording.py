@@ -1,0 +1,42 @@
+"""A recording as the user gives it: read, and neither too short nor too long to work with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.twin import FmuTwin
+
+MOST_ROWS = 1_000_000
+"""Rows of one recording; each takes about 1.5 kB while its runs are compared."""
+
+
+def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
+    """Read a recording that is given as a file.
+
+    Parameters
+    ----------
+    recording : Recording or str or Path
+        The recording, or its file.
+    twin : FmuTwin
+        Says what the columns are.
+
+    Raises
+    ------
+    RecordingError
+        It cannot be read, has fewer rows than say anything, or more than memory holds.
+    """
+    read = recording if isinstance(recording, Recording) else Recording.read(recording, twin)
+    if len(read) < LEAST_ROWS:
+        raise RecordingError(
+            f"{read.name or 'recording'}: expected at least {LEAST_ROWS} rows to compare with the "
+            f"twin, got {len(read)}; record longer"
+        )
+    if len(read) > MOST_ROWS:
+        raise RecordingError(
+            f"{read.name or 'recording'}: expected at most {MOST_ROWS} rows, got {len(read)}, "
+            "which would take gigabytes of memory; cut out minutes in which the axis moves"
+        )
+    return read

@@ -1,0 +1,68 @@
+"""Whether a logger stores the command in force or the one just computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.twin import FmuTwin
+
+_JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
+
+
+def logged_new(
+    twin: FmuTwin,
+    recordings: Sequence[Recording],
+    simulations: Simulations,
+    nominal: Sequence[Simulated],
+) -> frozenset[str]:
+    """Outputs of which the logger stores the command just computed, and not the held one.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's, whose file may say so.
+    recordings : sequence of Recording
+        What was measured.
+    simulations : Simulations
+        Of these recordings.
+    nominal : sequence of Simulated
+        The recordings simulated.
+    """
+    chosen = set()
+    for name, entry in twin.file.outputs.items():
+        if entry.logged == "new" or (
+            entry.logged == "unknown"
+            and not all(recording.written_by for recording in recordings)
+            and _new_fits_better(simulations, nominal, name)
+        ):
+            chosen.add(name)
+    return frozenset(chosen)
+
+
+def _new_fits_better(simulations: Simulations, nominal: Sequence[Simulated], name: str) -> bool:
+    """Compare the fast parts: a sample's shift shows there, parameters do not."""
+    squares = {"held": 0.0, "new": 0.0}
+    for k, (record, run) in enumerate(zip(simulations.records, nominal, strict=True)):
+        for i, signal in enumerate(record.signals):
+            if signal.name != name:
+                continue
+            held = simulations.read(run.response, k)[i]
+            new = simulations.read(replace(run.response, held=run.response.new), k)[i]
+            if not _jumps(held, new):
+                return False  # a measurement moves on slowly: it is not held anywhere
+            for key, values in (("held", held), ("new", new)):
+                squares[key] += float(np.sum(np.diff(signal.values - values) ** 2))
+    return squares["new"] < squares["held"]
+
+
+def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:
+    """Whether a signal changes at communication points, as commands do, and not in between."""
+    whole, at_point = float(np.sum(np.diff(held) ** 2)), float(np.sum((new - held) ** 2))
+    return at_point > _JUMP_SHARE * whole > 0.0

@@ -1,0 +1,244 @@
+"""What the recordings show of the axis: the ranges by which effects are bounded and scaled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.physics import Excitation, States
+
+_UNSEEN_STEP = 1e-3  # of the stroke: finer steps than this do not count where none was recorded
+_REST_SHARE = 0.01  # of the fastest motion: slower is standstill
+_AT_REST = 0.02  # of what a push moves
+_PROBE_SHARES = (0.02, 0.3)  # of the command's range that a probing torque should move it by
+
+
+def states_of(simulated: Simulated, record: Record) -> States:
+    """Return what effects depend on, of one simulated recording on the communication grid."""
+    states, grid = simulated.response.states, record.plan.grid
+    position = states.get("position", np.zeros(grid.size))
+    velocity = states.get("velocity")
+    if velocity is None:
+        velocity = np.gradient(position, grid)
+    command = states.get("command", states.get("current", np.zeros(grid.size)))
+    speed = float(np.quantile(np.abs(velocity), 0.995))
+    return States(
+        time=grid,
+        position=position,
+        velocity=velocity,
+        command=command,
+        current=states.get("current", command),
+        rest=_REST_SHARE * speed,
+        load_torque=states.get("load_torque"),
+    )
+
+
+def reversals(states: States) -> int:
+    """Sign changes of the velocity that last."""
+    moving = np.abs(states.velocity) > 2.0 * states.rest
+    signs = np.sign(states.velocity[moving])
+    return int(np.count_nonzero(np.diff(signs)))
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """How the twin answers a torque at its port.
+
+    Attributes
+    ----------
+    per_command : float
+        Torque that a unit of command makes up for.
+    loop_time : float
+        [s] Time constant of that.
+    rest_time : float
+        [s] After which position and command stay within 2 % of where a push brings them.
+    is_open : bool
+        A pushed shaft does not come back.
+    inertia : float or None
+        Torque per acceleration, as a short push shows it.
+    """
+
+    per_command: float
+    loop_time: float
+    rest_time: float
+    is_open: bool
+    inertia: float | None
+
+
+def probe_torque(
+    simulations: Simulations, point: Point, base: Sequence[Simulated], guess: float
+) -> Stiffness:
+    """Push the shaft by a torque that lasts for half of a recording.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Who runs the twin, without tracking.
+    point : Point
+        Where.
+    base : sequence of Simulated
+        The same without a push.
+    guess : float
+        Torque to begin with; it is scaled until the command answers well within its range.
+    """
+    sizes = [record.plan.grid.size for record in simulations.records]
+    longest_first = np.argsort([-size for size in sizes], kind="stable")
+    found = []
+    for k in longest_first:
+        found.append(_probe_torque_along(simulations, point, base, guess, int(k)))
+        # A loop that lives at its limit takes no push back: it is open if none of them does.
+        if not found[-1].is_open:
+            return found[-1]
+    return found[0]
+
+
+def _probe_torque_along(
+    simulations: Simulations, point: Point, base: Sequence[Simulated], guess: float, k: int
+) -> Stiffness:
+    grid = simulations.records[k].plan.grid
+    states = base[k].response.states
+    half = grid.size // 2
+    push = guess
+    for _ in range(6):
+        column = np.where(np.arange(grid.size) < half, push, 0.0)
+        run = simulations.run_one(point, k, excitation={"torque": column})
+        if not run.finite:
+            push *= 0.01
+            continue
+        moved = run.response.states.get("position", np.zeros(grid.size)) - states.get(
+            "position", np.zeros(grid.size)
+        )
+        if np.abs(moved[-1]) > 0.5 * np.abs(moved).max() > 0.0 and _drifts(moved, half):
+            return Stiffness(np.nan, np.nan, np.nan, True, _inertia(moved, grid, push, half))
+        answer = _answer(run, base[k], half)
+        if answer is None:
+            times = _time_constant(moved, grid, half), _rest_time([moved], grid, half)
+            return Stiffness(np.nan, *times, False, None)
+        command, extent = answer
+        share = float(np.abs(np.median(command[half // 2 : half]))) / extent
+        if _PROBE_SHARES[0] < share < _PROBE_SHARES[1]:
+            ratio = push / float(np.abs(np.median(command[half // 2 : half])))
+            times = _time_constant(command, grid, half), _rest_time([moved, command], grid, half)
+            return Stiffness(ratio, *times, False, None)
+        push *= float(np.clip(0.1 / max(share, 1e-6), 1e-4, 1e4))
+    return Stiffness(np.nan, np.nan, np.nan, False, None)
+
+
+def _drifts(moved: NDArray[np.float64], half: int) -> bool:
+    """Whether a push is never taken back: the shaft is no nearer at the end than at its half."""
+    return bool(np.abs(moved[-1]) >= 0.9 * np.abs(moved[half - 1]))
+
+
+def _inertia(
+    moved: NDArray[np.float64], grid: NDArray[np.float64], push: float, half: int
+) -> float | None:
+    rows = slice(0, max(10, half // 8))
+    time = grid[rows] - grid[0]
+    curve = np.polyfit(time, moved[rows], 2)
+    return float(abs(push / (2.0 * curve[0]))) if curve[0] else None
+
+
+def _answer(run: Simulated, base: Simulated, half: int) -> tuple[NDArray[np.float64], float] | None:
+    if "command" not in base.response.states:
+        return None
+    before = base.response.states["command"]
+    extent = float(np.abs(before).max())
+    return run.response.states["command"] - before, extent or 1.0
+
+
+def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half: int) -> float:
+    """Time after which a step's answer stays within a third of where it settles."""
+    final = float(np.median(answer[half // 2 : half]))
+    return _last_beyond(np.abs(answer[:half] - final) > 0.37 * abs(final), grid)
+
+
+def _rest_time(
+    answers: Sequence[NDArray[np.float64]], grid: NDArray[np.float64], half: int
+) -> float:
+    """Time after which all answers to a step stay near their end; the whole step if they do not."""
+    far = np.zeros(half, dtype=bool)
+    for answer in answers:
+        pushed = answer[:half]
+        end = float(np.mean(pushed[-max(1, half // 20) :]))
+        far |= np.abs(pushed - end) > _AT_REST * np.abs(pushed).max()
+    return _last_beyond(far, grid)
+
+
+def _last_beyond(far: NDArray[np.bool_], grid: NDArray[np.float64]) -> float:
+    rows = np.flatnonzero(far)
+    return float(grid[int(rows[-1]) + 1 if rows.size else 1] - grid[0])
+
+
+def measure_ranges(
+    records: Sequence[Record],
+    base: Sequence[Simulated],
+    *,
+    torque: float,
+    step: float,
+    loop_time: float,
+    resolution: float,
+    inertia: float | None,
+    angular: bool,
+) -> Excitation:
+    """Gather what the recordings show.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What was measured.
+    base : sequence of Simulated
+        The same, simulated.
+    torque : float
+        Torque at the port that corresponds to the command's range.
+    step : float
+        [s] At which effects are stepped.
+    loop_time : float
+        [s] Of the closed loop.
+    resolution : float
+        [FMU's unit] Of the position; 0 where it is not among the outputs.
+    inertia : float or None
+        Torque per acceleration of the shaft.
+    angular : bool
+        The position is an angle.
+    """
+    states = [states_of(run, record) for run, record in zip(base, records, strict=True)]
+    grids = [record.plan.grid for record in records]
+    position = np.concatenate([s.position for s in states])
+    velocity = np.concatenate([s.velocity for s in states])
+    command = np.concatenate([s.command for s in states])
+    current = np.concatenate([s.current for s in states])
+    rates = np.concatenate([np.abs(np.diff(s.command)) / s.step for s in states])
+    sample = float(np.median([s.spacing for r in records for s in r.signals]))
+    speed = _positive(np.quantile(np.abs(velocity), 0.995))
+    stroke = _positive(np.ptp(position))
+    loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
+    return Excitation(
+        torque=_positive(torque),
+        command=_positive(np.abs(command).max()),
+        command_rate=_positive(rates.max()),
+        current=_positive(np.abs(current).max()),
+        speed=speed,
+        stroke=stroke,
+        resolution=_positive(resolution, min(speed * sample, _UNSEEN_STEP * stroke)),
+        duration=max(float(grid[-1] - grid[0]) for grid in grids),
+        total=sum(float(grid[-1] - grid[0]) for grid in grids),
+        sample=sample,
+        step=step,
+        loop_time=_positive(loop_time, 0.05),
+        inertia=inertia,
+        angular=angular,
+        reversals=sum(reversals(s) for s in states),
+        load=_positive(max(loads)) if loads else None,
+        effective_current=_positive(np.sqrt(np.mean(current**2))),
+    )
+
+
+def _positive(value: float | np.floating, otherwise: float = 1e-9) -> float:
+    number = float(value)
+    return number if np.isfinite(number) and number > 0.0 else otherwise

@@ -1,0 +1,82 @@
+"""Sizes of torque by which an axis is probed and its effects are scaled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.sources.twin.twin import FmuTwin
+
+
+def torque_guess(nominal: Sequence[Simulated], inertia: float | None) -> float:
+    """Torque that the axis feels, to begin probing with [FMU's unit].
+
+    Parameters
+    ----------
+    nominal : sequence of Simulated
+        The recordings simulated.
+    inertia : float or None
+        [FMU's unit] Of the twin.
+    """
+    states = nominal[0].response.states
+    if "command" in states:
+        return max(0.05 * float(np.abs(states["command"]).max()), 1e-9)
+    if inertia is not None and "position" in states:
+        return max(10.0 * inertia * float(np.ptp(states["position"])), 1e-9)
+    return 1.0
+
+
+def moving_torque(
+    twin: FmuTwin,
+    simulations: Simulations,
+    nominal: Sequence[Simulated],
+    inertia: float | None,
+) -> float:
+    """Torque that moves an axis whose command is not simulated [FMU's unit].
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's.
+    simulations : Simulations
+        Of the recordings.
+    nominal : sequence of Simulated
+        The recordings simulated.
+    inertia : float or None
+        [FMU's unit] Of the twin.
+    """
+    recorded = _recorded_torque(twin, simulations)
+    largest = max([recorded, *(float(np.abs(run.response.effort).max()) for run in nominal)])
+    if inertia is None:
+        return largest
+    accelerations = []
+    for record, run in zip(simulations.records, nominal, strict=True):
+        if "velocity" in run.response.states:
+            rate = np.gradient(run.response.states["velocity"], record.plan.grid)
+            accelerations.append(float(np.quantile(np.abs(rate), 0.999)))
+    return max([largest, *(inertia * a for a in accelerations)])
+
+
+def _recorded_torque(twin: FmuTwin, simulations: Simulations) -> float:
+    """[FMU's unit] Range of recorded outputs in the torque port's unit; 0 without one."""
+    file, variables = twin.file, twin.binding.variables
+    port = variables[file.ports["torque"]].variable if "torque" in file.ports else None
+    if port is None or not port.si_unit:
+        return 0.0
+    alike = {
+        name
+        for name, entry in file.outputs.items()
+        if variables[entry.variable].variable.si_unit == port.si_unit
+    }
+    return max(
+        (
+            float(np.abs(s.values - s.values.mean()).max()) / port.to_si
+            for record in simulations.records
+            for s in record.signals
+            if s.name in alike
+        ),
+        default=0.0,
+    )

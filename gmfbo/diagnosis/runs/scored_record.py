@@ -1,0 +1,204 @@
+"""Recordings as the diagnosis scores them: uniform columns of the signals that the twin has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+from gmfbo.objective.fit import scored_rows
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.augmented_twin import RunPlan
+
+_JITTER_SHARE = 0.15  # of a sample; below it, times count as evenly spaced
+_GAP_SAMPLES = 4.5  # beyond which a line between the rows beside them tells nothing
+LEAST_ROWS = 64
+"""Samples of a signal below which a recording says nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class ScoredSignal:
+    """One signal of one recording on evenly spaced times.
+
+    Attributes
+    ----------
+    name : str
+        As the twin file calls it.
+    time : ndarray, shape (n,)
+        [s]
+    values : ndarray, shape (n,)
+        [SI] As recorded.
+    resolution : float
+        [SI] Smallest step between recorded values; 0 where they are continuous.
+    driving : ndarray, shape (n,), or None
+        Part of it that is scored, where a tracking loop takes the rest away.
+    """
+
+    name: str
+    time: NDArray[np.float64]
+    values: NDArray[np.float64]
+    resolution: float
+    driving: NDArray[np.float64] | None = None
+
+    @property
+    def spacing(self) -> float:
+        """[s] Between samples."""
+        return float(self.time[-1] - self.time[0]) / (self.time.size - 1)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A stretch within which a logger lost more than single rows.
+
+    Attributes
+    ----------
+    start, end : float
+        [s] Last row before it and first row after it.
+    of_input : bool
+        What the axis was told is not known: it has to settle before it is scored again.
+    """
+
+    start: float
+    end: float
+    of_input: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A recording that is scored.
+
+    Attributes
+    ----------
+    name : str
+        Of its file.
+    plan : RunPlan
+        How it is simulated.
+    signals : tuple of ScoredSignal
+        That the twin's outputs are compared with.
+    start, end : float
+        [s] Within which all signals are scored.
+    gaps : tuple of Gap
+        Stretches within which something was not recorded.
+    """
+
+    name: str
+    plan: RunPlan
+    signals: tuple[ScoredSignal, ...]
+    start: float
+    end: float
+    gaps: tuple[Gap, ...] = ()
+
+    def stretches(self, settling: float, *, starts_elsewhere: bool) -> list[tuple[float, float]]:
+        """[s] Begin and end of each stretch that can be scored.
+
+        Parameters
+        ----------
+        settling : float
+            [s] After which the axis has forgotten where it came from.
+        starts_elsewhere : bool
+            The twin does not start where the recording does.
+        """
+        begin = self.start + (settling if starts_elsewhere else 0.0)
+        found = []
+        for gap in sorted(self.gaps, key=lambda g: g.start):
+            found.append((begin, gap.start))
+            begin = max(begin, gap.end + (settling if gap.of_input else 0.0))
+        found.append((begin, self.end))
+        return [(a, b) for a, b in found if b > a]
+
+
+def scored_record(
+    recording: Recording, plan: RunPlan, signals: Sequence[str], warmup: float
+) -> Record:
+    """Cut a recording to what is scored.
+
+    Parameters
+    ----------
+    recording : Recording
+        As it was read.
+    plan : RunPlan
+        Of the same recording.
+    signals : sequence of str
+        Outputs of the twin; those that the recording lacks are left out.
+    warmup : float
+        [s] From the first row: simulated but not scored.
+
+    Raises
+    ------
+    RecordingError
+        Nothing is left to score.
+    """
+    label = recording.name or "recording"
+    present = [
+        name
+        for name in signals
+        if name in recording.signals
+        and scored_rows(recording, name, warmup=warmup).sum() >= LEAST_ROWS
+    ]
+    if not present:
+        raise RecordingError(
+            f"{label}: expected at least {LEAST_ROWS} rows of one of {', '.join(signals)} to "
+            f"compare with the twin, it holds {', '.join(recording.signals) or 'no signal'}"
+        )
+    rows = {name: scored_rows(recording, name, warmup=warmup) for name in present}
+    start = max(float(recording.time[r][0]) for r in rows.values())
+    end = min(float(recording.time[r][-1]) for r in rows.values())
+    cut = tuple(_uniform(name, recording, rows[name], start, end) for name in present)
+    gaps = [g for r in rows.values() for g in _gaps(recording.time[r], of_input=False)]
+    for name in plan.experiment.inputs:
+        if name in recording.signals:
+            known = np.isfinite(recording.signal(name))
+            gaps += _gaps(recording.time[known], of_input=True)
+    inside = tuple(g for g in gaps if g.end > start and g.start < end)
+    return Record(label, plan, cut, start, end, inside)
+
+
+def _even(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Evenly spaced times from the first to the last, one for each row and each dropped one."""
+    steps = np.diff(time)
+    # Counted row by row: a median that jitter puts off by 0.5 % would add a row in 200.
+    places = np.round(steps / np.median(steps)).clip(1.0).sum()
+    return np.linspace(time[0], time[-1], int(places) + 1)
+
+
+def _gaps(time: NDArray[np.float64], *, of_input: bool) -> list[Gap]:
+    if time.size < 3:
+        return []
+    steps = np.diff(time)
+    wide = np.flatnonzero(steps > _GAP_SAMPLES * np.median(steps))
+    return [Gap(float(time[i]), float(time[i + 1]), of_input) for i in wide]
+
+
+def _uniform(
+    name: str, recording: Recording, rows: NDArray[np.bool_], start: float, end: float
+) -> ScoredSignal:
+    slack = 1e-9 * max(1.0, abs(end))
+    inside = rows & (recording.time >= start - slack) & (recording.time <= end + slack)
+    time, values = recording.time[inside], recording.signal(name)[inside]
+    even = _even(time)
+    spacing = float(even[1] - even[0])
+    if even.size != time.size or np.abs(even - time).max() > _JITTER_SHARE * spacing:
+        values = np.interp(even, time, values)
+        time = even
+    return ScoredSignal(name, time, values, resolution(values))
+
+
+def resolution(values: NDArray[np.float64]) -> float:
+    """Quantum of a signal: the step of which most others are whole multiples; 0 for none.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    """
+    steps = np.abs(np.diff(values))
+    steps = steps[steps > 1e-12 * max(1.0, float(np.abs(values).max()))]
+    if steps.size < 10:
+        return 0.0
+    quantum = float(np.quantile(steps, 0.02))
+    shares = steps / quantum
+    whole = np.abs(shares - np.round(shares)) < 0.02
+    return quantum if whole.mean() > 0.9 else 0.0

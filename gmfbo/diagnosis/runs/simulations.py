@@ -1,0 +1,312 @@
+"""Runs of the augmented twin along all recordings, several at a time."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from typing import Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point, Reading, Simulated, Tracking
+from gmfbo.physics import CATALOGUE
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Columns, Response, RunPlan
+
+REMEMBERED = 256 * 2**20
+"""[B] Responses that are kept, of failed runs too: screening, starts and fits meet again."""
+
+_COLUMNS = 12  # about as many as a response has
+
+Task = TypeVar("Task")
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class _Run:
+    """All that decides what a recording answers, as long as nothing is added to what drove it."""
+
+    plan: RunPlan
+    record: int
+    values: tuple[tuple[str, float], ...]
+    physics: tuple[tuple[str, float], ...]
+    tracking: Tracking | None
+
+
+class Simulations:
+    """Simulators of one twin and the recordings that they follow.
+
+    Each of `jobs` simulators has a process of its own, in which the FMUs run; this process only
+    hands out orders, so that its threads spend their time waiting. What was simulated of late is
+    not simulated again.
+
+    Parameters
+    ----------
+    open_twin : callable
+        Gives a simulator; called once for each.
+    records : sequence of Record
+        What is followed.
+    jobs : int
+        Simulators that run at a time.
+
+    Attributes
+    ----------
+    rest : int
+        Communication steps in which the loop comes to rest; 0 where it does not.
+    begins_at_rest : bool
+        Physics that pushes an axis at rest has done so before a recording begins, so that the
+        first reference is held for `rest` steps; otherwise it begins with the recording.
+    """
+
+    def __init__(
+        self, open_twin: Callable[[], AugmentedTwin], records: Sequence[Record], jobs: int
+    ) -> None:
+        self.records = tuple(records)
+        self.rest = 0
+        self.begins_at_rest = True
+        self.new_rows: frozenset[str] = frozenset()
+        self.tracking: Tracking | None = None
+        self.encoder: Reading | None = None
+        self.reading: Reading | None = None
+        self._simulators: queue.SimpleQueue[AugmentedTwin] = queue.SimpleQueue()
+        self._all = [open_twin() for _ in range(jobs)]
+        for simulator in self._all:
+            self._simulators.put(simulator)
+        self._threads = ThreadPoolExecutor(jobs)
+        self._lock = threading.Lock()
+        rows = max(record.plan.grid.size for record in self.records)
+        self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
+        self._after_rest = cache(_after_rest)
+        self.runs = 0
+        self.on_run: Callable[[], None] = lambda: None
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Settings of physics.fmu that follow from the twin."""
+        return self._all[0].settings
+
+    def run(self, points: Sequence[Point]) -> list[list[Simulated]]:
+        """Simulate all recordings at each point.
+
+        Parameters
+        ----------
+        points : sequence of Point
+            Where to simulate.
+        """
+        orders = [(point, k) for point in points for k in range(len(self.records))]
+        done = list(self._threads.map(lambda order: self.run_one(*order), orders))
+        width = len(self.records)
+        return [done[i * width : (i + 1) * width] for i in range(len(points))]
+
+    def run_here(self, point: Point) -> list[Simulated]:
+        """Simulate all recordings at one point, one after the other, on the calling thread."""
+        return [self.run_one(point, k) for k in range(len(self.records))]
+
+    def run_one(
+        self,
+        point: Point,
+        record: int,
+        *,
+        excitation: Columns | None = None,
+        measured_noise: NDArray[np.float64] | None = None,
+    ) -> Simulated:
+        """Simulate one recording.
+
+        Parameters
+        ----------
+        point : Point
+            Where to simulate.
+        record : int
+            Which recording.
+        excitation : mapping of str to ndarray, shape (rows,)
+            [FMU's unit] Added to a port.
+        measured_noise : ndarray, shape (rows,)
+            [FMU's unit] Added to what the tracking loop follows.
+        """
+        quiet = self._run(point, record, excitation, measured_noise)
+        noise = None if point.noise is None else point.noise[record]
+        if noise is None or not quiet.finite:
+            return quiet
+        noisy = self.run_under(point, record, noise, excitation=excitation)
+        if not noisy.finite:
+            return noisy
+        signals = tuple(
+            before + noise.slow_part(after - before, signal.spacing)
+            for signal, before, after in zip(
+                self.records[record].signals, quiet.signals, noisy.signals, strict=True
+            )
+        )
+        return replace(quiet, under_noise=signals)
+
+    def run_under(
+        self, point: Point, record: int, noise: PlayedNoise, *, excitation: Columns | None = None
+    ) -> Simulated:
+        """Simulate one recording under noise, all of which its signals hold.
+
+        Parameters
+        ----------
+        point : Point
+            Where to simulate.
+        record : int
+            Which recording.
+        noise : PlayedNoise
+            That of the recording.
+        excitation : mapping of str to ndarray, shape (rows,)
+            [FMU's unit] Added to a port.
+        """
+        more = dict(excitation or {})
+        more["sensor"] = more.get("sensor", 0.0) + noise.at_port
+        run = self._run(point, record, more, None)
+        response = run.response if self.reading is not None else noise.logged(run.response)
+        return Simulated(self.read(response, record), response)
+
+    def _run(
+        self,
+        point: Point,
+        record: int,
+        excitation: Columns | None,
+        measured_noise: NDArray[np.float64] | None,
+    ) -> Simulated:
+        physics = point.physics_in(record)
+        run = _Run(
+            self._plan(record, physics),
+            record,
+            tuple(point.parameters.items()),
+            tuple(physics.items()),
+            self.tracking,
+        )
+        if excitation is None and measured_noise is None:
+            response = self._remembered(run)
+        else:
+            response = self._simulate(run, excitation, measured_noise)
+        response = self._logged(response)
+        return Simulated(self.read(response, record), response)
+
+    def _plan(self, record: int, physics: Mapping[str, float]) -> RunPlan:
+        plan = self.records[record].plan
+        if not self.begins_at_rest or plan.lead >= self.rest:
+            return plan
+        if not any(CATALOGUE[name.partition(".")[0]].acts_at_rest for name in physics):
+            return plan
+        return self._after_rest(plan, self.rest)
+
+    def _simulate(
+        self,
+        run: _Run,
+        excitation: Columns | None = None,
+        measured_noise: NDArray[np.float64] | None = None,
+    ) -> Response:
+        physics, measured = dict(run.physics), None
+        if run.tracking is not None:
+            physics = {**run.tracking.settings, **physics}
+            measured = run.tracking.measured[run.record]
+            if measured_noise is not None:
+                measured = measured + measured_noise
+        with self._simulator() as simulator:
+            return simulator.run(
+                run.plan, dict(run.values), physics, excitation=excitation, measured=measured
+            )
+
+    def run_parity(
+        self,
+        point: Point,
+        record: int,
+        settings: Mapping[str, float],
+        measured: NDArray[np.float64],
+    ) -> Response:
+        """Simulate one recording while loops of physics.fmu hold the twin on it.
+
+        Parameters
+        ----------
+        point : Point
+            Where to simulate.
+        record : int
+            Which recording.
+        settings : mapping of str to float
+            Of the loops.
+        measured : ndarray, shape (rows,)
+            [FMU's unit] Recorded position.
+        """
+        physics = {**settings, **point.physics_in(record)}
+        plan = self.records[record].plan
+        with self._simulator() as simulator:
+            return simulator.run(plan, point.parameters, physics, measured=measured)
+
+    def read(self, response: Response, record: int) -> tuple[NDArray[np.float64], ...]:
+        """Scored signals of a response at their own times."""
+        columns = []
+        for signal in self.records[record].signals:
+            if signal.name in self.new_rows:
+                source = response.new[signal.name]
+            else:
+                source = response.held[signal.name]
+            columns.append(_at(self.records[record].plan, source, signal.time))
+        return tuple(columns)
+
+    def map(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
+        """Apply work that uses `run_here` or `run_one`, several tasks at a time."""
+        return list(self._threads.map(work, tasks))
+
+    def map_outer(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
+        """Apply work that simulates one run after the other, as many at a time as simulators."""
+        with ThreadPoolExecutor(len(self._all)) as threads:
+            return list(threads.map(work, tasks))
+
+    def _logged(self, response: Response) -> Response:
+        """Let the reading hold what is added on its wire."""
+        if self.reading is None:
+            return response
+        name = self.reading.signal
+        seen = response.held[name] + self.reading.to_si * response.ports["sensor"]
+        return replace(response, held={**response.held, name: seen})
+
+    def replace_records(self, records: Sequence[Record]) -> None:
+        """Score other signals of the same recordings."""
+        self.records = tuple(records)
+
+    def close(self) -> None:
+        """End all processes."""
+        self._threads.shutdown(wait=True, cancel_futures=True)
+        self._remembered.cache_clear()
+        for simulator in self._all:
+            simulator.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    @contextmanager
+    def _simulator(self) -> Iterator[AugmentedTwin]:
+        simulator = self._simulators.get()
+        try:
+            yield simulator
+        finally:
+            self._simulators.put(simulator)
+            with self._lock:
+                self.runs += 1
+            self.on_run()
+
+
+def _after_rest(plan: RunPlan, rest: int) -> RunPlan:
+    return RunPlan.after(plan.recording, plan.experiment, rest, plan.substeps)
+
+
+def _at(
+    plan: RunPlan, values: NDArray[np.float64], time: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    grid = plan.grid
+    step = float(grid[1] - grid[0]) if grid.size > 1 else 1.0
+    places = (time - grid[0]) / step
+    rows = np.round(places).astype(int)
+    if rows[-1] < grid.size and np.abs(places - rows).max() < 1e-3:
+        exact: NDArray[np.float64] = values[rows]
+        return exact
+    return np.interp(time, grid, values)

@@ -1,0 +1,69 @@
+"""How a twin takes finer steps, and when its position shows what is added at the sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.twin import FmuTwin
+
+_READ_BACK = 0.5  # of what is added at the sensor port, which a reading shows a step later
+_STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
+
+
+def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
+    """Whether a finer communication step leaves a twin's outputs as they are.
+
+    Some FMUs refuse it; in some the controller computes once a step, whatever its length.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's.
+    recording : Recording
+        Along which it is asked.
+    substeps : int
+        Steps in place of one.
+    """
+    responses = []
+    for count in (1, substeps):
+        with AugmentedTwin(twin, substeps=count) as simulator:
+            plan = simulator.plan(recording, {})
+            responses.append(simulator.run(plan, {}))
+    whole, fine = responses
+    if whole.outcome.status != "ok":
+        return True  # it is told to the user where the finer run fails as well
+    if fine.outcome.status != "ok":
+        return False
+    return all(
+        float(np.sqrt(np.mean((fine.held[name] - column) ** 2)))
+        <= _STEP_CHANGE * max(float(np.ptp(column)), 1e-300)
+        for name, column in whole.held.items()
+    )
+
+
+def reads_back(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
+    """Whether the state `position` holds what is added at the sensor port at once.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's.
+    recording : Recording
+        Along which it is asked.
+    substeps : int
+        Steps of physics within one of the twin.
+    """
+    with AugmentedTwin(twin, substeps=substeps) as simulator:
+        if "sensor" not in simulator.ports or "position" not in twin.file.states:
+            return False
+        plan = simulator.plan(recording, {})
+        plain = simulator.run(plan, {})
+        position = plain.states["position"]
+        if plain.outcome.status != "ok" or position.size < 2:
+            return False
+        size = max(1e-3 * float(np.ptp(position)), 1e-6)
+        added = simulator.run(plan, {}, excitation={"sensor": np.full(position.size, size)})
+        moved = float(added.states["position"][1] - position[1])
+    return bool(moved > _READ_BACK * size)

@@ -1,0 +1,84 @@
+"""What is known of the signals of a rig before anything is fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.scoring.nuisances import Alignment, alignment_of
+from gmfbo.sources.binding.binding import Binding
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """What is known of the signals before anything is fitted.
+
+    Attributes
+    ----------
+    position : str or None
+        Output that is the recorded position.
+    positions : frozenset of str
+        Outputs in the position's unit.
+    alignments : mapping of str to Alignment
+        Priors of the nuisances by signal.
+    position_to_si : float
+        [SI unit / FMU's unit] Of the position.
+    """
+
+    position: str | None
+    positions: frozenset[str]
+    alignments: Mapping[str, Alignment]
+    position_to_si: float
+
+
+def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
+    """Tell which signals are positions, and what their columns may be off by.
+
+    Parameters
+    ----------
+    binding : Binding
+        The twin.
+    records : sequence of Record
+        Recordings; a signal that none holds does not count.
+    """
+    outputs, states = binding.file.outputs, binding.file.states
+    present = {s.name for record in records for s in record.signals}
+    unit = {
+        name: binding.variables[entry.variable].variable.si_unit for name, entry in outputs.items()
+    }
+    position = _position_signal(binding, present)
+    if position is not None:
+        wanted = unit[position]
+    elif "position" in states:
+        wanted = binding.variables[states["position"]].variable.si_unit
+    else:
+        wanted = ""
+    positions = frozenset(n for n in present if n in unit and wanted and unit[n] == wanted)
+    alignments = {
+        name: alignment_of(entry, is_position=name in positions) for name, entry in outputs.items()
+    }
+    factor = 1.0
+    if "position" in states:
+        factor = binding.variables[states["position"]].variable.to_si
+    return Rig(position, positions, alignments, factor)
+
+
+def _position_signal(binding: Binding, present: set[str]) -> str | None:
+    """Output that tells the state `position`: the same variable, that name, or its unit."""
+    outputs, state = binding.file.outputs, binding.file.states.get("position")
+    candidates = [name for name in outputs if name in present]
+    same = [name for name in candidates if outputs[name].variable == state]
+    if same:
+        return same[0]
+    if "position" in candidates:
+        return "position"
+    if state is None:
+        return None
+    unit = binding.variables[state].variable.si_unit
+    alike = [
+        n
+        for n in candidates
+        if binding.variables[outputs[n].variable].variable.si_unit == unit and unit
+    ]
+    return alike[0] if alike else None

@@ -1,0 +1,117 @@
+"""Stretches of the recordings that are scored by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.scoring.whitening import Window, make_window
+from gmfbo.errors import RecordingError
+
+_WINDOW_S = 1.2
+_MOST_WINDOWS = 4
+_LEAST_WINDOWS = 4  # in all, where the loop is fast enough for it
+_LOOP_TIMES = 5.0
+_SETTLING = 10.0  # loop times after which e^-10 of a start is left
+_FIRST_ROWS = 5
+_ELSEWHERE = 0.02  # of a signal's range
+
+
+def windows_of(
+    records: Sequence[Record],
+    loop_time: float,
+    nominal: Sequence[Simulated] = (),
+    positions: Collection[str] = (),
+) -> tuple[Window, ...]:
+    """Cut each recording into stretches of about a second that can be left out one by one.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What is scored.
+    loop_time : float
+        [s] Slowest time constant of the closed loop; a stretch is at least five long.
+    nominal : sequence of Simulated, optional
+        The twin as it is: a recording that starts elsewhere is scored once that is forgotten.
+    positions : collection of str
+        Signals by which that is told.
+
+    Raises
+    ------
+    RecordingError
+        Nothing is left to score.
+    """
+    windows: list[Window] = []
+    total = sum(record.end - record.start for record in records)
+    # Few or short recordings are cut finer, so that something can be left out of a fit.
+    width = max(min(_WINDOW_S, total / _LEAST_WINDOWS), _LOOP_TIMES * loop_time)
+    for k, record in enumerate(records):
+        elsewhere = bool(nominal) and starts_elsewhere(record, nominal[k], positions, loop_time)
+        found = [
+            window
+            for stretch in record.stretches(_SETTLING * loop_time, starts_elsewhere=elsewhere)
+            for window in _windows_within(k, record, stretch, width)
+        ]
+        windows += found
+    if not windows:
+        raise RecordingError(
+            f"expected at least {LEAST_ROWS} rows in a row after the start has been forgotten, "
+            f"{_SETTLING * loop_time:.2g} s; got none; record longer, or without gaps"
+        )
+    return tuple(windows)
+
+
+def _windows_within(
+    k: int, record: Record, stretch: tuple[float, float], width: float
+) -> list[Window]:
+    start, end = stretch
+    # Rounded up by a row: a recording of four widths is cut in four.
+    parts = int(np.clip((end - start) * (1.0 + 1e-6) // width, 1, _MOST_WINDOWS))
+    ranges = []
+    for signal in record.signals:
+        slack = 1e-6 * signal.spacing
+        first, last = np.searchsorted(signal.time, [start - slack, end + slack])
+        ranges.append((int(first), int(last)))
+    if max(last - first for first, last in ranges) < LEAST_ROWS:
+        return []
+    windows = []
+    for part in range(parts):
+        rows = [
+            slice(a + part * (b - a) // parts, a + (part + 1) * (b - a) // parts) for a, b in ranges
+        ]
+        windows.append(make_window(k, [s.spacing for s in record.signals], rows))
+    return windows
+
+
+def starts_elsewhere(
+    record: Record, nominal: Simulated, positions: Collection[str], loop_time: float
+) -> bool:
+    """Whether a recording starts at another place or speed than its twin.
+
+    Within the first few rows neither parameters nor physics move anything that was at rest.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    nominal : Simulated
+        The same by the twin as it is.
+    positions : collection of str
+        Signals by which that is told; a command differs by any load.
+    loop_time : float
+        [s] For which a wrong speed goes on.
+    """
+    for signal, values in zip(record.signals, nominal.signals, strict=True):
+        if signal.name not in positions:
+            continue
+        apart = signal.values[:_FIRST_ROWS] - values[:_FIRST_ROWS]
+        place = abs(float(np.median(apart)))
+        moved = abs(float(apart[-1] - apart[0])) * loop_time / (_FIRST_ROWS * signal.spacing)
+        noise = float(np.median(np.abs(np.diff(signal.values, 2))))
+        bound = max(_ELSEWHERE * float(np.ptp(signal.values)), 3.0 * noise)
+        if place > bound or moved > bound + noise * loop_time / signal.spacing:
+            return True
+    return False

@@ -1,0 +1,255 @@
+"""What a small signal at a port changes in the recorded outputs: impulse responses.
+
+A feature of a trajectory, sent through them, shows in the outputs what it would change if it
+acted at the port; sent backwards, residuals show which instants at the port they speak of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.screening.impulse_response import (
+    Sampling,
+    impulse_responses,
+    random_binary,
+    sampling,
+)
+from gmfbo.errors import SimulationError
+
+Array = NDArray[np.float64]
+
+_SIZE = 0.02  # of the port's range: above encoder counts, too little to change the motion
+
+
+@dataclass(frozen=True, eq=False)
+class PortResponse:
+    """Impulse responses from a port to every scored signal of each recording.
+
+    Attributes
+    ----------
+    port : str
+        Where the signal enters.
+    step : float
+        [s] Of the communication grid; a signal at the port is held over it.
+    kernels : tuple of tuples of ndarray, shape (n_taps,)
+        [signal's unit / port's unit] One tuple a recording, one array a signal.
+    samplings : tuple of tuples of Sampling
+        The same for the signals' own times.
+    rows : tuple of int
+        Communication points of each recording.
+    size : float
+        [port's unit] Of the excitation.
+    nonlinearity : float
+        Share by which the response to half the size is not half the response.
+    """
+
+    port: str
+    step: float
+    kernels: tuple[tuple[Array, ...], ...]
+    samplings: tuple[tuple[Sampling, ...], ...]
+    rows: tuple[int, ...]
+    size: float
+    nonlinearity: float
+
+    @property
+    def length_s(self) -> float:
+        """[s] After which everything is forgotten."""
+        return self.step * max(kernel.size for own in self.kernels for kernel in own)
+
+    def filtered(self, record: int, column: Array) -> tuple[Array, ...]:
+        """Change of the signals by a signal at the port.
+
+        Parameters
+        ----------
+        record : int
+            Which recording.
+        column : ndarray, shape (..., rows)
+            [port's unit] Held from each communication point to the next.
+
+        Returns
+        -------
+        tuple of ndarray, shape (..., n_samples of that signal)
+        """
+        length, spectra = self._spectra[record]
+        own = rfft(column, length)
+        rows = self.rows[record]
+        return tuple(
+            samples.read(irfft(own * spectrum, length)[..., :rows])
+            for spectrum, samples in zip(spectra, self.samplings[record], strict=True)
+        )
+
+    def backwards(self, record: int, signals: Sequence[Array]) -> Array:
+        """Transpose of `filtered`: sum over the signals, shape (rows,).
+
+        Parameters
+        ----------
+        record : int
+            Which recording.
+        signals : sequence of ndarray, shape (n_samples of that signal,)
+            One array a signal.
+        """
+        length, spectra = self._spectra[record]
+        rows = self.rows[record]
+        total = np.zeros(length // 2 + 1, dtype=complex)
+        for values, spectrum, samples in zip(signals, spectra, self.samplings[record], strict=True):
+            total += np.conj(spectrum) * rfft(samples.spread(values, rows), length)
+        field: Array = irfft(total, length)[:rows]
+        return field
+
+    def gains(self, record: int, frequencies: Array) -> NDArray[np.complex128]:
+        """Frequency responses, shape (n_frequencies, n_signals).
+
+        Parameters
+        ----------
+        record : int
+            Which recording.
+        frequencies : ndarray, shape (n_frequencies,)
+            [Hz]
+        """
+        columns = []
+        for kernel in self.kernels[record]:
+            lags = self.step * np.arange(kernel.size)
+            columns.append(np.exp(-2j * np.pi * np.outer(frequencies, lags)) @ kernel)
+        return np.stack(columns, axis=-1)
+
+    @cached_property
+    def _spectra(self) -> tuple[tuple[int, tuple[NDArray[np.complex128], ...]], ...]:
+        found = []
+        for rows, own in zip(self.rows, self.kernels, strict=True):
+            length = next_fast_len(rows + max(kernel.size for kernel in own), real=True)
+            length += length % 2
+            found.append((length, tuple(rfft(kernel, length) for kernel in own)))
+        return tuple(found)
+
+
+def between_points(column: Array) -> Array:
+    """Mean over each communication step of a state known at its ends, shape (..., rows).
+
+    A feature evaluated at the beginning of a step and held would act half a step late.
+    """
+    mean = np.array(column, dtype=float)
+    mean[..., :-1] = 0.5 * (column[..., :-1] + column[..., 1:])
+    return mean
+
+
+def measure_port_response(
+    case: Case, port: str, rng: np.random.Generator, base: Fitted | None = None
+) -> PortResponse | None:
+    """Excite a port by a random binary signal and estimate what it does to the outputs.
+
+    Recordings under the same parameters share one response.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    port : str
+        Such as `torque`.
+    rng : numpy Generator
+        Of the excitation.
+    base : Fitted, optional
+        About which model; the refitted twin without it.
+
+    Returns
+    -------
+    PortResponse or None
+        None where the twin has no such port.
+
+    Raises
+    ------
+    SimulationError
+        The twin cannot be simulated under the excitation.
+    """
+    base = base or case.base
+    if port not in base.simulated[0].response.ports:
+        return None
+    simulations = case.simulations
+    longest = _longest_of_groups(simulations.records)
+    size = _SIZE * _range_of(case, port)
+    columns = {
+        k: random_binary(simulations.records[k].plan.grid.size, rng) for k in longest.values()
+    }
+    point = base.hypothesis.point(base.x)
+
+    def run(order: tuple[int, float]) -> dict[str, Array]:
+        k, share = order
+        excited = simulations.run_one(point, k, excitation={port: share * size * columns[k]})
+        if not excited.finite:
+            raise SimulationError(f"excited at the {port} port: {excited.response.outcome.message}")
+        before = _on_grid(simulations, base.simulated[k])
+        after = _on_grid(simulations, excited)
+        return {name: (after[name] - before[name]) / (share * size) for name in after}
+
+    first = next(iter(longest.values()))
+    half, *whole = simulations.map(run, [(first, 0.5), *((k, 1.0) for k in longest.values())])
+    step = float(np.diff(simulations.records[0].plan.grid[:2])[0])
+    kernels = {
+        key: impulse_responses(columns[k], changes, step)
+        for (key, k), changes in zip(longest.items(), whole, strict=True)
+    }
+    return PortResponse(
+        port,
+        step,
+        tuple(
+            tuple(kernels[_group(k, record)][signal.name] for signal in record.signals)
+            for k, record in enumerate(simulations.records)
+        ),
+        tuple(
+            tuple(sampling(record.plan.grid, signal.time) for signal in record.signals)
+            for record in simulations.records
+        ),
+        tuple(record.plan.grid.size for record in simulations.records),
+        size,
+        _nonlinearity(half, whole[0]),
+    )
+
+
+def _group(k: int, record: Record) -> Hashable:
+    """Recordings of one group have one response."""
+    if record.plan.schedules.shape[1]:
+        return k
+    return tuple(sorted(record.plan.experiment.parameters.in_force.items()))
+
+
+def _longest_of_groups(records: Sequence[Record]) -> dict[Hashable, int]:
+    longest: dict[Hashable, int] = {}
+    for k, record in enumerate(records):
+        other = longest.setdefault(_group(k, record), k)
+        if record.plan.grid.size > records[other].plan.grid.size:
+            longest[_group(k, record)] = k
+    return longest
+
+
+def _range_of(case: Case, port: str) -> float:
+    excitation = case.setting.excitation
+    ranges = {"torque": excitation.torque, "command": excitation.command}
+    return ranges.get(port, 0.1 * excitation.stroke)
+
+
+def _on_grid(simulations: Simulations, run: Simulated) -> dict[str, Array]:
+    """All signals that may be scored, shape (rows,) each."""
+    response = run.response
+    return {
+        name: response.new[name] if name in simulations.new_rows else held
+        for name, held in response.held.items()
+    }
+
+
+def _nonlinearity(half: dict[str, Array], whole: dict[str, Array]) -> float:
+    shares = []
+    for name, values in whole.items():
+        size = float(np.sqrt(np.mean(values**2)))
+        if size > 0.0:
+            shares.append(float(np.sqrt(np.mean((half[name] - values) ** 2))) / size)
+    return max(shares, default=0.0)

@@ -1,0 +1,93 @@
+"""Which effects this twin and these recordings can test, and why not the others."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.physics import CATALOGUE, Effect, Excitation
+from gmfbo.sources.twin_file.twin_file import TwinFile
+
+NOT_EXCITED_BY_REVERSALS = "not excited: no reversal of the velocity"
+"""Reason for effects that a motion in one direction hides: they look like another."""
+
+_GAINS = {"actuator_gain_loss", "sensor_scale"}
+_STATES_FOR_FREE = {"velocity", "current"}  # differentiated, or taken from the command
+
+
+def untestable(
+    file: TwinFile,
+    excitation: Excitation,
+    *,
+    assume: Collection[str] = (),
+    exclude: Collection[str] = (),
+    has_inertia: bool,
+    is_open: bool,
+) -> dict[str, str]:
+    """Reasons by effect why it cannot be tested.
+
+    Parameters
+    ----------
+    file : TwinFile
+        Ports and states of the twin.
+    excitation : Excitation
+        What the recordings show.
+    assume, exclude : collection of str
+        Effects that the user takes for granted, or rules out.
+    has_inertia : bool
+        The twin names a parameter from which a load inertia can be taken.
+    is_open : bool
+        No controller is in the twin: a gain and an inertia are one.
+    """
+    reasons = {}
+    for name, effect in CATALOGUE.items():
+        reason = _why_not(effect, file, excitation, has_inertia)
+        if is_open and name in _GAINS and (inertia := file.roles.get("inertia")) in file.uncertain:
+            reason = f"is parameter {inertia}"
+        if name in exclude:
+            reason = "excluded by the user"
+        if reason is not None and name not in assume:
+            reasons[name] = reason
+    return reasons
+
+
+def _why_not(
+    effect: Effect, file: TwinFile, excitation: Excitation, has_inertia: bool
+) -> str | None:
+    if effect.port not in file.ports:
+        return f"the twin has no {effect.port} port"
+    if effect.port == "command" and not {"command", "current"} & set(file.states):
+        return "the twin names no state 'command'"
+    if "position" not in file.states and "velocity" not in file.states:
+        return "the twin names neither a position nor a velocity"
+    if effect.region_state == "position" and "position" not in file.states:
+        return "the twin names no state 'position'"
+    missing = [s for s in effect.requires if s not in file.states and s not in _STATES_FOR_FREE]
+    if missing:
+        return f"the twin names no state '{missing[0]}'"
+    if effect.inertia_share and not has_inertia:
+        return "the twin names no inertia in [roles] from which the load's could be taken"
+    if (inertia := file.roles.get("inertia")) in file.uncertain and (
+        "inertia" in effect.parameter_like and not effect.inertia_share
+    ):
+        return f"is parameter {inertia}"
+    silent = effect.not_excited(excitation)
+    return None if silent is None else f"not excited: {silent}"
+
+
+def candidates(testable: Collection[str], excitation: Excitation) -> list[Candidate]:
+    """Every start of every effect that can be tested.
+
+    Parameters
+    ----------
+    testable : collection of str
+        Names of effects.
+    excitation : Excitation
+        From which the starts follow.
+    """
+    return [
+        Candidate(name, dict(values))
+        for name in CATALOGUE
+        if name in testable
+        for values in CATALOGUE[name].starts(excitation)
+    ]

@@ -1,0 +1,169 @@
+"""Whether what a model leaves still follows the reference.
+
+In closed loop noise reaches every signal but the reference, so that is what a residual must not
+know of (Ljung 1999, System Identification, section 16.6; with the direction of motion beside it,
+as Billings and Voon 1986 ask for what is not linear).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaincinv
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.result.curve import Curve
+from gmfbo.diagnosis.result.reference_test import ResidualTest
+from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
+
+Array = NDArray[np.float64]
+
+_BY_CHANCE = 0.99
+_FEW_ROWS = 64
+_DIFFERENT = 0.02  # of the strongest direction; weaker ones are rounding
+
+
+def residual_tests(
+    case: Case, curves: Sequence[Curve], scored: Mapping[str, tuple[float, float]]
+) -> tuple[ResidualTest, ...]:
+    """Test every signal of what was held out.
+
+    Parameters
+    ----------
+    case : Case
+        Of these recordings.
+    curves : sequence of Curve
+        Recorded and simulated signals.
+    scored : mapping of str to (float, float)
+        [s] Stretch of each recording that had no part in the fit.
+    """
+    found = []
+    drives = _drives(case)
+    position = case.twin.file.states.get("position")
+    variables = case.twin.binding.variables
+    length = variables[position].variable.si_unit if position else None
+    for curve in curves:
+        if curve.recording not in scored or curve.recording not in drives:
+            continue
+        time, values = drives[curve.recording]
+        final = curve.augmented if np.isfinite(curve.augmented).any() else curve.parameters_only
+        share = POSITION_TOLERANCE if curve.unit == length else TOLERANCE
+        reference = np.interp(curve.time, time, values)
+        tested = _tested(curve, reference, final, share, scored[curve.recording])
+        if tested is not None:
+            found.append(tested)
+    return tuple(found)
+
+
+def _drives(case: Case) -> Mapping[str, tuple[Array, Array]]:
+    """Time [s] and values of what drives each recording: the first input that moves."""
+    drives = {}
+    for record in case.simulations.records:
+        recording = record.plan.recording
+        for name in case.twin.file.inputs:
+            if name not in recording.signals:
+                continue
+            values = recording.signal(name)
+            known = np.isfinite(values)
+            if known.any() and np.ptp(values[known]) > 0.0:
+                drives[record.name] = (recording.time[known], values[known])
+                break
+    return drives
+
+
+def _tested(
+    curve: Curve,
+    reference: Array,
+    final: Array,
+    tolerated: float,
+    stretch: tuple[float, float],
+) -> ResidualTest | None:
+    known = np.isfinite(curve.recorded) & np.isfinite(curve.parameters_only) & np.isfinite(final)
+    known &= (curve.time >= stretch[0]) & (curve.time <= stretch[1])
+    extent = float(np.ptp(curve.recorded[known])) if known.any() else 0.0
+    if np.count_nonzero(known) < _FEW_ROWS or extent <= 0.0 or np.ptp(reference[known]) == 0.0:
+        return None
+    columns = reference_columns(curve.time, reference)[:, known]
+    left = (curve.recorded - final)[known]
+    follows, rest = following_part(columns, left)
+    before, _ = following_part(columns, (curve.recorded - curve.parameters_only)[known])
+    return ResidualTest(
+        curve.recording,
+        curve.signal,
+        before / extent,
+        follows / extent,
+        chance_bound(columns, rest) / extent,
+        tolerated * float(np.sqrt(np.mean(curve.recorded[known] ** 2))) / extent,
+    )
+
+
+def reference_columns(time: Array, reference: Array) -> Array:
+    """What a residual may follow, as directions at right angles to one another, each of RMS one.
+
+    They span the reference, its rate, its acceleration and its direction, shape (n, rows).
+
+    Parameters
+    ----------
+    time : ndarray, shape (rows,)
+        [s]
+    reference : ndarray, shape (rows,)
+        Of which they are.
+    """
+    rate = np.gradient(reference, time)
+    # Below a thousandth of the highest speed a reference stands: its direction is noise.
+    turning = np.tanh(rate / max(1e-3 * float(np.abs(rate).max()), 1e-300))
+    columns = np.stack([reference, rate, np.gradient(rate, time), turning])
+    columns -= columns.mean(axis=1, keepdims=True)
+    size = np.sqrt(np.mean(columns**2, axis=1))
+    known = size > 1e-9 * float(size.max())
+    _, share, directions = np.linalg.svd(columns[known] / size[known, None], full_matrices=False)
+    # Of a sine the acceleration is the reference again, but for rounding at its ends: a direction
+    # of a few rows would take their noise away and find none.
+    scaled: Array = directions[share > _DIFFERENT * share[0]] * np.sqrt(time.size)
+    return scaled
+
+
+def following_part(columns: Array, left: Array) -> tuple[float, Array]:
+    """RMS of the part of a residual that columns make, and the rest of it.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (n, rows)
+        What it may follow.
+    left : ndarray, shape (rows,)
+        The residual; its mean is no part of it.
+    """
+    centred = left - left.mean()
+    made = np.linalg.lstsq(columns.T, centred, rcond=None)[0] @ columns
+    return float(np.sqrt(np.mean(made**2))), centred - made
+
+
+def chance_bound(columns: Array, rest: Array) -> float:
+    """RMS that columns make of noise once in a hundred times, where noise is coloured.
+
+    The power that is made is a quadratic form of normal variables whose covariance is that of
+    Newey and West (1987); its quantile is that of a scaled chi2 with the same mean and variance
+    (Satterthwaite 1946).
+
+    Parameters
+    ----------
+    columns : ndarray, shape (n, rows)
+        What it may follow.
+    rest : ndarray, shape (rows,)
+        Noise, as coloured as it is.
+    """
+    rows = rest.size
+    score = columns / np.sqrt(rows) * rest
+    lags = round(np.sqrt(rows))
+    covariance = score @ score.T
+    for lag in range(1, min(lags, rows - 1) + 1):
+        shifted = score[:, lag:] @ score[:, :-lag].T
+        covariance += (1.0 - lag / (lags + 1.0)) * (shifted + shifted.T)
+    powers = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
+    if powers.sum() <= 0.0:
+        return 0.0
+    scale = float(np.sum(powers**2) / powers.sum())
+    freedom = float(powers.sum() ** 2 / np.sum(powers**2))
+    return float(np.sqrt(2.0 * scale * gammaincinv(0.5 * freedom, _BY_CHANCE) / rows))

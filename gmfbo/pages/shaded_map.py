@@ -1,0 +1,75 @@
+"""Values over two gains as a map of a few shades, small as SVG."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.pages.svg_frame import HIGH, WIDE
+
+Array = NDArray[np.float64]
+
+SHADES = 10
+"""Shades of a map; the page's style has a class for each, the lowest values first."""
+
+
+def shade_levels(values: Array) -> Array:
+    """Values between two shades, shape (SHADES - 1,): as much area of each.
+
+    Costs rise steeply at the box's edge; shades by rank show the valley too.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, m)
+        What is mapped.
+    """
+    return np.asarray(np.quantile(values, np.linspace(0.0, 1.0, SHADES + 1)[1:-1]))
+
+
+def shade_of(value: float, levels: Array) -> str:
+    """Class of the shade of a value.
+
+    Parameters
+    ----------
+    value : float
+        Of a run, or a cell.
+    levels : ndarray, shape (SHADES - 1,)
+        Of `shade_levels`.
+    """
+    return f"s{int(np.searchsorted(levels, value))}"
+
+
+def shaded_cells(values: Array, levels: Array) -> list[str]:
+    """Draw a map; cells of a row that have the same shade are one rectangle.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, m)
+        The first gain along the first axis, which goes to the right; the second goes upwards.
+    levels : ndarray, shape (SHADES - 1,)
+        Of `shade_levels`.
+
+    Returns
+    -------
+    list of str
+        A path for each shade that there is, in the drawing's units.
+    """
+    shade = np.searchsorted(levels, values)
+    columns, rows = values.shape
+    wide, high = WIDE / columns, HIGH / rows
+    paths: list[list[str]] = [[] for _ in range(SHADES)]
+    for row in range(rows):
+        along = shade[:, row]
+        edges = [0, *(np.flatnonzero(np.diff(along)) + 1).tolist(), columns]
+        top = round(HIGH - (row + 1) * high)
+        tall = round(HIGH - row * high) - top
+        for start, end in pairwise(edges):
+            left, right = round(start * wide), round(end * wide)
+            paths[int(along[start])].append(f"M{left} {top}h{right - left}v{tall}h{left - right}Z")
+    return [
+        f'<path class="cell s{level}" d="{"".join(path)}"/>'
+        for level, path in enumerate(paths)
+        if path
+    ]

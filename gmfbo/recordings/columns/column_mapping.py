@@ -1,0 +1,119 @@
+"""Which column of a logger's file is which signal: written once, used for each recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol, runtime_checkable
+
+from gmfbo.recordings.columns.columns import Column, RecordedColumns
+from gmfbo.recordings.columns.signal import SignalSpec
+
+DIALECTS = ("auto", "plain", "decimal_comma", "twincat_scope")
+
+
+@dataclass(frozen=True)
+class MappedColumn:
+    """A column of the file, and what its numbers are: value [unit] = scale * column + offset.
+
+    Attributes
+    ----------
+    column : str
+        Name in the file.
+    unit : str
+        Unit of the value; empty for that which the file states.
+    scale : float or None
+        [unit / column unit]; with it the file's unit does not count, and no `unit` means SI.
+    offset : float
+        [unit]
+    """
+
+    column: str
+    unit: str = ""
+    scale: float | None = None
+    offset: float = 0.0
+
+    @property
+    def converts(self) -> bool:
+        """It says what the numbers are, so that the twin file's scale and offset do not apply."""
+        return bool(self.unit) or self.scale is not None or self.offset != 0.0
+
+
+@dataclass(frozen=True)
+class ColumnMapping:
+    """Columns by the names that the twin file uses.
+
+    Attributes
+    ----------
+    columns : mapping of str to MappedColumn
+        By signal, FMU parameter, `time`, or another name that the recording shall use.
+    dialect : str
+        How a text file is written: one of `DIALECTS`.
+    """
+
+    columns: Mapping[str, MappedColumn] = field(default_factory=dict)
+    dialect: str = "auto"
+
+    def names(self) -> frozenset[str]:
+        """Names in the file."""
+        return frozenset(entry.column for entry in self.columns.values())
+
+
+@runtime_checkable
+class MappedReading(Protocol):
+    """A twin whose file says how the logger names the columns."""
+
+    def column_mapping(self) -> ColumnMapping:
+        """Return the mapping."""
+        ...
+
+
+def rename_columns(
+    file: RecordedColumns, mapping: ColumnMapping, specs: Mapping[str, SignalSpec]
+) -> tuple[RecordedColumns, Mapping[str, SignalSpec]]:
+    """Give columns the names that the twin file uses.
+
+    A column that the file lacks is passed over: then the twin file's own words count. Files that
+    gmfbo wrote name signals already and stay as they are.
+
+    Parameters
+    ----------
+    file : RecordedColumns
+        As read.
+    mapping : ColumnMapping
+        Columns by name.
+    specs : mapping of str to SignalSpec
+        Of the twin; empty without one.
+
+    Returns
+    -------
+    file : RecordedColumns
+        With renamed columns.
+    specs : mapping of str to SignalSpec
+        Without scale and offset where the mapping says what the numbers are.
+    """
+    if file.notes.own or not mapping.columns:
+        return file, specs
+    by_name = {column.name: column for column in file.columns}
+    present = {n: e for n, e in mapping.columns.items() if e.column in by_name}
+    if not present:
+        return file, specs
+    changed = dict(specs)
+    renamed: dict[str, Column] = {}
+    for name, entry in present.items():
+        spec = specs.get(name)
+        if spec is not None and entry.converts:
+            changed[name] = replace(spec, scale=1.0, scaled=False, offset=0.0)
+        target = name if spec is None else spec.column
+        renamed[target] = _converted(by_name[entry.column], entry, target)
+    used = {entry.column for entry in present.values()}
+    kept = [c for c in file.columns if c.name not in used and c.name not in renamed]
+    return replace(file, columns=(*renamed.values(), *kept)), changed
+
+
+def _converted(column: Column, entry: MappedColumn, name: str) -> Column:
+    if entry.scale is None and entry.offset == 0.0:
+        return replace(column, name=name, unit=entry.unit or column.unit)
+    scale = 1.0 if entry.scale is None else entry.scale
+    unit = entry.unit or (column.unit if entry.scale is None else "")
+    return replace(column, name=name, values=scale * column.values + entry.offset, unit=unit)

@@ -1,0 +1,133 @@
+"""Columns of a file, before a twin gives them a meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns.units import parse_unit
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column as it stands in the file.
+
+    Attributes
+    ----------
+    name : str
+        Name without the unit.
+    values : ndarray, shape (n,)
+        NaN where the file has no number.
+    unit : str
+        As written; empty where none is.
+    fault : str
+        Message about the first cell that holds something else than a number; empty if none does.
+    """
+
+    name: str
+    values: NDArray[np.float64]
+    unit: str = ""
+    fault: str = ""
+
+
+@dataclass(frozen=True)
+class FileNotes:
+    """What a file says about itself.
+
+    Attributes
+    ----------
+    use : tuple of float or None
+        [s] First and last time that may be scored.
+    start_time : str
+        ISO 8601; empty where unknown.
+    written_by : str
+        gmfbo version that made the signals; empty for those of other loggers.
+    own : bool
+        gmfbo wrote the file: columns are signals by name, in SI, scale and offset applied.
+    schedules : frozenset of str
+        Columns that a file of ours declares to be parameter schedules.
+    run : mapping or None
+        Fields of a Trajectory, where a file of ours holds a simulated run.
+    """
+
+    use: tuple[float, float] | None = None
+    start_time: str = ""
+    written_by: str = ""
+    own: bool = False
+    schedules: frozenset[str] = frozenset()
+    run: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedColumns:
+    """What a file holds, before a twin gives it a meaning.
+
+    Attributes
+    ----------
+    label : str
+        File name, for messages.
+    columns : tuple of Column
+        In the file's order, all of one length, the clock among them.
+    scalars : mapping of str to float
+        Single values: candidates for FMU parameters in force.
+    declared : bool
+        The scalars were written down as parameters, so that a slip in a name is an error.
+    unreadable : mapping of str to str
+        Messages about declared scalars that are no numbers, by name.
+    notes : FileNotes
+        What the file says about itself.
+    row_name : callable
+        Place of row k (from 0) in the file, for messages.
+    """
+
+    label: str
+    columns: tuple[Column, ...]
+    scalars: Mapping[str, float] = field(default_factory=dict)
+    declared: bool = False
+    unreadable: Mapping[str, str] = field(default_factory=dict)
+    notes: FileNotes = field(default_factory=FileNotes)
+    row_name: Callable[[int], str] = field(default=lambda row: f"row {row + 1}")
+
+    def refuse(self, why: str) -> RecordingError:
+        """Error that names the file."""
+        return RecordingError(f"{self.label}: {why}")
+
+
+def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
+    """Column `time`, `t`, `timestamp` or `Zeit`, or else the first whose unit is one of time.
+
+    Parameters
+    ----------
+    label : str
+        File name.
+    columns : tuple of Column
+        All columns.
+
+    Raises
+    ------
+    RecordingError
+        There is none; names the columns that there are.
+    """
+    for name in ("time", "t", "timestamp", "zeit"):
+        for column in columns:
+            # T is a temperature.
+            if column.name == name or (name != "t" and column.name.lower() == name):
+                return column
+        for column in columns:
+            # MATLAB structures and HDF5 groups: log.time, log/time
+            if column.name.replace("/", ".").endswith(f".{name}"):
+                return column
+    for column in columns:
+        unit = parse_unit(column.unit)
+        if unit is not None and unit.si == "s":
+            return column
+    names = ", ".join(column.name for column in columns[:8])
+    raise RecordingError(
+        f"{label}: expected a column 'time' or 't', or one in [s] or [ms], got columns {names}; "
+        "name the clock 'time'"
+    )

@@ -1,0 +1,229 @@
+"""Columns of a file become a recording: names, units, scale, schedules, clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import RecordingError, did_you_mean
+from gmfbo.recordings.columns.clock import check_clock
+from gmfbo.recordings.columns.columns import Column, RecordedColumns, find_clock
+from gmfbo.recordings.columns.signal_values import plain_values, signal_values
+from gmfbo.recordings.columns.units import parse_unit
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
+
+
+@dataclass
+class _Reading:
+    """What has been read so far."""
+
+    signals: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    parameters: dict[str, float] = field(default_factory=dict)
+    schedules: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+
+
+def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, Any]:
+    """Give a file's columns their meaning.
+
+    Parameters
+    ----------
+    file : RecordedColumns
+        Columns, scalars and notes.
+    twin : SignalReading or None
+        Says which columns are signals and which names are FMU parameters. Columns that it does
+        not name are kept as signals under their own name. Without it each column with numbers
+        is a signal, and each scalar a parameter.
+
+    Returns
+    -------
+    dict
+        Fields of a `Recording`, in SI.
+
+    Raises
+    ------
+    RecordingError
+        The clock, a cell, a unit or a name does not fit; one line that says where.
+    """
+    if not file.columns or file.columns[0].values.size == 0:
+        raise file.refuse("expected a header and at least one row, got no row; record again")
+    clock = find_clock(file.label, file.columns)
+    time = _time(file, clock)
+    others = {column.name: column for column in file.columns if column is not clock}
+    reading = _Reading()
+    if twin is None:
+        _read_all(others, reading, file.notes.schedules)
+        reading.parameters.update(file.scalars)
+    else:
+        _read_signals(file, others, twin.signal_specs(), reading)
+        tunable = twin.parameter_tunable()
+        for name in [name for name in others if name in tunable]:
+            _read_parameter(file, others.pop(name), tunable[name], time, reading)
+        kept = {n: c for n, c in others.items() if n not in reading.signals and not c.fault}
+        # A schedule of a parameter that this twin has not is a column like others.
+        _read_all(kept, reading, schedules=frozenset())
+        reading.parameters.update(_known_scalars(file, tunable))
+    # A schedule keeps its value between its entries, so it has no instants of its own.
+    columns = reading.signals or reading.schedules
+    sampled = [np.isfinite(values) for values in columns.values()]
+    check_clock(file.label, time, sampled, file.row_name)
+    return {
+        "time": time,
+        "signals": reading.signals,
+        "units": reading.units,
+        "name": file.label,
+        "parameters": reading.parameters,
+        "schedules": reading.schedules,
+        "use": _use(file, time),
+        "start_time": file.notes.start_time,
+        "written_by": file.notes.written_by,
+    }
+
+
+def _time(file: RecordedColumns, clock: Column) -> NDArray[np.float64]:
+    if clock.fault:
+        raise RecordingError(clock.fault)
+    unit = parse_unit(clock.unit or "s")
+    if unit is None or unit.si != "s":
+        raise file.refuse(
+            f"column '{clock.name}': expected a unit of time such as [s] or [ms], "
+            f"got [{clock.unit}]; correct the header"
+        )
+    return unit.to_si(clock.values)
+
+
+def _read_all(columns: Mapping[str, Column], reading: _Reading, schedules: frozenset[str]) -> None:
+    """Keep columns under their own names; one that holds no number at all is text, and skipped."""
+    for name, column in columns.items():
+        if column.fault:
+            if np.isfinite(column.values).any():
+                raise RecordingError(column.fault)
+            continue
+        values, unit = plain_values(column.values, column.unit)
+        if unit:
+            reading.units[name] = unit
+        target = reading.schedules if name in schedules else reading.signals
+        target[name] = values
+
+
+def _read_signals(
+    file: RecordedColumns,
+    columns: dict[str, Column],
+    specs: Mapping[str, SignalSpec],
+    reading: _Reading,
+) -> None:
+    """Read what the twin names, and take it out of `columns`."""
+    taken = set()
+    for name, spec in specs.items():
+        # A file of ours holds signals under their own names, already scaled.
+        ours = file.notes.own and name in columns
+        column = columns.get(name if ours else spec.column)
+        if column is None:
+            if spec.required:
+                raise file.refuse(
+                    f"no column '{spec.column}' for signal '{name}'"
+                    + did_you_mean(spec.column, columns)
+                )
+            continue
+        if column.fault:
+            raise RecordingError(column.fault)
+        if spec.required and not np.isfinite(column.values).any():
+            raise file.refuse(
+                f"column '{column.name}' for signal '{name}': expected samples, got blank cells "
+                "only; record it"
+            )
+        try:
+            values, unit = signal_values(column.values, column.unit, spec, already_scaled=ours)
+        except RecordingError as error:
+            raise file.refuse(f"column '{column.name}': {error}") from error
+        taken.add(column.name)
+        reading.signals[name] = _within_reach(file, column, values)
+        if unit:
+            reading.units[name] = unit
+    if specs and not taken:
+        wanted = sorted({spec.column for spec in specs.values()})
+        raise file.refuse(
+            f"expected columns for the twin's signals ({', '.join(wanted)}), got none of them"
+            + did_you_mean(wanted[0], columns)
+        )
+    for name in taken:
+        del columns[name]
+
+
+# Squares of larger ones overflow, of smaller ones vanish; no sensor measures either.
+_LARGEST, _SMALLEST = 1e100, 1e-100
+
+
+def _within_reach(
+    file: RecordedColumns, column: Column, values: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Refuse absurd numbers; those next to zero are zero."""
+    size = np.abs(values)
+    for row in np.flatnonzero(np.isfinite(values) & (size > _LARGEST))[:1]:
+        raise file.refuse(
+            f"column '{column.name}', {file.row_name(row)}: expected values below {_LARGEST:g}, "
+            f"got {values[row]:g}; correct it, or leave it blank if not sampled"
+        )
+    tiny = (size < _SMALLEST) & (values != 0.0)
+    return np.where(tiny, 0.0, values) if tiny.any() else values
+
+
+def _read_parameter(
+    file: RecordedColumns,
+    column: Column,
+    tunable: bool,
+    time: NDArray[np.float64],
+    reading: _Reading,
+) -> None:
+    """Read a column whose name is an FMU parameter: a schedule, or a constant."""
+    if column.fault:
+        raise RecordingError(column.fault)
+    values, unit = plain_values(column.values, column.unit)
+    known = np.isfinite(values)
+    if not known[0]:
+        raise file.refuse(
+            f"column '{column.name}' is an FMU parameter: expected a value in the first row, "
+            "got a blank cell; fill it in"
+        )
+    # Between its entries a parameter keeps its value.
+    values = values[np.maximum.accumulate(np.where(known, np.arange(values.size), 0))]
+    if unit:
+        reading.units[column.name] = unit
+    if tunable:
+        reading.schedules[column.name] = values
+        return
+    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
+    for row in changes[:1]:
+        raise file.refuse(
+            f"column '{column.name}' changes at {time[row]:.9g} s ({file.row_name(row)}) from "
+            f"{values[row - 1]:g} to {values[row]:g}, but this FMU parameter is fixed during a "
+            "run; split the recording there"
+        )
+    reading.parameters[column.name] = float(values[0])
+
+
+def _known_scalars(file: RecordedColumns, tunable: Mapping[str, bool]) -> dict[str, float]:
+    for name in file.unreadable.keys() & tunable.keys():
+        raise RecordingError(file.unreadable[name])
+    known = {name: value for name, value in file.scalars.items() if name in tunable}
+    folded = {name.lower(): name for name in tunable}
+    for name in file.scalars:
+        if file.declared and name not in tunable and name.lower() in folded:
+            raise file.refuse(f"no FMU parameter '{name}'; did you mean '{folded[name.lower()]}'?")
+    return known
+
+
+def _use(file: RecordedColumns, time: NDArray[np.float64]) -> tuple[float, float] | None:
+    use = file.notes.use
+    if use is None or (use[0] < use[1] and use[0] < time[-1] and use[1] > time[0]):
+        return use
+    raise file.refuse(
+        f"use = {use[0]:g}:{use[1]:g} selects nothing of a recording from {time[0]:g} s to "
+        f"{time[-1]:g} s; give first and last time in seconds"
+    )

@@ -1,0 +1,99 @@
+"""Names and units in the header of a CSV recording."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns.units import parse_unit
+
+# `x[1,2]` is an element of an array, `x [1]`, `x [N.m]` and `x[N.m]` carry a unit.
+_BRACKETS = re.compile(r"(?P<name>.*?)(?P<gap>\s*)\[(?P<unit>[^\[\]]*)\]")
+_PARENTHESES = re.compile(r"(?P<name>.*\S)\s+\((?P<unit>.+)\)")
+_INDEX = re.compile(r"[\d,\s]*")
+
+
+def split_unit(cell: str) -> tuple[str, str]:
+    """Name and unit of a header cell; the unit is empty where there is none."""
+    cell = cell.strip()
+    found = _BRACKETS.fullmatch(cell)
+    if found and (found["gap"] or not _INDEX.fullmatch(found["unit"])):
+        return found["name"], found["unit"].strip()
+    found = _PARENTHESES.fullmatch(cell)
+    if found and parse_unit(found["unit"]) is not None:
+        return found["name"], found["unit"].strip()
+    return cell, ""
+
+
+def header_cell(name: str, unit: str) -> str:
+    """Cell for the header, quoted where a reader would else take it apart.
+
+    Raises
+    ------
+    RecordingError
+        The name would not be read back as it is.
+    """
+    cell = f"{name} [{unit}]" if unit else name
+    if split_unit(cell) != (name, unit) or not name or re.search(r"[\r\n]", cell):
+        raise RecordingError(
+            f"signal '{name}' [{unit}] cannot be written into a CSV header, from which it could "
+            "not be read back; rename it, or write .h5 instead"
+        )
+    return '"' + cell.replace('"', '""') + '"' if re.search(r'[,;\t"]', cell) else cell
+
+
+def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
+    """Names and units of all columns.
+
+    Raises
+    ------
+    RecordingError
+        The line holds numbers, or a name twice.
+    """
+    names, units = [], []
+    for index, cell in enumerate(cells):
+        name, unit = split_unit(cell)
+        # Spreadsheets and data frames leave the name of a row number blank.
+        names.append(name or f"column {index + 1}")
+        units.append(unit)
+    if all(is_number(cell) for cell in cells if cell.strip()):
+        raise RecordingError(
+            f"{label}: expected a header such as 'time [s],position [rad]', got numbers; add a "
+            "line with the names of the columns"
+        )
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise RecordingError(
+                f"{label}: expected each column name once, got '{name}' {count} times; rename one"
+            )
+    return names, units
+
+
+def read_units_row(cells: list[str]) -> list[str] | None:
+    """Units of the row below the header; None where it is no row of units."""
+    bare = [_bare(cell) for cell in cells]
+    if is_number(bare[0]) or all(is_number(cell) for cell in bare if cell):
+        return None
+    return bare if all(not cell or parse_unit(cell) is not None for cell in bare) else None
+
+
+def _bare(cell: str) -> str:
+    cell = cell.strip()
+    pairs = {"[": "]", "(": ")"}
+    return cell[1:-1].strip() if cell and pairs.get(cell[0]) == cell[-1] else cell
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell of text is a number, with a point or a comma.
+
+    Parameters
+    ----------
+    cell : str
+        As it stands in the file.
+    """
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True

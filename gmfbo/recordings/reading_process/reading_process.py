@@ -1,0 +1,208 @@
+"""Files of foreign formats are read by another process, which a bad file may crash or hang."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import IO, Any
+
+from gmfbo.errors import RecordingError
+from gmfbo.files.durable import cause
+from gmfbo.recordings.columns.channels import RecordedChannels
+from gmfbo.recordings.columns.columns import RecordedColumns
+from gmfbo.recordings.reading_process.column_stream import read_columns_from
+
+TIME_LIMIT_S = 20.0
+TIME_LIMIT_S_PER_MB = 1.0
+MEMORY_LIMIT_BYTES = 2 * 2**30
+MEMORY_LIMIT_PER_BYTE = 20  # of the file; text and compressed files grow by less
+
+_PACKAGE_PARENT = Path(__file__).resolve().parents[3]
+# As for the FMU's worker: no module of the working folder stands in for ours.
+_START = (
+    f"import sys; sys.path.append({str(_PACKAGE_PARENT)!r}); "
+    "from gmfbo.recordings.reading_process.reading_program import main; main()"
+)
+
+
+Reader = Callable[[Path], RecordedColumns | RecordedChannels]
+"""Takes a path; a function of a module, so that the other process finds it."""
+
+
+def read_apart(path: Path, reader: Reader) -> RecordedColumns | RecordedChannels:
+    """Read a file in the reading process, which is started at first use and kept.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    reader : callable
+        Takes the path; a function of a module.
+
+    Raises
+    ------
+    RecordingError
+        The reader refused the file, crashed, took too long, or wanted too much memory.
+    """
+    answer = _ask(path, reader)
+    assert answer is not None
+    return answer
+
+
+def try_apart(path: Path, attempt: Callable[..., None], **arguments: str) -> None:
+    """Let the reading process do something with a file that this process is to do next.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    attempt : callable
+        Takes the path and the arguments; a function of a module.
+    **arguments
+        Further arguments.
+
+    Raises
+    ------
+    RecordingError
+        It refused the file, crashed, took too long, or wanted too much memory.
+    """
+    _ask(path, attempt, **arguments)
+
+
+def _ask(
+    path: Path, function: Callable[..., Any], **arguments: str
+) -> RecordedColumns | RecordedChannels | None:
+    size = path.stat().st_size
+    limit_s = TIME_LIMIT_S + TIME_LIMIT_S_PER_MB * size / 1e6
+    order = {
+        "path": path.absolute(),
+        "function": function,
+        "arguments": arguments,
+        "memory_bytes": MEMORY_LIMIT_BYTES + MEMORY_LIMIT_PER_BYTE * size,
+        "seconds": 2.0 * limit_s,
+    }
+    with _turn:
+        answer = _process().ask(order, limit_s, path.name)
+    if isinstance(answer, str):
+        raise RecordingError(answer)
+    return answer
+
+
+class ReadingProcess:
+    """One process that reads; replaced when a file has ended it."""
+
+    def __init__(self) -> None:
+        self.owner = os.getpid()
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", _START],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+            )
+        except OSError as error:
+            raise RecordingError(f"no process can be started to read: {cause(error)}") from error
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._orders: IO[bytes] = self._process.stdin
+        self._answers: IO[bytes] = self._process.stdout
+        self.usable = self._answers.readline() == b"ready\n"
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    def ask(
+        self, order: dict[str, object], limit_s: float, label: str
+    ) -> RecordedColumns | RecordedChannels | str | None:
+        """Let a file be read; a refusal is returned as its message.
+
+        Raises
+        ------
+        RecordingError
+            The process crashed or was stopped at the time limit.
+        """
+        late = threading.Event()
+
+        def stop() -> None:
+            late.set()
+            self._process.kill()
+
+        timer = threading.Timer(limit_s, stop)
+        timer.daemon = True
+        timer.start()
+        done = False
+        try:
+            pickle.dump(order, self._orders)
+            self._orders.flush()
+            answer = read_columns_from(self._answers)
+            done = True
+            return answer
+        except (EOFError, ValueError, KeyError, OSError):
+            why = (
+                f"did not end within {limit_s:.0f} s"
+                if late.is_set()
+                else f"crashed ({self._end_reason()})"
+            )
+            raise RecordingError(
+                f"{label}: the library that reads such files {why}; the file is damaged or "
+                "hostile, write or copy it again"
+            ) from None
+        finally:
+            timer.cancel()
+            # After an interrupt an answer may be half read, so the process goes as well.
+            if not done or late.is_set():
+                self.close()
+
+    def _end_reason(self) -> str:
+        status = self._process.wait()
+        try:
+            return signal.Signals(-status).name if status < 0 else f"exit status {status}"
+        except ValueError:
+            return f"signal {-status}"
+
+    def close(self) -> None:
+        """End the process; a second call does nothing."""
+        self.usable = False
+        if os.getpid() != self.owner:  # a forked child must not end its parent's
+            return
+        self._process.kill()
+        for pipe in (self._orders, self._answers):
+            try:
+                pipe.close()
+            except OSError:
+                continue  # what was left to write cannot be
+        self._process.wait()
+
+
+_turn = threading.Lock()
+_running: list[ReadingProcess] = []
+
+
+def _process() -> ReadingProcess:
+    if _running and (not _running[0].usable or _running[0].owner != os.getpid()):
+        _running.clear()
+    if not _running:
+        _running.append(ReadingProcess())
+        if not _running[0].usable:
+            raise RecordingError(
+                f"no process can be started to read: {sys.executable} did not answer; check the "
+                "installation"
+            )
+    return _running[0]
+
+
+@atexit.register
+def end_reading() -> None:
+    """End the reading process, if one runs; the next file starts another."""
+    for process in _running:
+        process.close()
+    _running.clear()

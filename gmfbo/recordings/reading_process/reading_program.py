@@ -1,0 +1,101 @@
+"""The program of the reading process: reads the files that it is told, one after the other.
+
+What reads HDF5, Parquet, MAT, MDF and TDMS is foreign native code; a damaged or hostile file may
+crash it, hang it or make it take all memory. Here that ends this process only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Any
+
+from gmfbo.errors import GmfboError
+from gmfbo.files.durable import cause
+from gmfbo.recordings.reading_process.column_stream import write_columns, write_refusal
+
+
+def main() -> None:
+    """Answer on what was standard output, until standard input ends."""
+    with os.fdopen(os.dup(1), "wb") as answers:
+        # Libraries print; nothing of that may stand among the answers.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who waits for the answer
+        _write_no_core()
+        answers.write(b"ready\n")
+        answers.flush()
+        for order in _orders():
+            limit_memory(order["memory_bytes"])
+            _end_after(order["seconds"])
+            _answer(answers, order)
+            answers.flush()
+            _end_after(0.0)
+
+
+def _orders() -> Iterator[dict[str, Any]]:
+    """Orders of the parent process, each with the function to call; its own words, not a file's."""
+    with contextlib.suppress(EOFError):
+        while True:
+            yield pickle.load(sys.stdin.buffer)
+
+
+def _answer(answers: IO[bytes], order: dict[str, Any]) -> None:
+    path: Path = order["path"]
+    try:
+        read = order["function"](path, **order["arguments"])
+    except GmfboError as error:
+        write_refusal(answers, str(error))
+    except OSError as error:
+        write_refusal(answers, f"{path}: cannot be read: {cause(error)}")
+    except MemoryError:
+        write_refusal(answers, f"{path.name}: {TOO_LARGE}")
+    except Exception as error:
+        # Whatever a library trips over, the file is what made it.
+        why = " ".join(f"{type(error).__name__}: {error}".split())
+        write_refusal(
+            answers,
+            f"{path.name}: damaged, or not of the kind that its name says ({why}); write or copy "
+            "it again",
+        )
+    else:
+        write_columns(answers, read)
+
+
+def _end_after(seconds: float) -> None:
+    """Be ended by the system when who asked was killed meanwhile; 0 is never."""
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def _write_no_core() -> None:
+    if sys.platform != "win32":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+
+
+TOO_LARGE = (
+    "its contents need far more memory than a file of its size should; it is damaged or made to "
+    "fill the memory, write it again"
+)
+
+
+def limit_memory(more_bytes: int) -> None:
+    """Let this process grow by so much; Windows and macOS have no such limit."""
+    if not sys.platform.startswith("linux"):
+        return
+    import resource
+
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    limit = pages * resource.getpagesize() + more_bytes
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(
+            resource.RLIMIT_AS,
+            (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard),
+        )

@@ -1,0 +1,123 @@
+"""A study in memory, for a process that hands it on as a value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from gmfbo.errors import StoreError
+from gmfbo.recordings.store.events import event_line, parse_event_line
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.recordings.store.trial_file import software_versions
+
+
+class TrialStore(Protocol):
+    """Where a running study keeps its trials and events."""
+
+    location: Path
+
+    def trials(self) -> list[Trial]:
+        """All finished trials in the order of their numbers."""
+        ...
+
+    def events(self) -> list[dict[str, Any]]:
+        """Events in the order in which they were logged."""
+        ...
+
+    def write_trial(self, trial: Trial) -> object:
+        """Keep a finished trial."""
+        ...
+
+    def log(self, event: str, **fields: Any) -> None:
+        """Keep an event."""
+        ...
+
+    def refresh_index(self) -> None:
+        """Make what lists the trials show all of them."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class StudyRecord:
+    """All that a study's folder would hold.
+
+    Attributes
+    ----------
+    study_text : str
+        Study file.
+    event_lines : tuple of str
+        Lines of `events.jsonl`, without line ends.
+    trials : tuple of Trial
+        In order, with the versions of the software that made them.
+    """
+
+    study_text: str
+    event_lines: tuple[str, ...]
+    trials: tuple[Trial, ...]
+
+
+class MemoryStore:
+    """A study that is nowhere on disk; it is lost with its process.
+
+    Parameters
+    ----------
+    location : Path
+        Folder for files that a method makes beside its trials; need not exist.
+    study_text : str
+        Study file.
+    """
+
+    def __init__(self, location: Path, study_text: str) -> None:
+        self.location = location
+        self._text = study_text
+        self._trials: dict[int, Trial] = {}
+        self._lines: list[str] = []
+        self._events: list[dict[str, Any]] = []
+
+    def trials(self) -> list[Trial]:
+        """All finished trials in the order of their numbers."""
+        return [self._trials[number] for number in sorted(self._trials)]
+
+    def events(self) -> list[dict[str, Any]]:
+        """Events in the order in which they were logged."""
+        return list(self._events)
+
+    def write_trial(self, trial: Trial) -> None:
+        """Keep a finished trial.
+
+        Raises
+        ------
+        StoreError
+            The number is taken, or below 1.
+        """
+        if trial.number < 1:
+            raise StoreError(f"expected a trial number of at least 1, got {trial.number}")
+        if trial.number in self._trials:
+            raise StoreError(f"trial {trial.number} is stored already; number it anew")
+        versions = trial.versions or software_versions()
+        self._trials[trial.number] = replace(trial, versions=versions)
+
+    def log(self, event: str, **fields: Any) -> None:
+        """Keep an event.
+
+        Parameters
+        ----------
+        event : str
+            What happened.
+        **fields
+            What JSON can hold, NumPy values included.
+        """
+        line = event_line(event, fields)
+        parsed = parse_event_line(line)
+        assert parsed is not None
+        self._lines.append(line)
+        self._events.append(parsed)
+
+    def refresh_index(self) -> None:
+        """Nothing: the trials are their own index."""
+
+    @property
+    def record(self) -> StudyRecord:
+        """The study so far, as a value that can be sent to another process."""
+        return StudyRecord(self._text, tuple(self._lines), tuple(self.trials()))

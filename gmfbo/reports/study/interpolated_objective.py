@@ -1,0 +1,84 @@
+"""The cost of one source between its runs, to be drawn below them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import RBFInterpolator
+
+from gmfbo.reports.study.review import StudyReview
+from gmfbo.reports.study.run_roles import Run
+
+Array = NDArray[np.float64]
+
+_ALL_AT_ONCE = 600  # runs; the time of a spline through all grows with their cube
+_NEIGHBOURS = 60
+_SMOOTHING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class InterpolatedObjective:
+    """Cost g of twin or axis over the gains: a thin-plate spline through the runs.
+
+    It is drawn from the stored runs alone; no method depends on it, and it is not what a
+    surrogate believes.
+
+    Attributes
+    ----------
+    source : {"IS1", "IS2"}
+        Of the two that of which more different gains were run.
+    runs : int
+        Different gains that it goes through.
+    """
+
+    source: str
+    runs: int
+    _spline: RBFInterpolator
+
+    @classmethod
+    def of(cls, review: StudyReview) -> Self | None:
+        """Interpolate the runs that succeeded.
+
+        Parameters
+        ----------
+        review : StudyReview
+            Of a study.
+
+        Returns
+        -------
+        InterpolatedObjective or None
+            None where there are too few runs for it.
+        """
+        runs = {"IS2": review.twin_runs, "IS1": review.real}
+        known = {source: _values(review, own) for source, own in runs.items()}
+        source = max(known, key=lambda name: len(known[name][0]))
+        points, costs = known[source]
+        gains = len(review.space)
+        if not gains or len(points) < gains + 2:
+            return None
+        near = None if len(points) <= _ALL_AT_ONCE else _NEIGHBOURS
+        try:
+            spline = RBFInterpolator(points, costs, smoothing=_SMOOTHING, neighbors=near)
+        except np.linalg.LinAlgError:
+            return None  # all runs on one line
+        return cls(source, len(points), spline)
+
+    def at(self, points: Array) -> Array:
+        """Cost g, shape (q,), at points of the unit cube, shape (q, d)."""
+        return np.asarray(self._spline(points), dtype=float)
+
+
+def _values(review: StudyReview, runs: Sequence[Run]) -> tuple[Array, Array]:
+    """Different points, shape (n, d), and the mean cost at each, shape (n,)."""
+    succeeded = [run for run in runs if run.trial.status == "ok"]
+    points = review.points(succeeded)
+    costs = np.array([run.trial.objective for run in succeeded])
+    if not len(points):
+        return points, costs
+    unique, where = np.unique(points.round(9), axis=0, return_inverse=True)
+    where = where.reshape(-1)
+    return unique, np.bincount(where, costs) / np.bincount(where)

@@ -1,0 +1,170 @@
+"""All numbers of a study's page, as the JSON that stands in it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from gmfbo.objective.mismatch import query_cost, source_lengthscale
+from gmfbo.pages.html_page import embedded_json
+from gmfbo.reports.study.review import StudyReview, metric_unit
+from gmfbo.reports.study.run_roles import Run
+
+
+def study_content(review: StudyReview) -> dict[str, Any]:
+    """Tell a study in numbers and names, without its trajectories.
+
+    Parameters
+    ----------
+    review : StudyReview
+        Of a study.
+
+    Returns
+    -------
+    dict
+        What JSON can hold; null stands for a number that is not finite.
+    """
+    file = review.file
+    content: dict[str, Any] = {
+        "schema": 1,
+        "name": file.name,
+        "method": file.method,
+        "seed": file.seed,
+        "signal": file.objective.signal,
+        "weights": dict(file.objective.weights),
+        "limits": dict(file.constraints),
+        "gains": {
+            gain.name: {"low": gain.low, "high": gain.high, "scale": gain.scale}
+            for gain in review.space.gains
+        },
+        "metrics": {name: metric_unit(name) for name in review.metrics},
+        "counts": {source: len(review.of(source)) for source in ("IS1", "IS2", "IS3")},
+        "earlier": sum(run.role == "earlier" for run in review.runs),
+        "queries": review.runs[-1].query,
+        "cost": review.runs[-1].cost,
+        "best": review.best.number if review.best else None,
+        "first": review.first.number if review.first else None,
+        "best_real_run": _place(review),
+        "comparison": _comparison(review),
+        "recommendation": _recommendation(review),
+        **_on_the_way(review),
+        "runs": [_run(run) for run in review.runs],
+    }
+    return content
+
+
+def _on_the_way(review: StudyReview) -> dict[str, Any]:
+    """What came about while the study ran."""
+    descent = review.descent
+    queries = {run.trial.number: run.query for run in review.runs}
+    return {
+        "descent": {
+            "numbers": list(descent.numbers),
+            "cost": _finite(descent.cost),
+            "objective": _finite(descent.objective),
+            "best": _finite(descent.best),
+        },
+        "mismatch": [
+            {
+                "run": number,
+                "query": queries[number],
+                "mismatch": mismatch,
+                "lengthscale": source_lengthscale(mismatch),
+                "query_cost": query_cost(mismatch),
+            }
+            for number, mismatch in review.mismatch
+        ],
+        "correction": [
+            {"run": n, "query": queries[n], "twin": _number(twin), "corrected": _number(left)}
+            for n, twin, left in review.correction
+        ],
+        "changes": [
+            {"after": d.last_before, "found_at": d.found_at, "message": d.message}
+            for d in review.drifts
+        ],
+        "twin_versions": [
+            {"version": one.version, "reason": one.reason, "after": one.after}
+            for one in review.twin_versions
+        ],
+    }
+
+
+def study_json(content: dict[str, Any]) -> str:
+    """Embed the content into the page.
+
+    Parameters
+    ----------
+    content : dict
+        Of `study_content`.
+    """
+    return embedded_json("study", json.dumps(content, separators=(",", ":"), allow_nan=False))
+
+
+def _run(run: Run) -> dict[str, Any]:
+    trial = run.trial
+    told = {
+        "number": trial.number,
+        "source": trial.source,
+        "role": run.role,
+        "query": run.query,
+        "cost": run.cost,
+        "gains": {name: _number(value) for name, value in trial.gains.items()},
+        "objective": _number(trial.objective),
+        "metrics": {name: _number(value) for name, value in trial.metrics.items()},
+        "status": trial.status,
+        "started": trial.started,
+        "seconds": _number(trial.seconds),
+        "parent": trial.parent,
+    }
+    if trial.sigma_c is not None:
+        told["sigma_c"] = _number(trial.sigma_c)
+    return told
+
+
+def _place(review: StudyReview) -> int | None:
+    """How many real runs it took to the best."""
+    if review.best is None:
+        return None
+    return review.descent.numbers.index(review.best.number) + 1
+
+
+def _comparison(review: StudyReview) -> dict[str, dict[str, float | None]]:
+    """First and best real run, and by what share of the first the best is lower."""
+    first, best = review.first, review.best
+    if first is None or best is None:
+        return {}
+    rows = {"objective": (first.objective, best.objective)}
+    rows |= {name: (first.metrics[name], best.metrics[name]) for name in review.metrics}
+    return {
+        name: {
+            "first": _number(before),
+            "best": _number(after),
+            # The cost may cross zero: a share of it says nothing.
+            "change": _number((after - before) / before)
+            if name != "objective" and before > 0.0
+            else None,
+        }
+        for name, (before, after) in rows.items()
+    }
+
+
+def _recommendation(review: StudyReview) -> dict[str, Any] | None:
+    advised = review.recommendation
+    if advised is None:
+        return None
+    return {
+        "gains": {name: _number(value) for name, value in advised["gains"].items()},
+        "mean": _number(advised["mean"]),
+        "std": _number(advised["std"]),
+    }
+
+
+def _finite(values: Iterable[float]) -> list[float | None]:
+    return [_number(value) for value in values]
+
+
+def _number(value: float) -> float | None:
+    plain = float(value)
+    return plain if math.isfinite(plain) else None

@@ -1,0 +1,296 @@
+"""What a page and the figures show of a study: its runs, and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import StoreError
+from gmfbo.objective.limits import Limits
+from gmfbo.objective.metrics import METRICS
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.run_roles import Run, placed_runs
+from gmfbo.space import Gain, GainSpace
+from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.study_file.study_file import parse_study
+from gmfbo.tuning.study_file.study_sections import StudyFile
+
+if TYPE_CHECKING:
+    from gmfbo.tuning.drift.drift import Drift
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """What the real runs came to, one entry a real run; n in all.
+
+    Attributes
+    ----------
+    numbers : tuple of int
+        Of the trials.
+    cost : ndarray, shape (n,)
+        [real runs] Of all runs up to that one.
+    objective : ndarray, shape (n,)
+        Cost g of the run, dimensionless.
+    best : ndarray, shape (n,)
+        That of the best so far; NaN before the first that succeeded.
+    """
+
+    numbers: tuple[int, ...]
+    cost: Array
+    objective: Array
+    best: Array
+
+
+@dataclass(frozen=True)
+class TwinVersion:
+    """A twin that took the place of another.
+
+    Attributes
+    ----------
+    version : str
+        Its name or number.
+    reason : str
+        Why it was changed.
+    after : int
+        Trial number of the real run that led to it.
+    """
+
+    version: str
+    reason: str
+    after: int
+
+
+@dataclass(frozen=True, eq=False)
+class StudyReview:
+    """A study as it is told to a person.
+
+    Attributes
+    ----------
+    file : StudyFile
+        The validated study file.
+    location : Path
+        Where it was read from.
+    runs : tuple of Run
+        In order.
+    events : tuple of mapping
+        Of its log.
+    """
+
+    file: StudyFile
+    location: Path
+    runs: tuple[Run, ...]
+    events: tuple[Mapping[str, Any], ...]
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Read a study's folder or a packed study, also while it runs.
+
+        Parameters
+        ----------
+        path : str or Path
+            `NAME.study/` or a packed `.h5`.
+
+        Raises
+        ------
+        StoreError
+            There is no study, or no run in it yet.
+        StudyFileError
+            Its study file cannot be used.
+        """
+        from gmfbo.recordings.store.study_folder import StudyStore
+
+        path = Path(path)
+        with StudyStore.open(path) as store:
+            name = path.name.removesuffix(path.suffix)
+            file = parse_study(store.study_text, label=f"{path}: study.toml", default_name=name)
+            events, trials = store.events(), store.trials()
+        if not trials:
+            raise StoreError(
+                f"{path}: expected a study with runs, but there is none yet; wait for its first "
+                "runs, or go on with 'gmfbo tune --resume'"
+            )
+        return cls(file, path, placed_runs(trials, events, file.budget), tuple(events))
+
+    @cached_property
+    def trials(self) -> Mapping[int, Trial]:
+        """Each trial by its number."""
+        return {run.trial.number: run.trial for run in self.runs}
+
+    @cached_property
+    def real(self) -> tuple[Run, ...]:
+        """Real runs in order, those of an earlier study included."""
+        return self.of("IS1")
+
+    def of(self, source: str) -> tuple[Run, ...]:
+        """Runs of one source, in order.
+
+        Parameters
+        ----------
+        source : {"IS1", "IS2", "IS3"}
+            Who ran.
+        """
+        return tuple(run for run in self.runs if run.trial.source == source)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """On metrics."""
+        return Limits(self.file.constraints)
+
+    @cached_property
+    def best(self) -> Trial | None:
+        """Best real run; None while none succeeded."""
+        return self._best(len(self.real))
+
+    @property
+    def first(self) -> Trial | None:
+        """First real run that succeeded, against which the best is held."""
+        return next((run.trial for run in self.real if run.trial.status == "ok"), None)
+
+    @cached_property
+    def descent(self) -> Descent:
+        """How the best real run came about."""
+        best = [self._best(count) for count in range(1, len(self.real) + 1)]
+        return Descent(
+            numbers=tuple(run.trial.number for run in self.real),
+            cost=np.array([run.cost for run in self.real]),
+            objective=np.array([run.trial.objective for run in self.real]),
+            best=np.array([np.nan if one is None else one.objective for one in best]),
+        )
+
+    def _best(self, count: int) -> Trial | None:
+        """Best of the first real runs, by what was known of changes of the plant then."""
+        found = [drift for drift in self.drifts if drift.found_at <= count]
+        since = found[-1].last_before if found else 0
+        return best_run((run.trial for run in self.real[:count]), self.limits, since)
+
+    @cached_property
+    def space(self) -> GainSpace:
+        """Box of the gains that were moved: the study file's, else as far as runs went."""
+        gains = []
+        for name in self.runs[0].trial.gains:
+            values = [run.trial.gains[name] for run in self.runs]
+            given = self.file.gains.get(name)
+            if given is not None and given.low < given.high:
+                gains.append(Gain(name, given.low, given.high, given.scale, given.integer))
+            elif given is None and min(values) < max(values):
+                gains.append(Gain(name, min(values), max(values)))
+        return GainSpace(tuple(gains))
+
+    def points(self, runs: Sequence[Run]) -> Array:
+        """Gains of runs in the unit cube, shape (n, d).
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            Of any source.
+        """
+        moved = [[run.trial.gains[name] for name in self.space.names] for run in runs]
+        return self.space.to_unit(np.reshape(moved, (-1, len(self.space))))
+
+    @cached_property
+    def drifts(self) -> tuple[Drift, ...]:
+        """Changes of the plant that were found, in order."""
+        logged = self.logged("drift")
+        if not logged:
+            return ()  # most studies; what reads a change loads what finds it
+        from gmfbo.tuning.drift.drift import Drift
+
+        return tuple(Drift.logged(dict(event)) for event in logged)
+
+    @cached_property
+    def mismatch(self) -> tuple[tuple[int, float], ...]:
+        """Trial number of each query with a mismatch e, and e, dimensionless."""
+        return tuple(
+            (event["number"], float(event["mismatch"]))
+            for event in self.logged("ask")
+            if event["mismatch"] is not None and event["number"] in self.trials
+        )
+
+    @cached_property
+    def correction(self) -> tuple[tuple[int, float, float], ...]:
+        """By real run: RMS error of twin and corrected twin, held out [unit of the signal]."""
+        return tuple(
+            (event["parent"], float(event["uncorrected_error"]), float(event["held_out_error"]))
+            for event in self.logged("correction")
+            if event["parent"] in self.trials
+        )
+
+    @cached_property
+    def twin_versions(self) -> tuple[TwinVersion, ...]:
+        """Twins that took the place of another while the study ran, in order."""
+        return tuple(
+            TwinVersion(str(event["version"]), str(event["reason"]), event["after"])
+            for event in self.logged("twin_version")
+        )
+
+    @cached_property
+    def twin_runs(self) -> tuple[Run, ...]:
+        """Runs of the twin as it is now; those of twins before it tell of other costs."""
+        versions = self.logged("twin_version")
+        now = versions[-1]["twin"] if versions else None
+        return tuple(run for run in self.of("IS2") if now is None or run.trial.twin == now)
+
+    def twin_beside(self, real: Trial) -> Trial | None:
+        """The newest run of the twin beside a real one; None without any.
+
+        Parameters
+        ----------
+        real : Trial
+            A real run.
+        """
+        beside = [
+            run.trial
+            for run in self.of("IS2")
+            if run.role == "beside" and run.trial.parent == real.number
+        ]
+        return beside[-1] if beside else None
+
+    @property
+    def recommendation(self) -> Mapping[str, Any] | None:
+        """Gains that the surrogate recommended last, with mean and std of their cost."""
+        logged = self.logged("recommendation")
+        return logged[-1] if logged else None
+
+    @property
+    def ended(self) -> bool:
+        """Whether the study came to its end, and was not gone on with since."""
+        last = [e["event"] for e in self.events if e["event"] in ("ask", "tell", "recommendation")]
+        return bool(last) and last[-1] == "recommendation"
+
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of all metrics, those of the cost first."""
+        known = list(dict.fromkeys([*self.file.objective.weights, *self.runs[0].trial.metrics]))
+        return tuple(name for name in known if name in self.runs[0].trial.metrics)
+
+    def logged(self, event: str) -> list[Mapping[str, Any]]:
+        """Events of one kind, in order.
+
+        Parameters
+        ----------
+        event : str
+            Kind, such as `ask` or `tell`.
+        """
+        return [entry for entry in self.events if entry["event"] == event]
+
+
+def metric_unit(name: str) -> str:
+    """Unit of a metric; none for a user's own.
+
+    Parameters
+    ----------
+    name : str
+        As it is stored; `overshoot[2]` is that of the second reference.
+    """
+    whole = name.partition("[")[0]
+    if whole not in METRICS:
+        return ""
+    return "%" if whole == "overshoot" else "s"

@@ -1,0 +1,77 @@
+"""Runs of a study as tables: the real ones at once, all of them folded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from gmfbo.pages.html_page import folded, table
+from gmfbo.pages.marked_number import marked_count, marked_number, unit_text
+from gmfbo.plain_words import words
+from gmfbo.reports.study.review import StudyReview, metric_unit
+from gmfbo.reports.study.run_roles import ROLES, Run
+
+
+def runs_tables(review: StudyReview) -> str:
+    """Write the tables.
+
+    Parameters
+    ----------
+    review : StudyReview
+        Of a study.
+
+    Returns
+    -------
+    str
+        HTML; the number of each run is a button that shows it where the page's script runs.
+    """
+    places = {run.trial.number: place for place, run in enumerate(review.runs)}
+    real = _table(review, review.real, places)
+    if len(review.real) == len(review.runs):
+        return real
+    everything = _table(review, review.runs, places)
+    return real + f'<div class="on-screen">{folded("All runs of all sources", everything)}</div>'
+
+
+def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> str:
+    gains = list(review.space.names)
+    metrics = review.metrics
+    heads = [
+        "run",
+        "source",
+        "what for",
+        "query",
+        *gains,
+        "objective",
+        *(f"{words(name)} [{unit}]" if (unit := unit_text(metric_unit(name))) else words(name)
+          for name in metrics),
+        "ended",
+        "cost so far",
+    ]  # fmt: skip
+    rows = [_row(run, ("runs", places[run.trial.number]), gains, metrics) for run in runs]
+    best = next((k for k, run in enumerate(runs) if run.trial is review.best), None)
+    ended = heads.index("ended")
+    numbers = [*range(heads.index("query"), ended), ended + 1]
+    return table(heads, rows, numbers=numbers, style="wide runs", best=best)
+
+
+def _row(
+    run: Run, path: tuple[str, int], gains: Sequence[str], metrics: Sequence[str]
+) -> list[str]:
+    trial = run.trial
+    number = marked_count((*path, "number"), trial.number)
+    return [
+        f'<button type="button" data-run="{trial.number}">{number}</button>',
+        trial.source,
+        escape(ROLES[run.role]),
+        marked_count((*path, "query"), run.query),
+        *(marked_number((*path, "gains", name), trial.gains[name], digits=4) for name in gains),
+        marked_number((*path, "objective"), trial.objective, digits=4),
+        *(
+            marked_number((*path, "metrics", name), trial.metrics.get(name, math.nan), digits=4)
+            for name in metrics
+        ),
+        escape(trial.status),
+        marked_number((*path, "cost"), run.cost, digits=4),
+    ]

@@ -1,0 +1,113 @@
+"""Trajectories of a study for the script of its page, thinned so that no peak is lost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.pages.html_page import embedded_json
+from gmfbo.pages.thinning import few_digits, thinned_rows
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.review import StudyReview
+
+Array = NDArray[np.float64]
+
+_MOST_NUMBERS = 280_000
+"""Of all runs together, half of them for those that are looked at most: about two megabytes."""
+
+_FEWEST_ROWS = 40
+_DIGITS = 5
+
+
+def shown_signals(review: StudyReview) -> dict[str, str]:
+    """Signals of the real runs that a page shows, with their units; that of the cost first.
+
+    Parameters
+    ----------
+    review : StudyReview
+        Of a study.
+    """
+    real = review.real or review.runs
+    first = real[0].trial.recording
+    scored, reference = review.file.objective.signal, review.file.reference.signal
+    names = [scored, *(n for n in first.signals if n not in (scored, reference))]
+    return {name: first.units.get(name, "") for name in names[:4] if name in first.signals}
+
+
+def trajectories_json(review: StudyReview) -> str:
+    """Embed the trajectory of every run into the page.
+
+    Parameters
+    ----------
+    review : StudyReview
+        Of a study.
+
+    Returns
+    -------
+    str
+        A `<script>` element. `runs` holds by number and signal the times `t` [s] and values `y`;
+        of a corrected run also those before it was corrected, `u`, and the standard deviation,
+        `s`.
+    """
+    signals = shown_signals(review)
+    scored = [name for name in signals if name == review.file.objective.signal]
+    often = [
+        run.trial
+        for run in review.runs
+        if run.trial.source == "IS1" or run.trial.parent is not None
+    ]
+    known = {trial.number for trial in often}
+    seldom = [run.trial for run in review.runs if run.trial.number not in known]
+    groups = ((often, list(signals)), (seldom, scored))
+    told = {
+        "signals": [{"name": name, "unit": unit} for name, unit in signals.items()],
+        "reference": _reference(review),
+        "runs": {
+            str(trial.number): _run(trial, names, _rows_each(trials, names))
+            for trials, names in groups
+            for trial in trials
+        },
+    }
+    return embedded_json("trajectories", json.dumps(told, separators=(",", ":"), allow_nan=False))
+
+
+def _rows_each(trials: Sequence[Trial], names: Sequence[str]) -> int:
+    """Rows that each of these trials may have: times and values of each signal."""
+    numbers = 2 * max(len(names), 1) * len(trials)
+    return max(_MOST_NUMBERS // (2 * numbers), _FEWEST_ROWS)
+
+
+def _run(trial: Trial, signals: Sequence[str], most: int) -> dict[str, Any]:
+    time, told = trial.recording.time, {}
+    for name in signals:
+        if name not in trial.recording.signals:
+            continue
+        values = trial.recording.signal(name)
+        extra = {
+            key: held[name]
+            for key, held in (("u", trial.uncorrected), ("s", trial.std))
+            if name in held
+        }
+        rows = thinned_rows([values], most // 2)
+        told[name] = {
+            "t": few_digits(time[rows], 7),
+            "y": few_digits(values[rows], _DIGITS),
+            **{key: few_digits(column[rows], _DIGITS) for key, column in extra.items()},
+        }
+    return told
+
+
+def _reference(review: StudyReview) -> dict[str, Any] | None:
+    """What the axis was asked to follow, of the first run that recorded it."""
+    name = review.file.reference.signal
+    for run in (*review.real, *review.runs):
+        recording = run.trial.recording
+        if name in recording.signals:
+            rows = thinned_rows([recording.signal(name)], 200)
+            values = recording.signal(name)[rows]
+            return {"t": few_digits(recording.time[rows], 7), "y": few_digits(values, _DIGITS)}
+    return None

@@ -1,0 +1,80 @@
+"""A twin file joined to its FMUs: each name it uses is a variable that can play its part."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from gmfbo.sources.binding.bound_variable import BoundVariable
+from gmfbo.sources.fmu_file.description import FmuDescription
+from gmfbo.sources.fmu_file.fmu_variable import is_parameter
+from gmfbo.sources.fmu_file.job import Wire
+from gmfbo.sources.twin_file.twin_file import TwinFile
+
+
+@dataclass(frozen=True)
+class Binding:
+    """FMUs of a twin and their variables.
+
+    Attributes
+    ----------
+    file : TwinFile
+        What was bound.
+    label : str
+        Name of the file, for messages.
+    fmus : tuple of FmuDescription
+        In order of computation.
+    content : tuple of str
+        SHA-256 of each FMU's bytes.
+    variables : mapping of str to BoundVariable
+        By the names that the twin file uses.
+    preset : mapping of str to float
+        Settings of the project's own controllers, below [parameters].
+    """
+
+    file: TwinFile
+    label: str
+    fmus: tuple[FmuDescription, ...]
+    content: tuple[str, ...]
+    variables: Mapping[str, BoundVariable]
+    preset: Mapping[str, float]
+
+    @cached_property
+    def parameters(self) -> dict[str, BoundVariable]:
+        """All parameters that are numbers, and inputs that [parameters] holds at a value."""
+        held = self.file.parameters
+        return {
+            name: v
+            for name, v in self.variables.items()
+            if is_parameter(v.variable) or name in held
+        }
+
+    @property
+    def wires(self) -> tuple[Wire, ...]:
+        """From outputs to inputs, as the twin file joins its FMUs."""
+        return tuple(
+            self.variables[target].wire_from(self.variables[source])
+            for target, source in self.file.wires.items()
+        )
+
+    def nominal(self, name: str) -> float:
+        """Value [FMU's unit] of a parameter as the twin file leaves it."""
+        if name in self.settings:
+            return self.settings[name]
+        start = self.variables[name].variable.start
+        return 0.0 if start is None else start
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Values [FMU's unit] that the twin file gives to parameters."""
+        fixed = {name: gain.low for name, gain in self.file.gains.items() if gain.fixed}
+        return {**self.preset, **self.file.parameters, **fixed}
+
+
+def content_of(path: Path) -> str:
+    """SHA-256 of a file's bytes."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

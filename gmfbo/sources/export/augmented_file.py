@@ -1,0 +1,84 @@
+"""The twin file of an augmented twin: that of the twin, over one FMU."""
+
+from __future__ import annotations
+
+import json
+import re
+import textwrap
+from collections.abc import Mapping
+
+from gmfbo.sources.twin_file.twin_file import TwinFile
+
+# A table's nodes in force are local variables of the FMU, which the joined FMU does not show.
+_LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters", "tables"}
+
+
+def augmented_twin_file(
+    file: TwinFile, fmu: str, step: float, note: str, values: Mapping[str, float]
+) -> str:
+    """Write the twin file; what [parameters] set is in the FMU now.
+
+    Parameters
+    ----------
+    file : TwinFile
+        Of the twin.
+    fmu : str
+        Path of the augmented FMU.
+    step : float
+        [s] Communication step.
+    note : str
+        What the FMU is, for a comment at the top.
+    values : mapping of str to float
+        [FMU's unit] In the FMU; a fixed gain among them gets its value from here.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
+    given = file.model_dump(exclude_unset=True, exclude=_LEFT_OUT)
+    for name, gain in given.get("gains", {}).items():
+        if gain["low"] == gain["high"]:
+            gain["low"] = gain["high"] = float(values.get(name, gain["low"]))
+    lines = [f"# {line}" for line in textwrap.wrap(note, 97)]
+    lines += [f"name = {_value(file.name + ', augmented')}", f"fmu = {_value(fmu)}"]
+    lines.append(f"step = {_value(step)}")
+    if (warmup := given.pop("warmup", None)) is not None:
+        lines.append(f"warmup = {_value(warmup)}")
+    if (dialect := given.pop("dialect", None)) is not None:
+        lines.append(f"dialect = {_value(dialect)}")
+    for table, entries in given.items():
+        if entries:
+            lines += ["", f"[{table}]"]
+            lines += [f"{_key(name)} = {_entry(entry)}" for name, entry in entries.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _value(name)
+
+
+def _entry(entry: object) -> str:
+    """An entry of a table, in the short form where that says it all."""
+    if not isinstance(entry, Mapping):
+        return _value(entry)
+    if set(entry) == {"variable"}:
+        return _value(entry["variable"])
+    if set(entry) == {"column"}:
+        return _value(entry["column"])
+    if set(entry) == {"low", "high"}:
+        low, high = entry["low"], entry["high"]
+        return _value(low) if low == high else _value([low, high])
+    pairs = (f"{name} = {_value(value)}" for name, value in entry.items() if value is not None)
+    return "{ " + ", ".join(pairs) + " }"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    # A TOML basic string escapes as JSON does, but for DEL, which JSON leaves as it is.
+    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,240 @@
+"""The model description of a container: what its FMUs say, under the container's own references."""
+
+from __future__ import annotations
+
+import copy
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from gmfbo.sources.export.container_units import merge_units, unit_definition
+
+_HEAD = ("author", "version", "copyright", "license", "generationDateAndTime")
+
+
+@dataclass(frozen=True)
+class Part:
+    """An FMU of the container whose variables are shown.
+
+    Attributes
+    ----------
+    prefix : str
+        Before the names of its variables, with the dot; empty where there is one FMU.
+    xml : Element
+        Its model description.
+    """
+
+    prefix: str
+    xml: ET.Element
+
+    def variables(self) -> list[ET.Element]:
+        """Scalar variables in the order of the file."""
+        return self.xml.findall("ModelVariables/ScalarVariable")
+
+    def name(self, variable: ET.Element) -> str:
+        """Name of a variable in the container."""
+        return self.prefix + variable.get("name", "")
+
+
+@dataclass(frozen=True)
+class ExposedParameter:
+    """A parameter that the container has and its FMUs do not show.
+
+    Attributes
+    ----------
+    name, unit, description : str
+        As the container tells them.
+    value : float
+        [unit] Start value.
+    """
+
+    name: str
+    unit: str
+    description: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What the container says of itself.
+
+    Attributes
+    ----------
+    name, identifier, description : str
+        Of the model.
+    step : float
+        [s] Communication step.
+    """
+
+    name: str
+    identifier: str
+    description: str
+    step: float
+
+
+def describe_container(
+    heading: Heading,
+    parts: Sequence[Part],
+    added: Sequence[ExposedParameter],
+    references: Mapping[str, int],
+    starts: Mapping[str, str],
+) -> ET.Element:
+    """Write the model description; variables keep all that their FMUs say of them.
+
+    Parameters
+    ----------
+    heading : Heading
+        What the container says of itself.
+    parts : sequence of Part
+        FMUs whose variables are shown; those without a reference are left out.
+    added : sequence of ExposedParameter
+        Further parameters.
+    references : mapping of str to int
+        Value references by name.
+    starts : mapping of str to str
+        Start values that differ from the FMUs' own, as the file writes them.
+    """
+    root = ET.Element("fmiModelDescription", _attributes(heading, parts))
+    ET.SubElement(root, "CoSimulation", _capabilities(heading, parts))
+    units = merge_units(part.xml for part in parts)
+    for parameter in added:
+        if parameter.unit:
+            units.setdefault(parameter.unit, unit_definition(parameter.unit))
+    _section(root, "UnitDefinitions", units.values())
+    _section(root, "TypeDefinitions", _types(parts))
+    root.append(_experiment(heading, parts))
+    variables = ET.SubElement(root, "ModelVariables")
+    for part in parts:
+        for original in part.variables():
+            if part.name(original) in references:
+                variables.append(_variable(part, original, references, starts))
+    for parameter in added:
+        variables.append(_parameter(parameter, references))
+    root.append(_structure(variables))
+    ET.indent(root)
+    return root
+
+
+def _attributes(heading: Heading, parts: Sequence[Part]) -> dict[str, str]:
+    attributes = {
+        "fmiVersion": "2.0",
+        "modelName": heading.name,
+        "guid": "",
+        "description": heading.description,
+        "generationTool": "gmfbo",
+        "variableNamingConvention": "structured"
+        if all(part.xml.get("variableNamingConvention") == "structured" for part in parts)
+        else "flat",
+    }
+    for name in _HEAD:
+        stated = [text for part in parts if (text := part.xml.get(name))]
+        # Dates are written so that the later sorts last; what several vendors own, all own.
+        if stated:
+            several = max(stated) if "Date" in name else "; ".join(dict.fromkeys(stated))
+            attributes[name] = several
+    return attributes
+
+
+def _capabilities(heading: Heading, parts: Sequence[Part]) -> dict[str, str]:
+    stated = [part.xml.find("CoSimulation") for part in parts]
+
+    def says(flag: str) -> list[bool]:
+        return [e is not None and e.get(flag) in ("true", "1") for e in stated]
+
+    # A tool steps an FMU by what it states: as it stepped the original, with no change to scripts.
+    variable = all(says("canHandleVariableCommunicationStepSize"))
+    once = any(says("canBeInstantiatedOnlyOncePerProcess"))
+    return {
+        "modelIdentifier": heading.identifier,
+        "canHandleVariableCommunicationStepSize": str(variable).lower(),
+        "canBeInstantiatedOnlyOncePerProcess": str(once).lower(),
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "false",
+        "canSerializeFMUstate": "false",
+        "providesDirectionalDerivative": "false",
+    }
+
+
+def _section(root: ET.Element, name: str, children: Iterable[ET.Element]) -> None:
+    elements = list(children)
+    if elements:
+        ET.SubElement(root, name).extend(elements)
+
+
+def _types(parts: Sequence[Part]) -> list[ET.Element]:
+    types = []
+    for part in parts:
+        for original in part.xml.findall("TypeDefinitions/SimpleType"):
+            simple = copy.deepcopy(original)
+            simple.set("name", part.prefix + simple.get("name", ""))
+            types.append(simple)
+    return types
+
+
+def _experiment(heading: Heading, parts: Sequence[Part]) -> ET.Element:
+    stated = (part.xml.find("DefaultExperiment") for part in parts)
+    first = next((element for element in stated if element is not None), None)
+    attributes = dict(first.attrib) if first is not None else {}
+    return ET.Element("DefaultExperiment", {**attributes, "stepSize": repr(heading.step)})
+
+
+def _variable(
+    part: Part, original: ET.Element, references: Mapping[str, int], starts: Mapping[str, str]
+) -> ET.Element:
+    variable = copy.deepcopy(original)
+    name = part.name(original)
+    variable.set("name", name)
+    variable.set("valueReference", str(references[name]))
+    variable.attrib.pop("canHandleMultipleSetPerTimeInstant", None)
+    value = next(iter(variable))
+    # Both belong to model exchange, and count variables of the original.
+    for foreign in ("derivative", "reinit"):
+        value.attrib.pop(foreign, None)
+    if declared := value.get("declaredType"):
+        value.set("declaredType", part.prefix + declared)
+    if name in starts:
+        value.set("start", starts[name])
+    return variable
+
+
+def _parameter(parameter: ExposedParameter, references: Mapping[str, int]) -> ET.Element:
+    variable = ET.Element(
+        "ScalarVariable",
+        {
+            "name": parameter.name,
+            "valueReference": str(references[parameter.name]),
+            "description": parameter.description,
+            "causality": "parameter",
+            "variability": "tunable",
+            "initial": "exact",
+        },
+    )
+    value = ET.SubElement(variable, "Real", {"start": repr(float(parameter.value))})
+    if parameter.unit:
+        value.set("unit", parameter.unit)
+    return variable
+
+
+def _structure(variables: ET.Element) -> ET.Element:
+    """Outputs and initial unknowns (FMI 2.0.2, section 2.2.8).
+
+    Dependencies are left out, which says that each may depend on all: physics adds paths that the
+    FMUs do not know of.
+    """
+    structure = ET.Element("ModelStructure")
+    outputs, initial = [], []
+    for place, variable in enumerate(variables, start=1):
+        causality = variable.get("causality")
+        constant = variable.get("variability") == "constant"
+        if causality == "output":
+            outputs.append(place)
+        exact = variable.get("initial", "exact" if constant else "calculated") == "exact"
+        if causality == "calculatedParameter" or (causality == "output" and not exact):
+            initial.append(place)
+    _unknowns(structure, "Outputs", outputs)
+    _unknowns(structure, "InitialUnknowns", initial)
+    return structure
+
+
+def _unknowns(structure: ET.Element, name: str, places: Iterable[int]) -> None:
+    _section(structure, name, (ET.Element("Unknown", {"index": str(p)}) for p in places))

@@ -1,0 +1,165 @@
+"""One variable of an FMU, as its model description tells it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.sources.fmu_file.job import ValueType
+
+if TYPE_CHECKING:
+    from fmpy.model_description import ModelVariable
+
+_VALUE_TYPES = {
+    "Real": ValueType.REAL,
+    "Integer": ValueType.INTEGER,
+    "Boolean": ValueType.BOOLEAN,
+    "Float64": ValueType.REAL,
+    "Float32": ValueType.FLOAT32,
+    "Int8": ValueType.INT8,
+    "UInt8": ValueType.UINT8,
+    "Int16": ValueType.INT16,
+    "UInt16": ValueType.UINT16,
+    "Int32": ValueType.INTEGER,
+    "UInt32": ValueType.UINT32,
+    "Int64": ValueType.INT64,
+    "UInt64": ValueType.UINT64,
+}
+
+
+@dataclass(frozen=True)
+class FmuVariable:
+    """One variable of an FMU.
+
+    Attributes
+    ----------
+    name : str
+        Name in the model description.
+    reference : int
+        Value reference.
+    type : str
+        `Real`, `Integer`, `Enumeration`, `Boolean`, `String`, or a type of FMI 3.0.
+    causality, variability : str
+        As in the standard; the standard's defaults where the file states none.
+    unit : str
+        As the FMU writes it; empty where it states none.
+    to_si, si_zero : float
+        Value in SI = value * to_si + si_zero.
+    start, minimum, maximum : float or None
+        [unit] None where the file states none or the variable is a text.
+    description : str
+        The vendor's words.
+    value_type : ValueType or None
+        How the value crosses the interface; None for what is no single number: texts, clocks,
+        arrays.
+    shape : tuple of int
+        Of an array; empty for a scalar.
+    """
+
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str
+    unit: str = ""
+    to_si: float = 1.0
+    si_zero: float = 0.0
+    start: float | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    description: str = ""
+    value_type: ValueType | None = None
+    shape: tuple[int, ...] = ()
+
+    @property
+    def tunable(self) -> bool:
+        """A parameter that may change during a run."""
+        return self.causality == "parameter" and self.variability == "tunable"
+
+    @property
+    def si_unit(self) -> str:
+        """SI unit in gmfbo's spelling; the FMU's own where that is not understood."""
+        known = parse_unit(self.unit) if self.unit else None
+        return known.si if known and not known.needs_scale else self.unit
+
+
+def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) -> FmuVariable:
+    """Take over a variable from fmpy.
+
+    Parameters
+    ----------
+    raw : fmpy.model_description.ModelVariable
+        As it was read.
+    units : mapping of str to fmpy.model_description.BaseUnit or None
+        Base units by the names of the FMU's unit definitions.
+    fmi : int
+        Major version of FMI.
+    """
+    declared = raw.declaredType
+    unit = raw.unit or getattr(declared, "unit", None) or ""
+    to_si, si_zero = _conversion(unit, units.get(unit))
+    minimum = raw.min if raw.min is not None else getattr(declared, "min", None)
+    maximum = raw.max if raw.max is not None else getattr(declared, "max", None)
+    shape = tuple(raw.shape)
+    text = raw.type in ("String", "Binary", "Clock") or bool(shape)
+    return FmuVariable(
+        name=raw.name,
+        reference=int(raw.valueReference),
+        type=raw.type,
+        causality=raw.causality or "local",
+        variability=raw.variability or "continuous",
+        unit=unit,
+        to_si=to_si,
+        si_zero=si_zero,
+        start=None if text else number_from(raw.start),
+        minimum=None if text else number_from(minimum),
+        maximum=None if text else number_from(maximum),
+        description=raw.description or "",
+        value_type=None if shape else _value_type(raw.type, fmi),
+        shape=shape,
+    )
+
+
+def _value_type(name: str, fmi: int) -> ValueType | None:
+    if name == "Enumeration":
+        return ValueType.INTEGER if fmi == 2 else ValueType.INT64
+    return _VALUE_TYPES.get(name)
+
+
+def _conversion(unit: str, base: Any) -> tuple[float, float]:
+    """Factor and zero of a unit: gmfbo's own table first, since many FMUs state no base unit."""
+    known = parse_unit(unit) if unit else None
+    if known is not None and not known.needs_scale:
+        import numpy as np
+
+        ends = known.to_si(np.array([0.0, 1.0]))
+        return float(ends[1] - ends[0]), float(ends[0])
+    if base is None:
+        return 1.0, 0.0
+    factor, zero = number_from(base.factor), number_from(base.offset)
+    return (1.0 if factor is None else factor), (zero or 0.0)
+
+
+def number_from(text: object) -> float | None:
+    """Read a number or truth value of a model description; None where it is neither.
+
+    Parameters
+    ----------
+    text : object
+        Attribute of the XML, or None.
+    """
+    if text is None:
+        return None
+    if str(text).strip() in ("true", "false"):
+        return 1.0 if str(text).strip() == "true" else 0.0
+    try:
+        return float(str(text))
+    except ValueError:
+        return None
+
+
+def is_parameter(variable: FmuVariable) -> bool:
+    """A parameter that is a number."""
+    return variable.causality == "parameter" and variable.value_type is not None

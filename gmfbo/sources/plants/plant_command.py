@@ -1,0 +1,166 @@
+"""A plant run by a program: gains as arguments and as a file, a recording comes back."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns.signal import SignalReading
+from gmfbo.recordings.recording import Recording, Trajectory, read_recording
+from gmfbo.recordings.writing.writer import write_recording
+from gmfbo.sources.plants.child_program import find_program, run_program
+from gmfbo.sources.plants.failed_run import failed_run
+
+RECORDING = "recording"
+_REQUEST, _REFERENCE = "request.json", "reference.csv"
+
+
+@dataclass(frozen=True)
+class CommandPlant:
+    """Runs a program once an experiment.
+
+    The program is called as ``COMMAND --set NAME=VALUE ... --request FILE.json --reference
+    FILE.csv --out FOLDER/recording.csv``. It leaves a recording there, or under the same name with
+    another ending that can be read, and ends with status 0. The request file holds all of it too:
+    ``{"gains": {NAME: VALUE}, "reference": FILE, "out": FILE}``.
+
+    Parameters
+    ----------
+    command : tuple of str
+        Program and its first arguments.
+    folder : Path
+        Working folder of the program, where relative paths in the command begin.
+    time_limit_s : float
+        [s] A run that takes longer is ended and has failed.
+    retries : int
+        How often a failed run is repeated before it counts.
+    reading : SignalReading or None
+        Says which columns of the recording are signals, as a twin file does.
+    """
+
+    command: tuple[str, ...]
+    folder: Path
+    time_limit_s: float = 600.0
+    retries: int = 0
+    reading: SignalReading | None = None
+
+    @property
+    def name(self) -> str:
+        """Program and script, without their folders."""
+        return " ".join(Path(word).name for word in self.command[:2])
+
+    @property
+    def content_hash(self) -> str:
+        """Empty: what a program does is not known from its name."""
+        return ""
+
+    def check(self) -> None:
+        """Refuse a command whose program does not exist.
+
+        Raises
+        ------
+        StudyFileError
+            There is no such program.
+        """
+        find_program(self.command[0], self.folder)
+
+    def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
+        """Run the program; whatever goes wrong is the status and message of the result."""
+        result = self._once(gains, reference)
+        for _ in range(self.retries):
+            if not _is_failed(result):
+                break
+            result = self._once(gains, reference)
+        return result
+
+    def close(self) -> None:
+        """Nothing is held between runs."""
+
+    def _once(self, gains: Mapping[str, float], reference: Recording) -> Recording:
+        folder = Path(tempfile.mkdtemp(prefix="gmfbo-run-"))
+        began = time.perf_counter()
+        try:
+            result = self._run_in(folder, gains, reference, began)
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        # What a failed run left may have cost an hour.
+        if not (_is_failed(result) and _left(folder)):
+            shutil.rmtree(folder, ignore_errors=True)
+        return result
+
+    def _run_in(
+        self, folder: Path, gains: Mapping[str, float], reference: Recording, began: float
+    ) -> Recording:
+        out = folder / f"{RECORDING}.csv"
+        try:
+            words = [find_program(self.command[0], self.folder), *self.command[1:]]
+            words += _arguments(folder, gains, reference, out)
+            ended = run_program(
+                words, folder=self.folder, logs=folder, time_limit_s=self.time_limit_s
+            )
+        except OSError as error:
+            return failed_run(
+                reference, f"{self.name}: cannot be started: {error.strerror}", name=self.name
+            )
+        seconds = time.perf_counter() - began
+        left, fault = self._left_in(folder)
+        said = f": {ended.last_line}" if ended.last_line else ""
+        if ended.status is None:
+            message = f"{self.name}: took longer than time_limit = {self.time_limit_s:g} s{said}"
+        elif ended.status != 0:
+            message = f"{self.name}: {ended.reason}{said}"
+        elif left is None:
+            message = f"{self.name}: {fault}{said}"
+        else:
+            return left
+        return failed_run(
+            reference,
+            message + _where(folder),
+            name=self.name,
+            status="timeout" if ended.status is None else "failed",
+            seconds=seconds,
+            left=left,
+        )
+
+    def _left_in(self, folder: Path) -> tuple[Recording | None, str]:
+        """The recording that a program left, or why there is none."""
+        found = sorted(folder.glob(f"{RECORDING}.*"))
+        if len(found) != 1:
+            names = ", ".join(path.name for path in found)
+            return None, f"expected one recording, --out FILE, got {names or 'none'}"
+        try:
+            return read_recording(found[0], self.reading), ""
+        except RecordingError as error:
+            return None, str(error)
+
+
+def _is_failed(result: Recording) -> bool:
+    return isinstance(result, Trajectory) and result.status in ("failed", "timeout")
+
+
+def _arguments(
+    folder: Path, gains: Mapping[str, float], reference: Recording, out: Path
+) -> Sequence[str]:
+    request, followed = folder / _REQUEST, folder / _REFERENCE
+    write_recording(reference, followed)
+    content = {"gains": dict(gains), "reference": str(followed), "out": str(out)}
+    request.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    settings = [part for name, value in gains.items() for part in ("--set", f"{name}={value!r}")]
+    files = ["--request", str(request), "--reference", str(followed), "--out", str(out)]
+    return [*settings, *files]
+
+
+def _where(folder: Path) -> str:
+    return f"; what it left is in {folder}" if _left(folder) else ""
+
+
+def _left(folder: Path) -> list[Path]:
+    ours = {_REQUEST, _REFERENCE, "stdout.txt", "stderr.txt"}
+    return [path for path in folder.iterdir() if path.name not in ours]

@@ -1,0 +1,382 @@
+"""A twin and the physics wired to its ports, run along recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.binding.augmented_binding import AugmentedBinding, PhysicsInstance, augment
+from gmfbo.sources.fmu_file.job import Job, Outcome, Port, Setting
+from gmfbo.sources.twin.parameter_values import run_parameters, starts_as_recorded
+from gmfbo.sources.twin.run_plan import Experiment
+from gmfbo.sources.twin.settling import probe_lengths, settled_after
+from gmfbo.sources.twin.signals import to_si
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.worker.runner import InProcess, Order, Runner
+
+Columns = Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class RunPlan:
+    """A recording laid on the communication grid, ready to be simulated many times.
+
+    Attributes
+    ----------
+    recording : Recording
+        What is followed.
+    experiment : Experiment
+        The same on the grid.
+    lead : int
+        Communication steps under the first row before the recording begins.
+    substeps : int
+        Steps of physics and twin within each.
+    inputs : ndarray, shape ((lead + rows - 1) * substeps, n_inputs)
+        [FMU's units]
+    schedules : ndarray, shape ((lead + rows - 1) * substeps, n_schedules)
+        [FMU's units]
+    """
+
+    recording: Recording
+    experiment: Experiment
+    lead: int
+    substeps: int
+    inputs: NDArray[np.float64]
+    schedules: NDArray[np.float64]
+
+    @classmethod
+    def after(
+        cls, recording: Recording, experiment: Experiment, lead: int, substeps: int
+    ) -> RunPlan:
+        """Lay out a run that begins after a time under the first row.
+
+        Parameters
+        ----------
+        recording : Recording
+            What is followed.
+        experiment : Experiment
+            The same on the grid.
+        lead : int
+            Communication steps under the first row.
+        substeps : int
+            Steps of physics and twin within each.
+        """
+        order = experiment.order(lead)
+        return cls(
+            recording,
+            experiment,
+            lead,
+            substeps,
+            np.repeat(order.u, substeps, axis=0),
+            np.repeat(order.s, substeps, axis=0),
+        )
+
+    @property
+    def grid(self) -> NDArray[np.float64]:
+        """[s] Communication points, shape (rows,)."""
+        return self.experiment.grid
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What an augmented twin did along a recording, on the communication grid.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        How it ended; the columns hold NaN where it did not get.
+    held : mapping of str to ndarray, shape (rows,)
+        [SI] Signals of [outputs] at t_k, before the inputs of t_k act.
+    new : mapping of str to ndarray, shape (rows,)
+        [SI] The same right after the inputs of t_k have acted.
+    states : mapping of str to ndarray, shape (rows,)
+        [FMU's units] Of [states].
+    ports : mapping of str to ndarray, shape (rows,)
+        [FMU's units] What physics adds at each port from t_k on.
+    effort : ndarray, shape (rows,)
+        [unit of the torque port] Of the tracking loop.
+    """
+
+    outcome: Outcome
+    held: Columns
+    new: Columns
+    states: Columns
+    ports: Columns
+    effort: NDArray[np.float64]
+
+
+class AugmentedTwin:
+    """A twin with physics.fmu at its ports, stepped finely enough for both.
+
+    Signals of [inputs] are sampled at the twin's communication step and held over the
+    substeps, as they are when the exported FMU is stepped at that step.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        Its parameters and isolation count; its own worker is not used.
+    substeps : int
+        Steps of physics and twin within one communication step.
+    isolated : bool
+        Run in a worker process; False is for FMUs that are trusted.
+    time_limit_s : float
+        [s] Wall-clock time that one simulation may take in the worker.
+    sensor_included : bool
+        The state `position` is the reading, which holds what is added at the sensor port.
+
+    Raises
+    ------
+    FmuFileError
+        An FMU cannot run on this machine.
+    """
+
+    def __init__(
+        self,
+        twin: FmuTwin,
+        *,
+        substeps: int = 10,
+        isolated: bool = True,
+        time_limit_s: float = 60.0,
+        sensor_included: bool = False,
+    ) -> None:
+        self.twin, self.substeps, self._sensor_included = twin, substeps, sensor_included
+        self._augmented: AugmentedBinding = augment(twin.binding)
+        self._isolated, self._time_limit_s = isolated, time_limit_s
+        self._runner: Runner | None = None
+
+    @property
+    def step(self) -> float:
+        """[s] At which twin and physics are stepped."""
+        return self.twin.step / self.substeps
+
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """Ports at which physics can act."""
+        return tuple(port for physics in self._augmented.physics for port in physics.ports)
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Settings of physics.fmu that follow from the twin file."""
+        states = self.twin.file.states
+        return {
+            "settings.velocity_from_position": float("velocity" not in states),
+            "settings.current_known": float("current" in states),
+            "settings.load_torque_known": float("load_torque" in states),
+            "settings.command_lateness": self.step if self._augmented.late else 0.0,
+            "tracking.sensor_included": float(self._sensor_included),
+            "settings.command_is_input": float(self._augmented.command_input is not None),
+        }
+
+    def plan(self, recording: Recording, parameters: Mapping[str, float]) -> RunPlan:
+        """Lay a recording on the grid and find out how long the twin takes to rest before it.
+
+        Parameters
+        ----------
+        recording : Recording
+            Signals of [inputs] in SI, schedules, and parameters in force.
+        parameters : mapping of str to float
+            [FMU's unit] At which the twin settles.
+
+        Raises
+        ------
+        RecordingError
+            The recording cannot drive this twin.
+        InputError
+            A parameter is unknown or outside the FMU's bounds.
+        """
+        binding = self._augmented.binding
+        override = {**self.twin.parameters, **parameters}
+        chosen = run_parameters(binding, recording, override, {})
+        experiment = Experiment.prepare(binding, recording, chosen, self.twin.step)
+        lead = 0 if starts_as_recorded(binding, recording) else self._settles_after(experiment)
+        return RunPlan.after(recording, experiment, lead, self.substeps)
+
+    def run(
+        self,
+        plan: RunPlan,
+        parameters: Mapping[str, float],
+        physics: Mapping[str, float] | None = None,
+        *,
+        excitation: Columns | None = None,
+        measured: NDArray[np.float64] | None = None,
+    ) -> Response:
+        """Simulate along a recording.
+
+        Parameters
+        ----------
+        plan : RunPlan
+            The recording.
+        parameters : mapping of str to float
+            [FMU's unit] Of the twin.
+        physics : mapping of str to float
+            Of physics.fmu, such as `coulomb_friction.level`.
+        excitation : mapping of str to ndarray, shape (rows,)
+            [FMU's unit] Added to a port from each communication point on.
+        measured : ndarray, shape (rows,)
+            [FMU's unit] Position that the tracking loop follows, a cubic spline between rows.
+
+        Raises
+        ------
+        InputError
+            A parameter is unknown or outside the FMU's bounds.
+        """
+        binding = self._augmented.binding
+        override = {**self.twin.parameters, **parameters}
+        chosen = run_parameters(binding, plan.recording, override, {})
+        experiment = replace(plan.experiment, parameters=chosen)
+        coarse = experiment.order(plan.lead).job
+        inputs, columns = self._driven(plan, excitation or {}, measured)
+        outputs = self._outputs(len(coarse.outputs))
+        job = Job(
+            steps=coarse.steps * self.substeps,
+            start=coarse.start,
+            step=self.step,
+            settings=(*coarse.settings, *self._physics_settings(physics or {})),
+            inputs=(*self._through_physics(coarse.inputs, plan), *inputs),
+            schedules=coarse.schedules,
+            wires=(*coarse.wires, *self._augmented.wires),
+            outputs=(*coarse.outputs, *outputs),
+        )
+        u = np.ascontiguousarray(np.column_stack([plan.inputs, *columns]))
+        result = self._started().run(Order(job, u, plan.schedules))[0]
+        return self._response(plan, result.outcome, result.y)
+
+    def close(self) -> None:
+        """End the worker and remove its files; a later run starts anew."""
+        if self._runner is not None:
+            self._runner.close()
+            self._runner = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _started(self) -> Runner:
+        if self._runner is None:
+            if self._isolated:
+                from gmfbo.sources.worker.isolation import Isolated
+
+                binding = self._augmented.binding
+                self._runner = Isolated(binding, time_limit_s=self._time_limit_s)
+            else:
+                self._runner = InProcess(self._augmented.binding)
+        return self._runner
+
+    def _settles_after(self, experiment: Experiment) -> int:
+        """Communication steps under the first row until the outputs stay put; 0 where never."""
+        first, *longer = probe_lengths(experiment.step)
+        probe = self._started().run(experiment.probe_at_start(first))[0]
+        if probe.outcome.status != "ok" or settled_after(probe.y, experiment.step) == 0:
+            return 0
+        for steps in longer:
+            probe = self._started().run(experiment.probe_before_start(steps))[0]
+            held = settled_after(probe.y, experiment.step) if probe.outcome.status == "ok" else 0
+            if held is not None:
+                return held
+        return 0
+
+    def _physics_settings(self, physics: Mapping[str, float]) -> list[Setting]:
+        values = {**self.settings, **physics}
+        return [
+            instance.variables[name].setting(float(value))
+            for instance in self._augmented.physics
+            for name, value in values.items()
+        ]
+
+    def _driven(
+        self, plan: RunPlan, excitation: Columns, measured: NDArray[np.float64] | None
+    ) -> tuple[list[Port], list[NDArray[np.float64]]]:
+        """Inputs beside the recorded ones, and their columns at the fine steps."""
+        ports: list[Port] = []
+        columns: list[NDArray[np.float64]] = []
+        first = plan.inputs.shape[1]
+        for name, values in excitation.items():
+            owner = next(p for p in self._augmented.physics if name in p.ports)
+            ports.append(owner.variables[f"port.{name}"].port(first + len(columns)))
+            padded = np.concatenate([np.full(plan.lead, values[0]), values[:-1]])
+            columns.append(np.repeat(padded, self.substeps))
+        if measured is not None:
+            rows = np.arange(len(plan.inputs)) / self.substeps - plan.lead
+            column = _between_rows(measured, rows)
+            for instance in self._augmented.physics:
+                ports.append(instance.variables["tracking.measured"].port(first + len(columns)))
+                columns.append(column)
+        return ports, columns
+
+    def _through_physics(self, inputs: tuple[Port, ...], plan: RunPlan) -> tuple[Port, ...]:
+        """Let a recorded command reach its port by way of physics, which hands it on."""
+        name = self._augmented.command_input
+        if name is None or name not in plan.experiment.inputs:
+            return inputs
+        owner = self._serves("command")
+        assert owner is not None, "a command port has its physics"
+        column = list(plan.experiment.inputs).index(name)
+        through = owner.variables["port.command"].port(column)
+        return tuple(through if port.column == column else port for port in inputs)
+
+    def _outputs(self, first: int) -> list[Port]:
+        """States, ports and the effort, in columns after the twin's own."""
+        binding = self._augmented.binding
+        bound = [binding.variables[name] for name in binding.file.states.values()]
+        for instance in self._augmented.physics:
+            bound += [instance.variables[port] for port in instance.ports]
+        if (torque := self._serves("torque")) is not None:
+            bound.append(torque.variables["tracking.effort"])
+        return [variable.port(first + column) for column, variable in enumerate(bound)]
+
+    def _serves(self, port: str) -> PhysicsInstance | None:
+        return next((p for p in self._augmented.physics if port in p.ports), None)
+
+    def _response(self, plan: RunPlan, outcome: Outcome, y: NDArray[np.float64]) -> Response:
+        binding = self._augmented.binding
+        points = (plan.lead + np.arange(plan.grid.size)) * self.substeps
+        after = np.minimum(points + 1, len(y) - 1)
+        held, new = {}, {}
+        for column, (name, entry) in enumerate(binding.file.outputs.items()):
+            variable = binding.variables[entry.variable].variable
+            held[name] = to_si(variable, y[points, column])
+            new[name] = to_si(variable, y[after, column])
+        column = len(binding.file.outputs)
+        states = {}
+        for state in binding.file.states:
+            states[state] = y[points, column]
+            column += 1
+        ports = {}
+        for port in self.ports:
+            ports[port] = y[after, column]
+            column += 1
+        effort = np.zeros(points.size)
+        if "torque" in ports:
+            # The mean of each step moves the shaft; a value at its beginning leans on one side.
+            steps = y[1 + self.substeps * plan.lead :, column].reshape(-1, self.substeps)
+            effort[:-1] = steps.mean(axis=1)
+            effort[-1] = effort[-2]
+        return Response(outcome, held, new, states, ports, effort)
+
+
+def _between_rows(measured: NDArray[np.float64], rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Recorded column at fractional rows; its slope at a row is that of the motion.
+
+    Straight lines would lag the velocity by half a step, and the tracking loop would take that
+    for an inertia of its damping times half a step.
+    """
+    from scipy.interpolate import CubicSpline
+
+    inside = np.clip(rows, 0.0, measured.size - 1.0)
+    if measured.size < 4 or not np.all(np.isfinite(measured)):
+        return np.interp(inside, np.arange(measured.size), measured)
+    spline: NDArray[np.float64] = CubicSpline(np.arange(measured.size), measured)(inside)
+    return spline

@@ -1,0 +1,334 @@
+"""A digital twin: FMUs and a twin file, run as an information source."""
+
+from __future__ import annotations
+
+import threading
+import time
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from pathlib import Path
+from types import MappingProxyType, TracebackType
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from gmfbo.errors import FmuFileError, InputError, SimulationError
+from gmfbo.recordings.columns.column_mapping import ColumnMapping
+from gmfbo.recordings.columns.signal import SignalSpec
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.binding.bind import bind
+from gmfbo.sources.binding.binding import Binding
+from gmfbo.sources.binding.content_hash import content_hash
+from gmfbo.sources.binding.fixed_step import fixed_step_advice
+from gmfbo.sources.fmu_file.job import Outcome
+from gmfbo.sources.twin.parameter_values import check_parameters, run_parameters, starts_as_recorded
+from gmfbo.sources.twin.run_plan import Experiment
+from gmfbo.sources.twin.settling import probe_lengths, settled_after
+from gmfbo.sources.twin.signals import signal_specs
+from gmfbo.sources.twin_file.column_file import column_mapping
+from gmfbo.sources.twin_file.twin_file import TwinFile
+from gmfbo.sources.worker.runner import InProcess, Result, Runner, once_only
+
+if TYPE_CHECKING:
+    from gmfbo.space import GainSpace
+
+
+class FmuTwin:
+    """One or several FMUs, told in the recording's words by a twin file.
+
+    Nothing of the FMU runs until the first `run`; then it runs in a worker process of its own,
+    since a crash, `exit()` or hang inside an FMU takes its process with it. Such a run gives a
+    trajectory with status `crashed` or `timeout`, and the next run gets a fresh worker.
+
+    Row k of a trajectory holds the FMU's outputs read at communication point t_k, before the
+    inputs of t_k act; for an output with `logged = "new"`, what such a logger stores at t_k: the
+    output one communication step later, where the last row repeats the one before.
+
+    Without [initial], or with one that names signals which the recording lacks, the first
+    reference is held until the outputs stay put, for at most 5 s; a twin that does not settle
+    starts with its FMU's own start values.
+
+    Parameters
+    ----------
+    path : str or Path
+        Twin file (`.toml`).
+    parameters : mapping of str to float, optional
+        FMU parameters [FMU's unit] for all runs, over the twin file's and the recording's.
+    isolated : bool
+        Run in a worker process; False is for FMUs that are trusted.
+    time_limit_s : float
+        [s] Wall-clock time that one simulation may take in the worker.
+    step : float, optional
+        [s] Communication step instead of the twin file's.
+
+    Raises
+    ------
+    TwinFileError
+        The twin file contradicts itself or its FMU.
+    FmuFileError
+        An FMU cannot be read, or cannot run on this machine.
+    InputError
+        A parameter is unknown, or outside the FMU's bounds.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        parameters: Mapping[str, float] | None = None,
+        isolated: bool = True,
+        time_limit_s: float = 60.0,
+        step: float | None = None,
+    ) -> None:
+        path = self._path = Path(path)
+        if step is not None and not (step > 0.0 and np.isfinite(step)):
+            raise InputError(f"step: expected a positive communication step [s], got {step}")
+        if not time_limit_s > 0.0:
+            raise InputError(f"time_limit_s: expected more than 0 s, got {time_limit_s}")
+        self.file: TwinFile = TwinFile.read(path)
+        self.name: str = self.file.name
+        self.step: float = step or self.file.step
+        self._binding = bind(self.file, path.resolve().parent, path.name)
+        self._parameters = dict(parameters or {})
+        check_parameters(self._binding, self._parameters)
+        self._isolated, self._time_limit_s = isolated, time_limit_s
+        self._runner: Runner | None = None
+        self._lock = threading.Lock()
+        if (once := once_only(self._binding)) and not isolated:
+            raise FmuFileError(
+                f"'{once[0]}' can be instantiated only once in the life of a process; expected "
+                "isolated = True, which gives each run a process of its own"
+            )
+        _warn_without_master()
+
+    @property
+    def path(self) -> Path:
+        """The twin file."""
+        return self._path
+
+    @property
+    def binding(self) -> Binding:
+        """The twin file joined to its FMUs."""
+        return self._binding
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """FMU parameters [FMU's unit] given over the twin file's."""
+        return MappingProxyType(self._parameters)
+
+    def nominal(self, name: str) -> float:
+        """Value [FMU's unit] of a parameter as this twin leaves it to its runs.
+
+        Parameters
+        ----------
+        name : str
+            FMU parameter.
+        """
+        given = self._parameters.get(name)
+        return float(self._binding.nominal(name) if given is None else given)
+
+    @cached_property
+    def content_hash(self) -> str:
+        """Hash of the twin file's meaning, the FMUs' bytes, the parameters and the step."""
+        return content_hash(self._binding, self._parameters, self.step)
+
+    @cached_property
+    def gains(self) -> GainSpace:
+        """Box of the gains that tuning may move; those that the file fixes are left out."""
+        from gmfbo.space import Gain, GainSpace
+
+        return GainSpace(
+            tuple(
+                Gain(name, gain.low, gain.high, gain.scale, gain.integer)
+                for name, gain in self.file.gains.items()
+                if not gain.fixed
+            )
+        )
+
+    def signal_specs(self) -> Mapping[str, SignalSpec]:
+        """Return the signals that the twin file names, by name."""
+        return signal_specs(self._binding, self._parameters)
+
+    def column_mapping(self) -> ColumnMapping:
+        """Return how the logger names the columns, as the twin file's `columns` says."""
+        return column_mapping(self.file.columns, self.file.dialect)
+
+    def parameter_tunable(self) -> Mapping[str, bool]:
+        """Return each FMU parameter, and whether it may change during a run."""
+        parameters = self._binding.parameters
+        return {name: bound.variable.tunable for name, bound in parameters.items()}
+
+    def run(
+        self,
+        gains: Mapping[str, float] | Sequence[float],
+        reference: Recording,
+        *,
+        parameters: Mapping[str, float] | None = None,
+    ) -> Trajectory:
+        """Simulate the twin at some gains; a failed simulation is a result, not an exception.
+
+        Parameters
+        ----------
+        gains : mapping of str to float, or sequence of float
+            [FMU's unit] By name, or one for each of `self.gains` in order. A gain that is not
+            named keeps the recording's, twin file's or FMU's value.
+        reference : Recording
+            Signals of [inputs] in SI, schedules, and parameters in force. The communication
+            grid begins at its first row and covers its last.
+        parameters : mapping of str to float, optional
+            [FMU's unit] Over the twin's, the recording's and [initial].
+
+        Returns
+        -------
+        Trajectory
+            All [outputs] and the inputs that were driven, in SI; `status` says how it ended.
+
+        Raises
+        ------
+        InputError
+            A name is unknown or a value outside the FMU's bounds.
+        RecordingError
+            The recording cannot drive this twin.
+        FmuFileError
+            The FMU's library cannot be loaded on this machine.
+        """
+        started = time.perf_counter()
+        named = self._named(gains)
+        override = {**self._parameters, **(parameters or {})}
+        chosen = run_parameters(self._binding, reference, override, named)
+        experiment = Experiment.prepare(self._binding, reference, chosen, self.step)
+        with self._lock:
+            runner = self._runner = self._runner or self._start()
+            if starts_as_recorded(self._binding, reference):
+                lead, result = 0, runner.run(experiment.order(0))[0]
+            else:
+                lead, result = _run_from_rest(runner, experiment)
+        self._warn(result.outcome)
+        if result.outcome.status == "failed":
+            advice = fixed_step_advice(self._binding, self.step)
+            told = replace(result.outcome, message=result.outcome.message + advice)
+            result = result._replace(outcome=told)
+        seconds = time.perf_counter() - started
+        return experiment.trajectory(result, lead, seconds)
+
+    def values_at_start(
+        self, names: Sequence[str], *, parameters: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
+        """Read variables of the FMU right after its initialisation, all inputs at their starts.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Outputs, local variables or parameters that are numbers.
+        parameters : mapping of str to float, optional
+            [FMU's unit] Over the twin's.
+
+        Returns
+        -------
+        dict of str to float
+            [FMU's unit]
+
+        Raises
+        ------
+        InputError
+            A name is unknown or a value outside the FMU's bounds.
+        SimulationError
+            The FMU did not initialise.
+        """
+        from gmfbo.sources.twin.values_at_start import initial_order
+
+        order = initial_order(self._binding, names, {**self._parameters, **(parameters or {})})
+        with self._lock:
+            runner = self._runner = self._runner or self._start()
+            outcome, read = runner.run(order)[0]
+        if outcome.rows == 0:
+            raise SimulationError(f"{self.name}: {outcome.message}; run 'gmfbo simulate' on it")
+        return dict(zip(names, map(float, read[0]), strict=True))
+
+    def close(self) -> None:
+        """End the worker and remove its files; a later run starts anew."""
+        with self._lock:
+            if self._runner is not None:
+                self._runner.close()
+                self._runner = None
+
+    def __reduce__(self) -> tuple[Callable[[], FmuTwin], tuple[()]]:
+        """Pickle as the way to open it: a copy in another process gets a worker of its own."""
+        opened = partial(
+            FmuTwin,
+            self._path.resolve(),
+            parameters=self._parameters,
+            isolated=self._isolated,
+            time_limit_s=self._time_limit_s,
+            step=self.step,
+        )
+        return opened, ()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<FmuTwin '{self.name}': {', '.join(fmu.path.name for fmu in self._binding.fmus)}>"
+
+    def _named(self, gains: Mapping[str, float] | Sequence[float]) -> dict[str, float]:
+        if isinstance(gains, Mapping):
+            return dict(gains)
+        return self.gains.named(self.gains.point(gains))
+
+    def _start(self) -> Runner:
+        if not self._isolated:
+            return InProcess(self._binding)
+        from gmfbo.sources.worker.isolation import Isolated
+
+        return Isolated(self._binding, time_limit_s=self._time_limit_s)
+
+    def _warn(self, outcome: Outcome) -> None:
+        if outcome.warnings:
+            warnings.warn(
+                f"{self.name}: the FMU answered {outcome.warnings} calls with a warning",
+                RuntimeWarning,
+                stacklevel=3,
+            )
+
+
+def _run_from_rest(runner: Runner, experiment: Experiment) -> tuple[int, Result]:
+    """Hold the first reference until the twin settles, then run: steps held, and the result."""
+    first, *longer = probe_lengths(experiment.step)
+    # Most runs begin at rest: then the run is done by the time the probe has told so.
+    probe, *run = runner.run(experiment.probe_at_start(first), experiment.order(0))
+    if probe.outcome.status == "timeout":
+        return 0, Result(replace(probe.outcome, rows=0), probe.y)  # do not wait for it twice
+    if not run:
+        return 0, runner.run(experiment.order(0))[0]
+    if settled_after(probe.y, experiment.step) == 0:
+        return 0, run[0]
+    for steps in longer:
+        probe = runner.run(experiment.probe_before_start(steps))[0]
+        held = settled_after(probe.y, experiment.step) if probe.outcome.status == "ok" else 0
+        if held:
+            return held, runner.run(experiment.order(held))[0]
+        if held == 0:
+            break
+    return 0, run[0]
+
+
+def _warn_without_master() -> None:
+    from gmfbo.sources.fmu_file.platforms import master_path, this_platform
+
+    if master_path() is None:
+        warnings.warn(
+            f"no C master for {this_platform().name}: FMUs are stepped in Python, about four "
+            "times slower",
+            RuntimeWarning,
+            stacklevel=3,
+        )

@@ -1,0 +1,164 @@
+"""A column mapping as a file of its own, which several twin files may share."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from gmfbo.errors import TwinFileError
+from gmfbo.files.toml_text import parse_toml, read_toml_text
+from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
+from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.sources.twin_file.entries import Number, Table, Text
+from gmfbo.sources.twin_file.pydantic_message import describe_problems
+
+Dialect = Literal["auto", "plain", "decimal_comma", "twincat_scope"]
+
+
+class ColumnEntry(Table):
+    """A column of a logger's file: value [unit] = scale * column + offset.
+
+    Attributes
+    ----------
+    column : str
+        Its name in the file.
+    unit : str or None
+        Of the value; that of the file's header unless given.
+    scale : float or None
+        [unit / column unit]
+    offset : float
+        [unit]
+    """
+
+    column: Text
+    unit: Text | None = None
+    scale: Number | None = None
+    offset: Number = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_name(cls, value: object) -> object:
+        return {"column": value} if isinstance(value, str) else value
+
+    @model_validator(mode="after")
+    def _known_unit(self) -> Self:
+        if self.unit is not None and parse_unit(self.unit) is None:
+            raise ValueError(f"unit: '{self.unit}' is not known; expected such as rad, deg or mA")
+        return self
+
+
+class ColumnFile(Table):
+    """A validated file of a column mapping.
+
+    Attributes
+    ----------
+    dialect : str
+        How the logger's text files are written.
+    columns : dict of str to ColumnEntry
+        Signal, FMU parameter or `time` = column.
+    """
+
+    dialect: Dialect = "auto"
+    columns: dict[str, ColumnEntry] = Field(default_factory=dict)
+
+    @classmethod
+    def read(cls, path: Path) -> ColumnFile:
+        """Read and validate the file.
+
+        Parameters
+        ----------
+        path : Path
+            The `.toml` file.
+
+        Raises
+        ------
+        TwinFileError
+            It is missing, not TOML, or says what a column mapping cannot say.
+        """
+        try:
+            raw = parse_toml(read_toml_text(path))
+        except OSError as error:
+            raise TwinFileError(
+                f"no column mapping at '{path}' ({error.strerror or error}); check the path, or "
+                "leave 'columns' out and make one with 'gmfbo columns TWIN.toml REC --save FILE'"
+            ) from None
+        except ValueError as error:
+            raise TwinFileError(f"{path.name}: not valid TOML: {error}") from None
+        try:
+            return cls.model_validate(raw)
+        except ValidationError as error:
+            raise TwinFileError(f"{path.name}: {describe_problems(error, cls)}") from None
+
+
+def column_mapping(columns: Mapping[str, ColumnEntry], dialect: str) -> ColumnMapping:
+    """What a reader needs of a mapping.
+
+    Parameters
+    ----------
+    columns : mapping of str to ColumnEntry
+        Columns by name.
+    dialect : str
+        How the logger's text files are written.
+    """
+    return ColumnMapping(
+        {
+            name: MappedColumn(entry.column, entry.unit or "", entry.scale, entry.offset)
+            for name, entry in columns.items()
+        },
+        dialect,
+    )
+
+
+def column_file_text(
+    columns: Mapping[str, MappedColumn], dialect: str, guesses: Mapping[str, str], story: str
+) -> str:
+    """Text of a column mapping's file.
+
+    Parameters
+    ----------
+    columns : mapping of str to MappedColumn
+        Columns by name.
+    dialect : str
+        How the logger's text files are written.
+    guesses : mapping of str to str
+        Columns by name that are written as comments.
+    story : str
+        One line, for the top.
+
+    Returns
+    -------
+    str
+        TOML that `ColumnFile.read` reads.
+    """
+    lines = [f"# {' '.join(story.split())}", f"dialect = {_text(dialect)}", ""]
+    lines.append("[columns]  # signal, FMU parameter or time = column of the file")
+    lines += [f"{_key(name)} = {_entry(entry)}" for name, entry in columns.items()]
+    lines += [
+        f"# {_key(name)} = {_text(column)}  # a guess; remove the # if it is right"
+        for name, column in guesses.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _entry(entry: MappedColumn) -> str:
+    if not entry.converts:
+        return _text(entry.column)
+    pairs = [f"column = {_text(entry.column)}"]
+    pairs += [f"unit = {_text(entry.unit)}"] if entry.unit else []
+    pairs += [f"scale = {float(entry.scale)!r}"] if entry.scale is not None else []
+    pairs += [f"offset = {float(entry.offset)!r}"] if entry.offset else []
+    return "{ " + ", ".join(pairs) + " }"
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
+
+
+def _text(value: str) -> str:
+    """TOML basic string, whose escapes are those of JSON but for the control character DEL."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")

@@ -1,0 +1,165 @@
+"""What to say of a worker that crashed, left or hung."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gmfbo.sources.fmu_file.job import Stage
+from gmfbo.sources.sandbox.policy import VARIABLE, Policy
+
+_WINDOWS_FAULTS = {0xC0000005: "access violation", 0xC00000FD: "stack overflow"}
+_NEARLY_ALL = 0.8
+_LONGEST_LINE = 2000
+_CURES = {
+    Stage.LOAD: "ask its vendor for a build for this system",
+    Stage.INSTANTIATE: "check that its licence and resources are in place, or ask its vendor",
+    Stage.INITIALISE: "check its parameters and initial values, or ask its vendor",
+}
+
+
+@dataclass(frozen=True)
+class WhereItStood:
+    """What is known of a worker that gave no answer.
+
+    Attributes
+    ----------
+    names : sequence of str
+        FMUs in order of computation.
+    stage : Stage
+        What the worker was busy with.
+    fmu : int
+        Which FMU, outside of steps.
+    time : float or None
+        [s] Last communication point that was reached.
+    said : str
+        What it printed last.
+    policy : Policy
+        What it was let have.
+    held : int
+        [bytes] The most memory that it held; 0 where that is not known.
+    """
+
+    names: Sequence[str]
+    stage: Stage
+    fmu: int
+    time: float | None
+    said: str
+    policy: Policy
+    held: int
+
+    @property
+    def ran_out_of_memory(self) -> bool:
+        """Whether it held all that it may when it fell."""
+        limit = self.policy.memory_limit if self.policy.enclosed else 0
+        return limit > 0 and self.held > _NEARLY_ALL * limit
+
+    @property
+    def who(self) -> str:
+        """FMU that is to blame, or all that stepped together."""
+        if self.stage == Stage.STEP and len(self.names) > 1:
+            return "one of " + ", ".join(f"'{name}'" for name in self.names)
+        return f"'{self.names[self.fmu]}'"
+
+    @property
+    def doing(self) -> str:
+        """What it was doing, and when."""
+        at = f" after t = {self.time:g} s" if self.time is not None else ""
+        return self.stage.words + (at if self.stage == Stage.STEP else "")
+
+    @property
+    def quote(self) -> str:
+        """Its last words, to append."""
+        return f"; it printed last: {self.said!r}" if self.said else ""
+
+
+def crash_message(where: WhereItStood, exit_code: int) -> str:
+    """One line on a worker that is gone.
+
+    Parameters
+    ----------
+    where : WhereItStood
+        What is known.
+    exit_code : int
+        Negative where a signal ended it.
+    """
+    cure = _CURES.get(where.stage, "try other gains or parameters, or ask its vendor")
+    if where.ran_out_of_memory:
+        cure = (
+            f"it held {where.held / 1e9:.3g} GB and may hold {where.policy.memory_limit / 1e9:.3g} "
+            f"GB: ask its vendor about a leak, or allow more by {VARIABLE}=memory=GB"
+        )
+    elif _signal_name(exit_code) == "SIGKILL":
+        cure = "somebody killed it, or the system did for want of memory"
+    elif _signal_name(exit_code) == "SIGXCPU":
+        cure = "it used more processor time than time_limit_s on all cores; raise it if it is slow"
+    elif where.stage in _CURES and where.policy.enclosed:
+        cure += f"; if it needs a licence server or files of yours, {VARIABLE} can let it"
+    return f"{where.who} {_end(exit_code)} while {where.doing}; {cure}{where.quote}"
+
+
+def garbled_message(names: Sequence[str]) -> str:
+    """One line on a worker whose answer is none.
+
+    Parameters
+    ----------
+    names : sequence of str
+        FMUs in it.
+    """
+    who = " or ".join(f"'{name}'" for name in names)
+    return (
+        f"{who} spoiled the run: it writes to files of the process that it runs in, where gmfbo's "
+        "answers go; ask its vendor"
+    )
+
+
+def plain_line(text: object) -> str:
+    """One line without control characters of a text that foreign code may have written.
+
+    Parameters
+    ----------
+    text : object
+        Meant to be a text.
+    """
+    line = " ".join(str(text).split())[:_LONGEST_LINE]
+    return "".join(letter if letter.isprintable() else "?" for letter in line)
+
+
+def timeout_message(where: WhereItStood, limit_s: float) -> str:
+    """One line on a worker that did not answer in time.
+
+    Parameters
+    ----------
+    where : WhereItStood
+        What is known.
+    limit_s : float
+        [s] Wall-clock time that it had.
+    """
+    if where.stage == Stage.LOAD:
+        return (
+            f"{where.who} did not load within {limit_s:g} s: it hangs there, or waits for a "
+            f"licence server; ask its vendor{where.quote}"
+        )
+    return (
+        f"{where.who} did not finish within {limit_s:g} s, stopped while {where.doing}; raise "
+        f"time_limit_s if it is slow, else it hangs there{where.quote}"
+    )
+
+
+def _end(exit_code: int) -> str:
+    if exit_code in _WINDOWS_FAULTS:
+        return f"crashed ({_WINDOWS_FAULTS[exit_code]})"
+    if exit_code >= 0:
+        return f"ended its process with exit code {exit_code}"
+    return f"crashed ({_signal_name(exit_code)})"
+
+
+def _signal_name(exit_code: int) -> str:
+    """Name of the signal that a negative exit code stands for; empty for others."""
+    if exit_code >= 0:
+        return ""
+    try:
+        return signal.Signals(-exit_code).name
+    except ValueError:
+        return f"signal {-exit_code}"

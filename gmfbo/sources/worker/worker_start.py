@@ -1,0 +1,47 @@
+"""How a worker begins: its channels, then the sandbox, and only then anything large or foreign."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+from pathlib import Path
+
+from gmfbo.sources.sandbox.enclosure import enclose
+from gmfbo.sources.sandbox.policy import Policy
+
+
+def serve(folder: Path) -> None:
+    """Serve gmfbo until it closes standard input.
+
+    Parameters
+    ----------
+    folder : Path
+        Private folder of the twin.
+    """
+    # What the FMU prints must not get between the answers.
+    commands = os.fdopen(os.dup(0), "r", encoding="utf-8")
+    if sys.platform == "win32":
+        from gmfbo.sources.worker.parent_watch import remove_when_parent_is_gone
+
+        remove_when_parent_is_gone(folder)
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    first = json.loads(commands.readline() or "null")
+    if first is not None:
+        work = Path(first["work"])
+        os.chdir(work)
+        os.environ["TMPDIR"] = os.environ["TEMP"] = os.environ["TMP"] = str(work)
+        own = [work, *(Path(fmu["folder"]) for fmu in first["fmus"])]
+        enclosure = enclose(
+            Policy.from_json(first["policy"]), own=own, shared=[Path(first["arrays"]).parent]
+        )
+        from gmfbo.sources.worker.worker_main import Worker
+
+        with contextlib.suppress(BrokenPipeError):
+            Worker(first, commands, answers, work).serve(enclosure.missing)
+    os._exit(0)  # past the FMU's own clean-up, which may hang

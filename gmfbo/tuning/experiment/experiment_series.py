@@ -1,0 +1,321 @@
+"""Several references in one objective: each is played on its own, the answers are joined."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gmfbo.errors import OwnMetricsError, RecordingError
+from gmfbo.objective.metrics import worst_metrics
+from gmfbo.objective.own_metrics import OwnMetrics
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.experiment.joined_runs import join_runs
+from gmfbo.tuning.study_file.study_sections import ReferenceSection
+
+
+@dataclass(frozen=True, eq=False)
+class ExperimentSeries:
+    """What every source repeats: one reference or several, and what is measured of the answers.
+
+    Each reference is a run of its own from rest. The runs of one query are joined to one
+    recording, the second after the first, so that a trial holds them all. Of one reference,
+    everything here is as of that reference alone.
+
+    Attributes
+    ----------
+    parts : tuple of StepExperiment
+        One for each reference, at least one.
+    shares : tuple of float
+        Of each reference in the cost; they sum to one.
+    own : OwnMetrics or None
+        Metrics by a function of the user.
+    """
+
+    parts: tuple[StepExperiment, ...]
+    shares: tuple[float, ...] = (1.0,)
+    own: OwnMetrics | None = None
+
+    @classmethod
+    def from_sections(
+        cls,
+        sections: Sequence[ReferenceSection],
+        signal: str,
+        *,
+        folder: Path,
+        unit: str = "",
+        own: OwnMetrics | None = None,
+    ) -> Self:
+        """Make what a study file describes.
+
+        Parameters
+        ----------
+        sections : sequence of ReferenceSection
+            The parts `[reference]`.
+        signal : str
+            Measured signal that is scored.
+        folder : Path
+            Where a path in a section begins.
+        unit : str
+            SI unit of the references.
+        own : OwnMetrics, optional
+            Metrics by a function of the user.
+
+        Raises
+        ------
+        RecordingError
+            A file cannot be read, or does not hold exactly one step.
+        """
+        parts = tuple(
+            StepExperiment.from_section(section, signal, folder=folder, unit=unit)
+            for section in sections
+        )
+        total = sum(section.weight for section in sections)
+        return cls(parts, tuple(section.weight / total for section in sections), own)
+
+    @property
+    def signal(self) -> str:
+        """Measured signal that is scored."""
+        return self.parts[0].signal
+
+    @property
+    def reference(self) -> Recording:
+        """The first reference; the only one of most studies."""
+        return self.parts[0].reference
+
+    @property
+    def references(self) -> tuple[Recording, ...]:
+        """What the axis is asked to follow, one after the other."""
+        return tuple(part.reference for part in self.parts)
+
+    @property
+    def step_time(self) -> float:
+        """[s] Instant of the first reference's step."""
+        return self.parts[0].step_time
+
+    @property
+    def horizon(self) -> float:
+        """[s] Length after the first reference's step that is scored."""
+        return self.parts[0].horizon
+
+    @property
+    def offsets(self) -> NDArray[np.float64]:
+        """[s] From the time of each reference to that of the joined recording, shape (p,)."""
+        starts = [0.0]
+        for before, after in pairwise(self.references):
+            end = float(before.time[-1]) + starts[-1]
+            gap = float(before.time[-1] - before.time[-2])
+            starts.append(end + gap - float(after.time[0]))
+        return np.array(starts)
+
+    def scored_times(self, count: int) -> NDArray[np.float64]:
+        """Instants at which a joined trajectory is scored.
+
+        Parameters
+        ----------
+        count : int
+            Number of instants, at least two a reference.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            [s] Increasing; m is at most `count`, evenly spaced within each horizon.
+        """
+        starts = self.offsets + [part.step_time for part in self.parts]
+        since, _ = self.after_step(count)
+        return np.repeat(starts, since.size // len(self.parts)) + since
+
+    def after_step(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What `scored_times` are to the step of their reference.
+
+        Parameters
+        ----------
+        count : int
+            As for `scored_times`.
+
+        Returns
+        -------
+        since : ndarray, shape (m,)
+            [s] Time since the step.
+        target : ndarray, shape (m,)
+            [unit of the signal] Value that was stepped to.
+        """
+        each = max(count // len(self.parts), 2)
+        since = [np.linspace(0.0, part.horizon, each) for part in self.parts]
+        targets = [np.full(each, part.initial + part.step_size) for part in self.parts]
+        return np.concatenate(since), np.concatenate(targets)
+
+    def join(self, runs: Sequence[Recording]) -> Recording:
+        """Join the runs of one query, the first ones of all references.
+
+        Parameters
+        ----------
+        runs : sequence of Recording
+            In the order of the references; fewer where one failed.
+
+        Raises
+        ------
+        RecordingError
+            There are more runs than references, or fewer though none failed.
+        """
+        if len(self.parts) == 1 and len(runs) == 1:
+            return runs[0]
+        whole = not any(isinstance(run, Trajectory) and run.status != "ok" for run in runs)
+        if not 0 < len(runs) <= len(self.parts) or (whole and len(runs) < len(self.parts)):
+            raise RecordingError(
+                f"expected {len(self.parts)} recordings, one a [[reference]], got {len(runs)}"
+            )
+        spans = [(float(each.time[0]), float(each.time[-1])) for each in self.references]
+        return join_runs(runs, self.offsets, spans)
+
+    def metrics_of(self, time: ArrayLike, responses: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Metrics of many responses.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            [s] Joined, see `scored_times`.
+        responses : array_like, shape (..., n)
+            The scored signal of each run.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (...)
+            By metric [% or s]; of several references their mean by share, and `NAME[1]`,
+            `NAME[2]` ... of each. A metric of the user's own that needs other signals is NaN.
+        """
+        times, values = np.asarray(time, dtype=float), np.asarray(responses, dtype=float)
+        each = []
+        for number, part in enumerate(self.parts):
+            rows, own_times = self._slot(times, number)
+            found = part.metrics_of(own_times, values[..., rows])
+            each.append({**found, **self._own_of(own_times, values[..., rows], part)})
+        return _combined(each, self.shares)
+
+    def metrics(self, run: Recording) -> dict[str, float]:
+        """Metrics of one joined run; the worst case where it failed.
+
+        Of a failed run a user's own metrics are infinite: their price comes with the constants
+        of the cost.
+
+        Parameters
+        ----------
+        run : Recording
+            With the scored signal; rows where it was not sampled are left out.
+
+        Raises
+        ------
+        RecordingError, InputError
+            The run succeeded but lacks the signal or ends before the horizon.
+        OwnMetricsError
+            The user's own function refused the run.
+        """
+        each = []
+        for number, part in enumerate(self.parts):
+            if isinstance(run, Trajectory) and run.status != "ok":
+                own = dict.fromkeys(self.own.required if self.own else (), np.inf)
+                each.append({**worst_metrics(part.horizon), **own})
+                continue
+            alone = self.part_of(run, number)
+            of_own = self.own.of(alone) if self.own else {}
+            each.append({**part.metrics(alone), **of_own})
+        return {name: float(value) for name, value in _combined(each, self.shares).items()}
+
+    def part_of(self, run: Recording, number: int) -> Recording:
+        """Run of one reference out of a joined one, at its own times.
+
+        Parameters
+        ----------
+        run : Recording
+            Joined.
+        number : int
+            Of the reference, counted from zero.
+        """
+        if len(self.parts) == 1:
+            return run
+        rows, times = self._slot(run.time, number)
+        if not rows.any():
+            raise RecordingError(f"{run.name or 'run'}: nothing of reference {number + 1} in it")
+        return Recording(
+            time=times,
+            signals={name: values[rows] for name, values in run.signals.items()},
+            units=run.units,
+            name=run.name,
+            parameters=run.parameters,
+        )
+
+    @property
+    def worst(self) -> dict[str, float]:
+        """Step metrics that a failed run is charged with [% or s]."""
+        horizons = [part.horizon for part in self.parts]
+        return worst_metrics(float(np.dot(self.shares, horizons)))
+
+    @property
+    def reference_size(self) -> float:
+        """RMS of the references' changes over their horizons [unit of the signal]."""
+        squares = [part.reference_size**2 for part in self.parts]
+        return float(np.sqrt(np.dot(self.shares, squares)))
+
+    def _slot(
+        self, time: NDArray[np.float64], number: int
+    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+        """Rows of a joined time that belong to a reference, and their times in it."""
+        if len(self.parts) == 1:
+            return np.ones(time.shape, dtype=bool), time
+        reference, own = self.references[number], time - self.offsets[number]
+        slack = 0.5 * float(reference.time[-1] - reference.time[-2])
+        rows = (own >= reference.time[0] - slack) & (own <= reference.time[-1] + slack)
+        return rows, own[rows]
+
+    def _own_of(
+        self, time: NDArray[np.float64], responses: NDArray[np.float64], part: StepExperiment
+    ) -> Mapping[str, NDArray[np.float64]]:
+        """The user's metrics of bare responses; NaN where they need what only a run holds."""
+        if self.own is None:
+            return {}
+        flat = responses.reshape(-1, time.size)
+        names = sorted(self.own.required)
+        found = {name: np.full(len(flat), np.nan) for name in names}
+        commands = {
+            name: np.interp(time, part.reference.time, values)
+            for name, values in part.reference.signals.items()
+        }
+        for row in np.flatnonzero(np.isfinite(flat).all(axis=1)):
+            run = Recording(time=time, signals={**commands, part.signal: flat[row]})
+            try:
+                values = self.own.of(run)
+            except OwnMetricsError:
+                continue
+            for name in names:
+                found[name][row] = values[name]
+        return {name: values.reshape(responses.shape[:-1]) for name, values in found.items()}
+
+
+def _combined(
+    each: Sequence[Mapping[str, ArrayLike]], shares: Sequence[float]
+) -> dict[str, NDArray[np.float64]]:
+    """Means by share, and behind them the metrics of each reference where there are several."""
+    names = [name for name in each[0] if all(name in one for one in each)]
+    if len(each) == 1:
+        return {name: np.asarray(each[0][name], dtype=float) for name in names}
+    mean = {
+        name: np.asarray(
+            sum(
+                share * np.asarray(one[name], dtype=float)
+                for share, one in zip(shares, each, strict=True)
+            )
+        )
+        for name in names
+    }
+    single = {
+        f"{name}[{number}]": np.asarray(one[name], dtype=float)
+        for number, one in enumerate(each, start=1)
+        for name in names
+    }
+    return {**mean, **single}

@@ -1,0 +1,383 @@
+"""The runs of a study, on disk before they count, and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import OwnMetricsError, SimulationError
+from gmfbo.objective.cost import Objective
+from gmfbo.objective.limits import Limits
+from gmfbo.objective.metrics import METRICS
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.store.trial import SourceName, Trial
+from gmfbo.tuning.drift.drift import Drift
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.experiment.joined_runs import ended_by
+from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.keep_out import KeepOut
+from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
+from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.study_file.study_sections import StudyFile
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.store.memory_store import TrialStore
+
+
+class History:
+    """Trials of one study in order, with their costs.
+
+    Everything here follows from the trials on disk, so that a killed study goes on as if it
+    had not been.
+
+    Parameters
+    ----------
+    store : TrialStore
+        Open for writing.
+    study : StudyFile
+        The validated file.
+    experiment : ExperimentSeries
+        What every source repeats.
+    gains : GainChoice
+        What is tuned.
+    survey : int
+        Runs of the twin over the box that the method wants before the first query.
+    earlier : int
+        Real runs of an earlier study, which come before those that are made here.
+
+    Attributes
+    ----------
+    twin : str or None
+        Content hash of the twin as it is now; None while it was never corrected.
+    """
+
+    def __init__(
+        self,
+        store: TrialStore,
+        study: StudyFile,
+        experiment: ExperimentSeries,
+        gains: GainChoice,
+        *,
+        survey: int = 0,
+        earlier: int = 0,
+    ) -> None:
+        self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
+        self.survey, self.earlier = survey, earlier
+        self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
+        self.trials: list[Trial] = store.trials()
+        self.twin: str | None = None
+        events = store.events()
+        self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
+        asked = [event["number"] for event in events if event["event"] == "ask"]
+        self.last_asked: int = asked[-1] if asked else 0
+        self._observations: list[tuple[Trial, Observation]] = []
+        self._seen = 0
+        self._leaves: dict[int, bool] = {}
+        self._objective: Objective | None = None
+        if len(self.of("IS2")) >= study.budget.initial_is2:
+            self.normalise(self.of("IS2")[: study.budget.initial_is2])
+
+    def of(self, *sources: SourceName) -> list[Trial]:
+        """Trials of some sources, in order."""
+        return [trial for trial in self.trials if trial.source in sources]
+
+    def children(self, parent: Trial, source: SourceName) -> list[Trial]:
+        """Runs that one source made because of a real run, with the twin as it is now."""
+        return [
+            trial
+            for trial in self.of(source)
+            if trial.parent == parent.number and self.is_current(trial)
+        ]
+
+    def is_current(self, trial: Trial) -> bool:
+        """Whether a run is of the real axis or of the twin as it is now."""
+        return trial.source == "IS1" or self.twin is None or trial.twin == self.twin
+
+    @property
+    def unprompted(self) -> list[Trial]:
+        """Twin runs that no real run caused: initial ones, survey and queries.
+
+        Runs that a corrected twin makes again are not among them.
+        """
+        runs = [trial for trial in self.of("IS2") if trial.parent is None]
+        return [trial for trial in runs if trial.twin == runs[0].twin]
+
+    def gains_at(self, unit: NDArray[np.float64]) -> dict[str, float]:
+        """All gains by name at a point of the unit cube, shape (d,)."""
+        return self.gains.values(self.gains.space.from_unit(unit))
+
+    def unit_point(self, gains: Mapping[str, float]) -> NDArray[np.float64]:
+        """Point of the unit cube, shape (d,), from all gains by name."""
+        return self.gains.space.to_unit(self.gains.point(gains))
+
+    @property
+    def next_number(self) -> int:
+        """Number of the trial that comes next."""
+        return self.trials[-1].number + 1 if self.trials else 1
+
+    @property
+    def made(self) -> int:
+        """Real runs of this study, initial ones counted; those of an earlier study are none."""
+        return max(len(self.of("IS1")) - self.earlier, 0)
+
+    @property
+    def queries(self) -> int:
+        """Queries of either source after the initial ones; survey, pairs and IS3 are none."""
+        budget, twin = self.study.budget, len(self.unprompted) - self.survey
+        real, initial = len(self.of("IS1")), max(budget.initial_is1, self.earlier)
+        return max(twin - budget.initial_is2, 0) + max(real - initial, 0)
+
+    @property
+    def used_up(self) -> bool:
+        """Whether the budget allows no further query."""
+        budget, real = self.study.budget, len(self.of("IS1"))
+        if real < budget.initial_is1:
+            return False
+        if budget.is1_runs is not None and self.made >= budget.is1_runs:
+            return True
+        return self.queries >= budget.most_queries
+
+    @property
+    def cost(self) -> float:
+        """All runs so far in units of a real run."""
+        return IS1_COST * self.made + TWIN_COST * len(self.of("IS2", "IS3"))
+
+    @property
+    def best(self) -> Trial | None:
+        """Real run with the least cost since the plant changed, within the limits if possible."""
+        return best_run(self.trials, self.limits, self.changed_after)
+
+    @property
+    def changed_after(self) -> int:
+        """Trial number of the last real run before the newest change of the plant; 0 without."""
+        return self.drifts[-1].last_before if self.drifts else 0
+
+    @property
+    def objective(self) -> Objective:
+        """The cost; known once the initial twin runs are done."""
+        if self._objective is None:
+            raise RuntimeError("the cost is asked for before the initial twin runs are complete")
+        return self._objective
+
+    @property
+    def normalised(self) -> bool:
+        """Whether the initial twin runs are complete."""
+        return self._objective is not None
+
+    def normalise(self, initial: list[Trial]) -> None:
+        """Fix the constants of the cost by the initial twin runs.
+
+        Parameters
+        ----------
+        initial : list of Trial
+            With metrics; their costs may be missing.
+
+        Raises
+        ------
+        SimulationError
+            All of them failed.
+        """
+        if all(trial.status != "ok" for trial in initial):
+            first = initial[0].recording
+            reason = first.message if isinstance(first, Trajectory) else ""
+            raise SimulationError(
+                f"none of the {len(initial)} initial runs of IS2 succeeded "
+                f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
+            )
+        section = self.study.objective
+        sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
+        constants = Objective.from_samples(
+            section.weights,
+            {
+                name: np.array([trial.metrics[name] for trial in sampled])
+                for name in (*METRICS, *sorted(self.study.own_metrics))
+            },
+            worst=self.experiment.worst,
+        )
+        if section.normalise.points is None:
+            constants = Objective(
+                section.weights, section.normalise.mean, section.normalise.std, constants.worst
+            )
+        self._objective = constants
+
+    def trial(
+        self,
+        source: SourceName,
+        gains: Mapping[str, float],
+        run: Recording,
+        *,
+        twin: str = "",
+        parent: int | None = None,
+        number: int | None = None,
+    ) -> Trial:
+        """Make a trial of a run, not yet on disk.
+
+        Its cost is NaN until the initial twin runs are complete.
+
+        Parameters
+        ----------
+        source : {"IS1", "IS2"}
+            Who ran.
+        gains : mapping of str to float
+            All gains by name.
+        run : Recording
+            What was measured.
+        twin : str
+            Content hash of the twin that ran.
+        parent : int or None
+            Real run that caused it.
+        number : int or None
+            The next one unless given.
+        """
+        run, metrics = self._measured(run, source)
+        status, seconds = (
+            (run.status, run.seconds) if isinstance(run, Trajectory) else ("ok", run.duration)
+        )
+        started = datetime.now(UTC) - timedelta(seconds=seconds)
+        trial = Trial(
+            number=self.next_number if number is None else number,
+            source=source,
+            gains=dict(gains),
+            recording=run,
+            objective=np.nan,
+            metrics=metrics,
+            status=status,
+            started=run.start_time or started.isoformat(timespec="milliseconds"),
+            seconds=seconds,
+            seed=self.study.seed,
+            twin=twin,
+            parent=parent,
+        )
+        return self.priced(trial) if self.normalised else trial
+
+    def _measured(self, run: Recording, source: SourceName) -> tuple[Recording, dict[str, float]]:
+        """A run with its metrics; a twin's that the user's own function refuses has failed."""
+        try:
+            return run, self.experiment.metrics(run)
+        except OwnMetricsError as refused:
+            if source == "IS1":
+                raise
+            failed = ended_by(run, "failed", str(refused))
+            return failed, self.experiment.metrics(failed)
+
+    def taken_over(self, trial: Trial) -> Trial:
+        """A real run of an earlier study as the next trial of this one, with this one's cost."""
+        judged = self.envelope.judge(trial.recording)
+        taken = self.trial("IS1", trial.gains, judged, twin=trial.twin)
+        return replace(taken, started=trial.started, seconds=trial.seconds)
+
+    def priced(self, trial: Trial) -> Trial:
+        """A trial with its cost, once the initial twin runs are done; always finite."""
+        metrics = {name: self._finite(name, value) for name, value in trial.metrics.items()}
+        return replace(trial, metrics=metrics, objective=float(self.objective.value(metrics)))
+
+    def _finite(self, name: str, value: float) -> float:
+        """A metric as it is charged: a user's own has no worst case but that of the initial runs.
+
+        A metric of one reference, `NAME[2]`, is charged as the metric.
+        """
+        return value if np.isfinite(value) else self.objective.worst[name.partition("[")[0]]
+
+    def write(self, trial: Trial) -> Trial:
+        """Put a trial on disk, and only then into the history."""
+        self.store.write_trial(trial)
+        self.trials.append(trial)
+        return trial
+
+    def state(self, fixed: Mapping[str, float]) -> TuningState:
+        """All that a method may know.
+
+        Parameters
+        ----------
+        fixed : mapping of str to float
+            Gains to be held at a value in the proposal.
+        """
+        return TuningState(
+            space=self.gains.space,
+            observations=self._aged(self.observations()),
+            fixed=fixed,
+            trials=tuple(trial for trial in self.trials if self.is_current(trial)),
+            experiment=self.experiment,
+            objective=self.objective,
+            limits=self.limits,
+            keep_out=self.keep_out(),
+        )
+
+    def _aged(self, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
+        """Mark what was seen of the axis, or corrected by it, before the plant changed.
+
+        A run that lies before several changes carries all of them.
+        """
+        if not self.drifts:
+            return observations
+        aged = []
+        for seen in observations:
+            origin = seen.number if seen.source == "IS1" else seen.parent
+            shares = [
+                drift.share
+                for drift in self.drifts
+                if seen.source != "IS2" and origin is not None and origin <= drift.last_before
+            ]
+            aged.append(replace(seen, outdated=sum(shares)) if shares else seen)
+        return tuple(aged)
+
+    def keep_out(self) -> KeepOut:
+        """Gains that a real run is kept away from."""
+        if not self.envelope:
+            return KeepOut()
+        safe, unsafe = [], []
+        for trial in self.trials:
+            if trial.source == "IS1" and trial.status != "unsafe":
+                # A run that broke down shows neither.
+                if trial.status == "ok":
+                    safe.append(self.unit_point(trial.gains))
+            elif trial.source == "IS1" or (self.is_current(trial) and self._twin_leaves(trial)):
+                unsafe.append(self.unit_point(trial.gains))
+        width = len(self.gains.space)
+        return KeepOut(np.reshape(unsafe, (-1, width)), np.reshape(safe, (-1, width)))
+
+    def _twin_leaves(self, trial: Trial) -> bool:
+        """Whether the twin left the envelope there; what it does not compute is passed over."""
+        if trial.number not in self._leaves:
+            left = self.envelope.first_exit(trial.recording, all_signals=False)
+            self._leaves[trial.number] = left is not None
+        return self._leaves[trial.number]
+
+    def observations(self) -> tuple[Observation, ...]:
+        """All runs as the surrogate sees them, in order.
+
+        Draws of IS3 that were not accepted, and runs of a twin that has been corrected since,
+        are left out.
+        """
+        for trial in self.trials[self._seen :]:
+            self._seen += 1
+            if trial.accepted is not False:
+                self._observations.append((trial, self._observation(trial)))
+        return tuple(seen for trial, seen in self._observations if self.is_current(trial))
+
+    def _observation(self, trial: Trial) -> Observation:
+        uncorrected = uncorrected_scaled = None
+        if trial.source == "IS3":
+            before = trial.uncorrected[self.experiment.signal]
+            metrics = self.experiment.metrics_of(trial.recording.time, before)
+            uncorrected = float(self.objective.value(metrics))
+            uncorrected_scaled = float(self.objective.scaled(metrics))
+        return Observation(
+            number=trial.number,
+            source=trial.source,
+            point=self.unit_point(trial.gains),
+            objective=trial.objective,
+            scaled=float(self.objective.scaled(trial.metrics)),
+            failed=trial.status != "ok",
+            parent=trial.parent,
+            uncorrected=uncorrected,
+            uncorrected_scaled=uncorrected_scaled,
+            limited={n: float(v) for n, v in self.limits.limited(trial.metrics).items()},
+            feasible=trial.status == "ok" and self.limits.met(trial.metrics),
+        )

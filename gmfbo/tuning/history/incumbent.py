@@ -1,0 +1,36 @@
+"""Which run is best: one that meets all limits comes before all that do not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from gmfbo.objective.limits import Limits
+from gmfbo.recordings.store.trial import Trial
+
+
+def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial | None:
+    """Pick the best real run.
+
+    Feasible runs first (Deb 2000, "An efficient constraint handling method for genetic
+    algorithms"): among runs that meet the limits the least cost counts, among the others the
+    least excess.
+
+    Parameters
+    ----------
+    trials : iterable of Trial
+        Runs of any source.
+    limits : Limits
+        On metrics.
+    since : int
+        Trial number of the last real run before the plant changed; a later run is preferred.
+
+    Returns
+    -------
+    Trial or None
+        None while no real run succeeded.
+    """
+    finished = [trial for trial in trials if trial.source == "IS1" and trial.status == "ok"]
+    finished = [trial for trial in finished if trial.number > since] or finished
+    return min(
+        finished, key=lambda trial: (limits.excess(trial.metrics), trial.objective), default=None
+    )

@@ -1,0 +1,124 @@
+"""What a tuning method is: from all that was observed to the next query."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.tuning.history.state import TuningState
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """The next query.
+
+    Attributes
+    ----------
+    source : {"IS1", "IS2"}
+        Whom to ask.
+    point : ndarray, shape (d,)
+        Gains scaled to the unit cube.
+    mismatch : float or None
+        Mismatch e of the twin by which the method decided, dimensionless.
+    note : str
+        What whoever watches should know; usually empty.
+    """
+
+    source: Literal["IS1", "IS2"]
+    point: NDArray[np.float64]
+    mismatch: float | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """Gains where a surrogate expects the real axis to be best, measured or not.
+
+    Attributes
+    ----------
+    gains : mapping of str to float
+        All gains by name [unit of the FMU parameter].
+    mean, std : float
+        Expected cost g of the real axis there, and its standard deviation.
+    """
+
+    gains: Mapping[str, float]
+    mean: float
+    std: float
+
+
+@dataclass(frozen=True)
+class CorrectionOptions:
+    """How corrected twin runs (IS3) are made after each real run.
+
+    Attributes
+    ----------
+    memory : {"latest", "accumulate"}
+        Real runs that the correction learns from: the last (Algorithm 1 as printed), or all.
+    at_border : {"project", "reflect"}
+        What happens to draws outside the box: projected onto its faces (as printed), or folded
+        back, so that they do not pile up there.
+    survey : int
+        Runs of the twin over the box, made once before the first query.
+    around_real : bool
+        Make corrected runs at all; otherwise the survey is all that is wanted.
+    closer : int
+        Runs of the twin around the promising gains before each query, in each of two stages.
+    """
+
+    memory: Literal["latest", "accumulate"] = "latest"
+    at_border: Literal["project", "reflect"] = "project"
+    survey: int = 0
+    around_real: bool = True
+    closer: int = 0
+
+
+class Method(Protocol):
+    """Proposes queries; holds no state of its own, so that a study resumes exactly.
+
+    Attributes
+    ----------
+    name : str
+        In study files and tables.
+    summary : str
+        What it does, in a line.
+    reference : str
+        Where it comes from.
+    correction : CorrectionOptions or None
+        How it wants corrected runs made; None if it uses none.
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def summary(self) -> str: ...
+    @property
+    def reference(self) -> str: ...
+    @property
+    def correction(self) -> CorrectionOptions | None: ...
+
+    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
+        """Propose the next query; None where the method has nothing more to ask.
+
+        Parameters
+        ----------
+        state : TuningState
+            All that was observed, with the initial data complete.
+        rng : numpy.random.Generator
+            The only randomness allowed; derived from the study's seed and the step.
+        """
+        ...
+
+    def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
+        """Point of the unit cube, shape (d,), with the least expected cost, its mean and std.
+
+        Parameters
+        ----------
+        state : TuningState
+            All that was observed.
+        """
+        ...

@@ -1,0 +1,72 @@
+"""What a running study tells whoever watches it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from gmfbo.recordings.store.trial import SourceName
+
+Phase = Literal["initial", "query", "correction", "drift", "twin", "done"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """One finished run within a study.
+
+    Attributes
+    ----------
+    phase : {"initial", "query", "correction", "drift", "twin", "done"}
+        Initial data, a query that the method asked for, the twin runs made after a real one,
+        a change of the plant that the last real run revealed, a twin that was corrected by it,
+        or the end of the study.
+    iteration, iterations : int
+        Queries done, and at most to be done.
+    is1_runs : int
+        Real runs so far, initial ones counted.
+    trial : int
+        Number of the run.
+    source : {"IS1", "IS2", "IS3"}
+        Who ran.
+    gains : mapping of str to float
+        Gains of the run.
+    objective : float
+        Its cost g.
+    status : str
+        `ok`, or how the run ended early.
+    best_objective : float or None
+        Least cost of a real run so far.
+    best_gains : mapping of str to float or None
+        Its gains.
+    mismatch : float or None
+        Newest mismatch e of the twin, dimensionless; None for methods without one.
+    cost : float
+        Runs so far in units of a real run.
+    seconds : float
+        [s] Since this call of `run` began.
+    seconds_left : float or None
+        [s] Expected until the end; None before the first query.
+    note : str
+        What the method had to say, such as a fit that fell back; usually empty.
+    """
+
+    phase: Phase
+    iteration: int
+    iterations: int
+    is1_runs: int
+    trial: int
+    source: SourceName
+    gains: Mapping[str, float]
+    objective: float
+    status: str
+    best_objective: float | None
+    best_gains: Mapping[str, float] | None
+    mismatch: float | None
+    cost: float
+    seconds: float
+    seconds_left: float | None
+    note: str = ""
+
+
+ProgressCallback = Callable[[Progress], None]

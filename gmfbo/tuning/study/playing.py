@@ -1,0 +1,59 @@
+"""One query: each reference is played by a source, and the answers become one run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from gmfbo.errors import RecordingError
+from gmfbo.objective.envelope import Envelope
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.plants.source import Source
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.experiment.joined_runs import ended_by
+from gmfbo.tuning.study.study_sources import run_source
+
+
+def play(
+    source: Source,
+    gains: Mapping[str, float],
+    experiment: ExperimentSeries,
+    envelope: Envelope | None = None,
+) -> Recording:
+    """Run all references at some gains, until one fails or leaves the envelope.
+
+    Parameters
+    ----------
+    source : Source
+        Who runs.
+    gains : mapping of str to float
+        Gains of the query.
+    experiment : ExperimentSeries
+        What is played.
+    envelope : Envelope, optional
+        What the real axis must stay within; a twin cannot be harmed and has none.
+
+    Returns
+    -------
+    Recording
+        The joined run; of status `unsafe` where it left the envelope.
+
+    Raises
+    ------
+    InputError
+        The source was asked for something impossible; repeating that cannot help.
+    """
+    runs: list[Recording] = []
+    for reference in experiment.references:
+        run = run_source(source, gains, reference)
+        runs.append(_judged(run, envelope) if envelope else run)
+        if isinstance(runs[-1], Trajectory) and runs[-1].status != "ok":
+            break
+    return experiment.join(runs)
+
+
+def _judged(run: Recording, envelope: Envelope) -> Recording:
+    """A run as the envelope sees it; what cannot be judged is not safe, but ends no study."""
+    try:
+        return envelope.judge(run)
+    except RecordingError as error:
+        return ended_by(run, "unsafe", f"safety cannot be judged: {error}")

@@ -1,0 +1,234 @@
+"""Who runs a study's experiments: the sources that its file names, opened."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from gmfbo.errors import InputError, SimulationError, StudyFileError
+from gmfbo.recordings.columns.signal import SignalReading
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.plants.plant_call import PlantFunction, PythonPlant
+from gmfbo.sources.plants.plant_command import CommandPlant
+from gmfbo.sources.plants.recorded_grid import RecordedGrid
+from gmfbo.sources.plants.source import Source
+from gmfbo.space import GainSpace
+from gmfbo.tuning.study_file.study_sections import PlantSection, StudyFile
+
+if TYPE_CHECKING:
+    from gmfbo.sources.twin.twin import FmuTwin
+
+
+@dataclass(frozen=True, eq=False)
+class StudySources:
+    """The sources of one study.
+
+    Attributes
+    ----------
+    is1 : Source or None
+        Real axis, or the FMU that plays it; None where somebody else runs it (ask and tell).
+    is2 : Source
+        Digital twin.
+    opened : ExitStack
+        Closes the sources that were opened for the study; those handed in stay with their owner.
+    changed_is1 : Source or None
+        The plant after its change.
+    change_after : int or None
+        Real runs before the change.
+    gains : GainSpace or None
+        Box of the twin file; None where the twin is the user's own source.
+    parameters : tuple of str
+        All FMU parameters of the twin; empty where it is the user's own source.
+    reference_unit : str
+        SI unit of the reference; empty where unknown.
+    reading : SignalReading or None
+        Twin file of IS2, which says what the columns of a recording are; None where the twin is
+        the user's own source.
+    """
+
+    is1: Source | None
+    is2: Source
+    opened: ExitStack
+    changed_is1: Source | None = None
+    change_after: int | None = None
+    gains: GainSpace | None = None
+    parameters: tuple[str, ...] = ()
+    reference_unit: str = ""
+    reading: SignalReading | None = None
+
+    @classmethod
+    def open(
+        cls,
+        study: StudyFile,
+        folder: Path,
+        *,
+        is1: Source | None = None,
+        is2: Source | None = None,
+        plant: PlantFunction | None = None,
+    ) -> StudySources:
+        """Open the twins that a study names.
+
+        Parameters
+        ----------
+        study : StudyFile
+            The validated file.
+        folder : Path
+            Where its paths begin.
+        is1, is2 : Source, optional
+            Used instead of what the file names: a test bench, a simulator of the user's own.
+        plant : callable, optional
+            Called with gains and reference instead of the IS1 that the file names.
+
+        Raises
+        ------
+        StudyFileError
+            The plant changes, but is not an FMU.
+        TwinFileError, FmuFileError
+            A twin cannot be opened.
+        """
+        change = study.is1.change
+        if is1 is not None and plant is not None:
+            raise InputError("expected one of is1 and plant, got both; they are the same axis")
+        if study.is1.recorded is not None and len(study.references) > 1:
+            raise StudyFileError(
+                "[is1] recorded: a grid holds one run for each gains; give one [reference]"
+            )
+        if (is1 is not None or plant is not None) and change is not None:
+            raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
+        changed, gains, unit = None, None, ""
+        reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
+        parameters: tuple[str, ...] = ()
+        with ExitStack() as opened:
+            opener = _Opener(study.seed, folder, opened)
+            if is2 is None:
+                is2 = reading = twin = opener.twin(study.is2.twin, study.is2.parameters)
+                gains, parameters = twin.gains, tuple(twin.parameter_tunable())
+                signal = twin.signal_specs().get(study.reference.signal)
+                unit = signal.unit if signal else ""
+            if plant is not None:
+                is1 = PythonPlant(plant, reading)
+            if is1 is None:
+                is1 = opener.plant(study.is1, reading)
+                if study.is1.twin is not None and change is not None:
+                    after = {**opener.plant_parameters(study.is1), **change.parameters}
+                    changed = opener.twin(study.is1.twin, after)
+            return cls(
+                is1=is1,
+                is2=is2,
+                opened=opened.pop_all(),
+                changed_is1=changed,
+                change_after=change.after_runs if change else None,
+                gains=gains,
+                parameters=parameters,
+                reference_unit=unit,
+                reading=reading,
+            )
+
+    def real(self, runs_before: int) -> Source | None:
+        """Source of the next real run.
+
+        Parameters
+        ----------
+        runs_before : int
+            Real runs so far, initial ones counted.
+        """
+        if self.change_after is not None and runs_before >= self.change_after:
+            return self.changed_is1
+        return self.is1
+
+    @property
+    def content_hashes(self) -> dict[str, str]:
+        """Content hash by source; empty for one of which it is not known what it does."""
+        real = self.is1.content_hash if self.is1 is not None else ""
+        changed = {"IS1 changed": self.changed_is1.content_hash} if self.changed_is1 else {}
+        return {"IS1": real, "IS2": self.is2.content_hash, **changed}
+
+    def close(self) -> None:
+        """Give back processes and files of what was opened here."""
+        self.opened.close()
+
+
+@dataclass(frozen=True)
+class _Opener:
+    seed: int
+    folder: Path
+    opened: ExitStack
+
+    def plant(self, section: PlantSection, reading: SignalReading | None) -> Source | None:
+        """Source of the kind that the file names; None where somebody asks and tells."""
+        if section.twin is not None:
+            return self.twin(section.twin, self.plant_parameters(section))
+        if section.command is not None:
+            plant = CommandPlant(
+                tuple(section.command),
+                self.folder,
+                time_limit_s=section.time_limit,
+                retries=section.retries,
+                reading=reading,
+            )
+            plant.check()
+            return plant
+        if section.recorded is not None:
+            return RecordedGrid.open(self.folder / section.recorded, reading)
+        return None
+
+    def plant_parameters(self, section: PlantSection) -> dict[str, float | Literal["seed"]]:
+        """Parameters of the FMU that plays the plant, with what is hidden in it."""
+        hidden = section.hidden.drawn(self.seed) if section.hidden is not None else {}
+        return {**section.parameters, **hidden}
+
+    def twin(self, path: str, parameters: Mapping[str, float | Literal["seed"]]) -> FmuTwin:
+        from gmfbo.sources.twin.twin import FmuTwin
+
+        values = {
+            name: float(self.seed) if value == "seed" else value
+            for name, value in parameters.items()
+        }
+        twin = FmuTwin(self.folder / path, parameters=values)
+        self.opened.callback(twin.close)
+        return twin
+
+
+def run_source(source: Source, gains: Mapping[str, float], reference: Recording) -> Recording:
+    """Run one experiment; whatever breaks in the source becomes a failed run.
+
+    Parameters
+    ----------
+    source : Source
+        Who runs.
+    gains : mapping of str to float
+        Gains of the run.
+    reference : Recording
+        What is followed.
+
+    Returns
+    -------
+    Recording
+        Of status `failed` and without signals where the source raised.
+
+    Raises
+    ------
+    InputError
+        The source was asked for something impossible; repeating that cannot help.
+    """
+    started = time.perf_counter()
+    try:
+        return source.run(gains, reference)
+    except InputError:
+        raise
+    except Exception as error:
+        # A plant is foreign code: a lost connection must cost one run, not the study.
+        reason = str(error) if isinstance(error, SimulationError) else f"{error!r}"
+        return Trajectory(
+            time=reference.time[:1],
+            signals={},
+            name=source.name,
+            status="failed",
+            message=" ".join(reason.split()),
+            stopped_at=float(reference.time[0]),
+            seconds=time.perf_counter() - started,
+        )

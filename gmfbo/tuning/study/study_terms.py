@@ -1,0 +1,91 @@
+"""What a study file says of metrics and safety, held against the gains and sources."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import StudyFileError, did_you_mean
+from gmfbo.objective.own_metrics import OwnMetrics
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study.study_sources import StudySources
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.study_file.safety_section import SafetySection
+
+
+def own_metrics(study: Study) -> OwnMetrics | None:
+    """Load the user's own metrics; None where the file names none.
+
+    Parameters
+    ----------
+    study : Study
+        Its file says where the function lies.
+
+    Raises
+    ------
+    InputError
+        The function cannot be loaded.
+    """
+    label = study.file.objective.metrics
+    if label is None:
+        return None
+    return OwnMetrics.load(label, study.origin, study.file.own_metrics)
+
+
+def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]:
+    """Known-safe gains as points of the unit cube, shape (n, d).
+
+    Parameters
+    ----------
+    section : SafetySection
+        With `start`.
+    gains : GainChoice
+        What is tuned.
+
+    Raises
+    ------
+    StudyFileError
+        A point has not one value for each tuned gain, or lies outside the box.
+    """
+    names = gains.space.names
+    for values in section.start:
+        if len(values) != len(names):
+            raise StudyFileError(
+                f"[safety] start: expected one value for each of {', '.join(names)}, "
+                f"got {list(values)}"
+            )
+        for gain, value in zip(gains.space.gains, values, strict=True):
+            if not gain.low <= value <= gain.high:
+                raise StudyFileError(
+                    f"[safety] start: expected '{gain.name}' within [{gain.low:g}, "
+                    f"{gain.high:g}], got {value:g}; widen [gains]"
+                )
+    points = np.reshape(np.array(section.start, dtype=float), (-1, len(names)))
+    return gains.space.to_unit(points)
+
+
+def check_signals(section: SafetySection, sources: StudySources) -> None:
+    """Refuse an envelope of signals that an FMU plant will never hold.
+
+    Parameters
+    ----------
+    section : SafetySection
+        What is watched.
+    sources : StudySources
+        IS1 may be an FMU; what other plants record shows only when they do.
+
+    Raises
+    ------
+    StudyFileError
+        A signal is unknown.
+    """
+    from gmfbo.sources.twin.twin import FmuTwin
+
+    if not isinstance(sources.is1, FmuTwin):
+        return
+    envelope, known = section.envelope, sources.is1.signal_specs()
+    for name in sorted(
+        {*envelope.ranges, *(envelope.condition.names if envelope.condition else ())}
+    ):
+        if name not in known:
+            raise StudyFileError(f"[safety]: no signal '{name}'" + did_you_mean(name, known))

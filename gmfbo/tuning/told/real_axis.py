@@ -1,0 +1,120 @@
+"""The real axis as the loop sees it: whatever comes back can be scored, or is a failed run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from gmfbo.errors import InputError, RecordingError
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.plants.failed_run import failed_run
+from gmfbo.sources.plants.source import Source
+from gmfbo.tuning.told.told_gains import same_gain
+
+
+@dataclass(frozen=True)
+class RealAxis:
+    """A plant whose recordings are held against what was asked for.
+
+    Attributes
+    ----------
+    source : Source
+        Who runs.
+    """
+
+    source: Source
+
+    @property
+    def name(self) -> str:
+        """Name of the plant."""
+        return self.source.name
+
+    @property
+    def content_hash(self) -> str:
+        """Content hash of the plant."""
+        return self.source.content_hash
+
+    def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
+        """Run the plant; an unreadable recording, or one made at other gains, has failed."""
+        try:
+            run = self.source.run(gains, reference)
+        except RecordingError as error:
+            return failed_run(reference, str(error), name=self.name)
+        for name, value in gains.items():
+            used = run.parameters.get(name, value)
+            if not same_gain(used, value):
+                message = f"{self.name}: made with {name} = {used:g} instead of {value:g}"
+                return failed_run(reference, message, name=self.name, left=run)
+        return on_the_clock_of(reference, run)
+
+    def close(self) -> None:
+        """Give back what the plant holds."""
+        self.source.close()
+
+
+class Scoring(Protocol):
+    """What knows whether a run can be scored."""
+
+    @property
+    def reference(self) -> Recording: ...
+
+    def metrics(self, run: Recording) -> Mapping[str, float]:
+        """Metrics of a run."""
+        ...
+
+
+def scorable(run: Recording, experiment: Scoring) -> Recording:
+    """Return a run, or where it lacks the signal or is too short, its failure.
+
+    A failed run never ends a study; telling a recording by hand refuses it instead.
+
+    Parameters
+    ----------
+    run : Recording
+        What came back.
+    experiment : StepExperiment
+        What is scored.
+    """
+    try:
+        experiment.metrics(run)
+    except InputError as error:
+        return failed_run(experiment.reference, str(error), name=run.name, left=run)
+    return run
+
+
+def on_the_clock_of(reference: Recording, run: Recording) -> Recording:
+    """Shift a recording so that its reference steps when the one asked for does.
+
+    A logger's clock begins anywhere. Without a recorded reference that steps once, the recording
+    is taken to be on the clock of the reference already.
+
+    Parameters
+    ----------
+    reference : Recording
+        What was to be followed.
+    run : Recording
+        What was measured.
+    """
+    (signal,) = reference.signals
+    asked, seen = _step_time(reference, signal), _step_time(run, signal)
+    if asked is None or seen is None:
+        return run
+    shift = asked - seen
+    # Less than a sample is the logger's rounding, and simulated runs stay as they are.
+    if abs(shift) <= float(np.median(np.diff(run.time))):
+        return run
+    use = None if run.use is None else (run.use[0] + shift, run.use[1] + shift)
+    return replace(run, time=run.time + shift, use=use)
+
+
+def _step_time(recording: Recording, signal: str) -> float | None:
+    """[s] When a signal changes; None where it is absent or does not change exactly once."""
+    values = recording.signals.get(signal)
+    if values is None:
+        return None
+    sampled = np.flatnonzero(np.isfinite(values))
+    changes = np.flatnonzero(np.diff(values[sampled])) + 1
+    return float(recording.time[sampled[changes[0]]]) if changes.size == 1 else None

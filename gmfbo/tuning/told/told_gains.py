@@ -1,0 +1,77 @@
+"""At which gains a told recording was made, and whether that is what was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from gmfbo.errors import InputError, RecordingError, did_you_mean
+from gmfbo.recordings.recording import Recording
+from gmfbo.tuning.query.request import TrialRequest
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+
+SAME = 1e-6
+"""Relative difference up to which a gain counts as the one asked for: digits of a text file."""
+
+
+def told_gains(
+    request: TrialRequest,
+    recording: Recording,
+    choice: GainChoice,
+    *,
+    given: Mapping[str, float] | None = None,
+    anyway: bool = False,
+) -> dict[str, float]:
+    """Gains of a recording: as given, else as it says itself, else as asked for.
+
+    Parameters
+    ----------
+    request : TrialRequest
+        What was asked for.
+    recording : Recording
+        What was measured; its parameters name the gains in force.
+    choice : GainChoice
+        Ranges of the gains, and the values of those that are held.
+    given : mapping of str to float, optional
+        Gains in force, whatever the recording says.
+    anyway : bool
+        Take a recording that was made at other gains than asked for.
+
+    Raises
+    ------
+    InputError
+        A given gain is unknown, or not a gain that the study could ask for.
+    RecordingError
+        The recording was made at other gains.
+    """
+    given = dict(given or {})
+    for name in given:
+        if name not in request.gains:
+            raise InputError(f"no gain '{name}'" + did_you_mean(name, request.gains))
+    says = {n: recording.parameters[n] for n in request.gains if n in recording.parameters}
+    used = {**request.gains, **says, **given}
+    differing = [name for name in used if not same_gain(used[name], request.gains[name])]
+    if not differing:
+        return dict(request.gains)
+    name = differing[0]
+    label = recording.name or "recording"
+    if not (given or anyway):
+        raise RecordingError(
+            f"{label}: made with {name} = {used[name]:g}, but trial {request.number} asks for "
+            f"{request.gains[name]:g}; record again at the gains asked for, or take it as it is "
+            "(--anyway)"
+        )
+    for name in differing:
+        if name in choice.fixed:
+            raise InputError(
+                f"{label}: made with {name} = {used[name]:g}, which the study holds at "
+                f"{choice.fixed[name]:g}; record again with that value"
+            )
+    choice.check_fixed({name: used[name] for name in choice.space.names}, label=label)
+    return used
+
+
+def same_gain(one: float, other: float) -> bool:
+    """Whether two values of a gain are one."""
+    return bool(np.isclose(one, other, rtol=SAME))

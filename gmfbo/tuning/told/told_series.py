@@ -1,0 +1,54 @@
+"""Recordings told of one query: one a reference, in their order."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.columns.signal import SignalReading
+from gmfbo.recordings.recording import Recording
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.told.told_file import ToldRun
+
+Told = Recording | str | Path
+
+
+def read_told(
+    told: Told | Sequence[Told], reading: SignalReading | None, experiment: ExperimentSeries
+) -> ToldRun:
+    """Read what was told of a query.
+
+    Parameters
+    ----------
+    told : Recording, str, Path, or a sequence of them
+        One a reference, in their order. A single `Recording` is the whole query.
+    reading : SignalReading or None
+        Says what the columns of a file are.
+    experiment : ExperimentSeries
+        What was played.
+
+    Raises
+    ------
+    RecordingError
+        A file cannot be read, or there are not as many as references.
+    """
+    if isinstance(told, Recording):
+        return ToldRun(told)
+    each = [told] if isinstance(told, str | Path) else list(told)
+    if not each:
+        raise RecordingError("expected a recording, got none")
+    runs = [
+        ToldRun.read(one, reading, reference)
+        for one, reference in zip(each, experiment.references, strict=False)
+    ]
+    if len(each) == len(experiment.references) == 1:
+        return runs[0]
+    # More recordings than references are refused by the joining, with both numbers.
+    joined = experiment.join(
+        [run.recording for run in runs] + [runs[-1].recording] * (len(each) - len(runs))
+    )
+    hashes = [run.sha256 for run in runs if run.sha256]
+    whole = hashlib.sha256("".join(hashes).encode()).hexdigest() if hashes else ""
+    return ToldRun(joined, ", ".join(run.file for run in runs if run.file), whole)

@@ -1,0 +1,85 @@
+"""Runs of the twin where the next real run is promising, closer together than a survey of the box.
+
+The gains that are good enough may be less than a thousandth of the box, a ridge between overshoot
+and creep, while a survey of 400 runs leaves a fortieth of each range between two of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.space import folded
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.query.initial_design import Stream, stream
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.twin.twin_runs import TwinRuns
+
+RADII = (0.03, 0.01)
+"""Standard deviations of the draws of a stage, over the unit cube: about a survey's spacing, and
+about the width of a ridge."""
+
+
+@runtime_checkable
+class LookingMethod(Protocol):
+    """A method that chooses among gains where the twin was run."""
+
+    def promising(self, state: TuningState) -> NDArray[np.float64]:
+        """Points of the unit cube, shape (c, d), around which a closer look pays; best first.
+
+        Parameters
+        ----------
+        state : TuningState
+            All that was observed.
+        """
+        ...
+
+
+def look_closer(method: Method, runs: TwinRuns) -> None:
+    """Run the twin around the promising gains, stage by stage; after a kill, the rest.
+
+    The runs belong to the last real run: after the next one, others are made.
+
+    Parameters
+    ----------
+    method : Method
+        Its `correction.closer` says how many runs a stage makes.
+    runs : TwinRuns
+        With the twin as it is now.
+    """
+    options, history = method.correction, runs.history
+    real = history.of("IS1")
+    if options is None or not options.closer or not isinstance(method, LookingMethod):
+        return
+    if len(real) < max(history.study.budget.initial_is1, 1):
+        return
+    seed, count = history.study.seed, options.closer
+    beside = 1  # the first run of the twin that belongs to a real run is the one at its gains
+    for stage, radius in enumerate(RADII):
+        known = beside + stage * count
+        made = len(history.children(real[-1], "IS2"))
+        if made >= known + count:
+            continue
+        centres = method.promising(_without(history, real[-1].number, known))
+        if not len(centres):
+            return
+        rng = stream(seed, Stream.CLOSER_LOOK, real[-1].number, stage)
+        draws = rng.normal(0.0, radius, (count, len(history.gains.space)))
+        points = folded(centres[np.arange(count) % len(centres)] + draws)
+        for point in points[made - known :]:
+            runs.beside_again(real[-1], history.gains_at(point))
+
+
+def _without(history: History, real: int, known: int) -> TuningState:
+    """The state as it was with so many twin runs that belong to the last real run."""
+    state = history.state({})
+    own = [t.number for t in state.trials if t.source == "IS2" and t.parent == real][known:]
+    return replace(
+        state,
+        trials=tuple(trial for trial in state.trials if trial.number not in own),
+        observations=tuple(seen for seen in state.observations if seen.number not in own),
+    )

@@ -1,0 +1,139 @@
+"""All that the loop runs on the twin without being asked by a person."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.sources.plants.source import Source
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.query.initial_design import Stream, initial_points
+from gmfbo.tuning.query.method import CorrectionOptions
+from gmfbo.tuning.query.progress import Phase
+from gmfbo.tuning.study.playing import play
+from gmfbo.tuning.twin.corrected_runs import CorrectedRuns
+
+Announce = Callable[[Phase, Trial], None]
+
+
+@dataclass(frozen=True, eq=False)
+class TwinRuns:
+    """Initial runs of the twin, its queries, and what follows a real run.
+
+    Attributes
+    ----------
+    source : Source
+        The twin.
+    history : History
+        Where the runs go.
+    correction : CorrectionOptions or None
+        How the method wants corrected runs made.
+    announce : callable
+        Told of each finished run.
+    """
+
+    source: Source
+    history: History
+    correction: CorrectionOptions | None
+    announce: Announce
+
+    def initial(self) -> None:
+        """Run the initial points, shape (initial_is2, d).
+
+        A cost needs the constants that come from all of them, and a trial is written once and
+        whole; so these runs go to disk together, when the last is done.
+
+        Raises
+        ------
+        SimulationError
+            All of them failed.
+        """
+        history = self.history
+        if history.normalised:
+            return
+        count, seed = history.study.budget.initial_is2, history.study.seed
+        points = initial_points(history.gains.space, seed, Stream.INITIAL_IS2, count)
+        done = len(history.trials)
+        runs = list(history.trials)
+        for number, point in enumerate(points[done:], start=done + 1):
+            runs.append(self._run(history.gains_at(point), number=number))
+        history.normalise(runs)
+        constants = history.objective
+        history.store.log(
+            "normalise",
+            mean=dict(constants.mean),
+            std=dict(constants.std),
+            worst=dict(constants.worst),
+        )
+        for run in runs[done:]:
+            self.announce("initial", history.write(history.priced(run)))
+
+    def survey(self) -> None:
+        """Run the twin over the box, once, where the method wants it; after a kill, the rest."""
+        history = self.history
+        points = initial_points(
+            history.gains.space, history.study.seed, Stream.SURVEY, history.survey
+        )
+        done = len(history.unprompted) - history.study.budget.initial_is2
+        for point in points[done:]:
+            trial = history.write(self._run(history.gains_at(point)))
+            self.announce("initial", trial)
+
+    def renew(self) -> None:
+        """Run the corrected twin wherever the twin was run before; after a kill, the rest.
+
+        Corrected runs are made around the last real run alone: those around the others told
+        how far the twin was off, and that is another twin's now.
+        """
+        history = self.history
+        again = [t for t in history.of("IS2") if t.parent is None and history.is_current(t)]
+        for trial in history.unprompted[len(again) :]:
+            self.announce("correction", history.write(self._run(trial.gains)))
+        for real in history.of("IS1"):
+            self._beside(real)
+        self.follow_up()
+
+    def query(self, gains: Mapping[str, float]) -> Trial:
+        """Run a point that the method asked for."""
+        return self.history.write(self._run(gains))
+
+    def follow_up(self) -> None:
+        """Run the twin beside the last real run, and make corrected runs around it.
+
+        Does what is missing of it: after a kill, only the rest.
+        """
+        real = self.history.of("IS1")
+        if self.correction is None or not real:
+            return
+        self._beside(real[-1])
+        corrected = CorrectedRuns(self.source, self.history, self.correction)
+        for trial in corrected.around(real[-1]):
+            self.announce("correction", trial)
+
+    def beside_again(self, real: Trial, gains: Mapping[str, float]) -> None:
+        """Run the twin because of a real run, at other gains than that.
+
+        Parameters
+        ----------
+        real : Trial
+            The real run, with the twin's run at its gains in the history.
+        gains : mapping of str to float
+            All gains by name.
+        """
+        trial = self.history.write(self._run(gains, parent=real.number))
+        self.announce("correction", trial)
+
+    def _beside(self, real: Trial) -> None:
+        """Run the twin at the gains of a real run, unless it was."""
+        if not self.history.children(real, "IS2"):
+            pair = self._run(real.gains, parent=real.number)
+            self.announce("correction", self.history.write(pair))
+
+    def _run(
+        self, gains: Mapping[str, float], *, parent: int | None = None, number: int | None = None
+    ) -> Trial:
+        run = play(self.source, gains, self.history.experiment)
+        return self.history.trial(
+            "IS2", gains, run, twin=self.source.content_hash, parent=parent, number=number
+        )
