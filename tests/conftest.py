@@ -23,7 +23,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TESTS = Path(__file__).parent
-LONGEST = (TESTS / "notebooks", TESTS / "test_demo_command.py", TESTS / "tuning")
+LONGEST = (TESTS / "notebooks", TESTS / "cli" / "test_demo_command.py", TESTS / "tuning")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import FmuTwin, Recording, Study, Tuner
-from tests.sources.processes import descendants
+from tests.sources.worker.processes import descendants
 
 STUDY = """
 method = "random"

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from fmu_build.fault_fmus import read_faults
-from tests.sources.test_fault_fmus import GETS
-from tests.sources.test_sandbox import ALLOWED, REFUSED
+from tests.sources.sandbox.test_sandbox import ALLOWED, REFUSED
+from tests.sources.worker.test_fault_fmus import GETS
 
 TESTS = Path(__file__).resolve().parent
 PAGE = TESTS.parent / "notebooks/docs/faults.md"

@@ -32,7 +32,7 @@ sys.path.append(str(ROOT))
 from gmfbo import FmuTwin, Recording  # noqa: E402
 from gmfbo.sources.fmu_file.models import models_folder  # noqa: E402
 from gmfbo.sources.sandbox.enclosure import available  # noqa: E402
-from tests.sources.processes import descendants, gone_within  # noqa: E402
+from tests.sources.worker.processes import descendants, gone_within  # noqa: E402
 
 RESULT = Path(__file__).parent / "results" / "isolation.txt"
 STEP_S = 1e-3

@@ -18,9 +18,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT))
 
-from tests.recordings.damage_rounds import KINDS, DamageReport, run_damage_rounds  # noqa: E402
-from tests.recordings.full_disk_rounds import FullDiskReport, run_full_disk_rounds  # noqa: E402
-from tests.recordings.kill_rounds import KillReport, run_kill_rounds  # noqa: E402
+from tests.recordings.repair.damage_rounds import KINDS, DamageReport, run_damage_rounds  # noqa: E402
+from tests.recordings.store.full_disk_rounds import FullDiskReport, run_full_disk_rounds  # noqa: E402
+from tests.recordings.store.kill_rounds import KillReport, run_kill_rounds  # noqa: E402
 
 
 def kill_lines(report: KillReport) -> list[str]:

@@ -23,7 +23,7 @@ from gmfbo.recordings.store.study_folder import StudyStore
 from gmfbo.recordings.store.trial_file import trial_image
 from gmfbo.recordings.writing.hdf5_group import file_image, write_recording_group
 from tests.fuzz.mutation import byte_changes
-from tests.recordings.example_trials import example_trial
+from tests.recordings.store.example_trials import example_trial
 
 _ROWS = 40
 TIME = np.arange(_ROWS) * 1e-3

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.fuzz.fmus import archive, hostile_xml
 from tests.fuzz.mutation import byte_changes, text_changes
-from tests.sources.test_ssp_import import FLAT, NESTED, pack
+from tests.sources.inspection.test_ssp_import import FLAT, NESTED, pack
 
 _STRUCTURE = "SystemStructure.ssd"
 

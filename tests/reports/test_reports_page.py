@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.reports.example_studies import write_example_study
+from tests.reports.study.example_studies import write_example_study
 
 PAGE = Path(__file__).resolve().parents[2] / "notebooks/docs/reports.md"
 TEXT = PAGE.read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from gmfbo.tuning.query.progress import Progress
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis
-from tests.tuning.quick_methods import QUICK
+from tests.tuning.methods.quick_methods import QUICK
 
 
 def main(study_file: str) -> None:

@@ -12,7 +12,7 @@ from gmfbo.recordings.repair.repair_folder import repair_folder
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
-from tests.tuning.quick_methods import QUICK
+from tests.tuning.methods.quick_methods import QUICK
 
 
 def tune(study: Study, *, resume: bool) -> None:

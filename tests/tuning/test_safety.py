@@ -16,7 +16,7 @@ from gmfbo.tuning.history.keep_out import KEEP_OUT_RADIUS, KeepOut
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
-from tests.tuning.quick_methods import QUICK
+from tests.tuning.methods.quick_methods import QUICK
 
 VOLTS = 6.0
 SAFE = f"[safety]\ndrive_voltage = [-{VOLTS}, {VOLTS}]\nstart = [[60.0, 120.0], [80.0, 150.0]]\n"

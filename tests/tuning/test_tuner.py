@@ -18,7 +18,7 @@ from gmfbo.tuning.query.progress import Progress
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
-from tests.tuning.quick_methods import QUICK
+from tests.tuning.methods.quick_methods import QUICK
 
 
 def wrong_twin(failing: frozenset[int] = frozenset()) -> AnalyticAxis:

@@ -1,0 +1,88 @@
+"""Small friction and small dead zones under noise that shakes the axis loose of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gmfbo import diagnose
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.naming import candidate_fits as confirming
+from gmfbo.diagnosis.naming.candidate_fits import confirm
+from gmfbo.diagnosis.screening.testable_effects import candidates
+from gmfbo.physics import CATALOGUE
+from tests.diagnosis.noise.planted_noise import opened, planted
+
+
+def size_of(effect: str, parameter: str, true: float, sigma: float) -> float:
+    """Size at which one effect alone fits recordings that hold it, under noise [rad]."""
+    with opened(planted(sigma, {f"{effect}.{parameter}": true})) as case:
+        start = candidates([effect], case.setting.excitation)[0]
+        (found,) = confirm(case.misfit, case.base, [start])
+        return float(found.hypothesis.effects[0].values[parameter])
+
+
+def unplayed(misfit: Misfit, model: Fitted) -> None:
+    return None
+
+
+CASES = [
+    ("actuator_dead_zone", "width", 0.2, 3e-4, 0.01, 0.25),
+    ("actuator_dead_zone", "width", 0.1, 3e-4, 0.02, 0.25),
+    # The quiet fit gains 24 in chi2: too little for any other law to be asked under noise.
+    ("actuator_dead_zone", "width", 0.02, 6e-4, 0.15, 0.7),
+    ("coulomb_friction", "level", 0.02, 1e-3, 0.05, 0.08),
+]
+
+
+@pytest.mark.parametrize(("effect", "parameter", "true", "sigma", "within", "off"), CASES)
+def test_with_the_noise_played_the_size_is_right(
+    effect: str, parameter: str, true: float, sigma: float, within: float, off: float
+) -> None:
+    assert size_of(effect, parameter, true, sigma) == pytest.approx(true, rel=within)
+
+
+@pytest.mark.parametrize(("effect", "parameter", "true", "sigma", "within", "off"), CASES)
+def test_without_it_a_smaller_size_is_found(
+    effect: str,
+    parameter: str,
+    true: float,
+    sigma: float,
+    within: float,
+    off: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Negative control: the noise bridges part of what is there."""
+    monkeypatch.setattr(confirming, "under_noise", unplayed)
+    found = size_of(effect, parameter, true, sigma)
+    assert np.isfinite(found)
+    assert found < (1.0 - off) * true
+
+
+@pytest.mark.parametrize(("is_played", "least", "most"), [(True, 15.0, 40.0), (False, -1.0, 3.0)])
+def test_a_supply_limit_that_noise_alone_reaches_is_found_with_the_noise_played(
+    is_played: bool, least: float, most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Negative control: without it, the command hardly reaches the limit."""
+    if not is_played:
+        monkeypatch.setattr(confirming, "under_noise", unplayed)
+    with opened(planted(3e-4, {"supply_voltage_limit.limit": 1.5})) as case:
+        start = candidates(["supply_voltage_limit"], case.setting.excitation)[0]
+        (found,) = confirm(case.misfit, case.base, [start])
+        assert least < case.base.chi2 - found.chi2 < most
+        if is_played:
+            values = found.hypothesis.effects[0].values
+            assert values["limit"] == pytest.approx(1.5, rel=0.03)
+
+
+def test_recordings_that_noise_shakes_do_not_contradict_what_they_show() -> None:
+    """A twin without the noise is off by the dead zone that the recorded axis hardly has."""
+    found = planted(6e-4, {"actuator_dead_zone.width": 0.12})
+    kept = ("actuator_dead_zone", "coulomb_friction", "actuator_gain_loss")
+    excluded = [name for name in CATALOGUE if name not in kept]
+    diagnosis = diagnose(found.twin, found.recordings, exclude=excluded, jobs=1)
+    assert diagnosis.fit.is_worse  # by the quiet twin
+    assert [effect.name for effect in diagnosis.effects] == ["actuator_dead_zone"]
+    (width,) = diagnosis.effects[0].parameters.values()
+    assert width.value == pytest.approx(0.12, rel=0.05)
