@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable
-from importlib.metadata import entry_points
 from pathlib import Path
 
 Completion = Callable[[str], list[str]]
@@ -47,12 +46,13 @@ def methods(incomplete: str) -> list[str]:
     incomplete : str
         The list so far.
     """
-    from gmfbo.tuning.query.method_names import ADDED_GROUP, METHOD_NAMES
+    import gmfbo.retuning  # noqa: F401 - adds its methods
+    from gmfbo.tuning.methods import METHODS
 
     done, comma, begun = incomplete.rpartition(",")
     given = {entry.partition(":")[0] for entry in done.split(",")}
-    known = [*METHOD_NAMES, *(entry.name for entry in entry_points(group=ADDED_GROUP))]
-    return [f"{done}{comma}{name}" for name in _beginning(begun, known) if name not in given]
+    fitting = _beginning(begun, METHODS.names())
+    return [f"{done}{comma}{name}" for name in fitting if name not in given]
 
 
 def effects(incomplete: str) -> list[str]:

@@ -9,14 +9,14 @@ Importing this package adds its methods to `gmfbo.tuning.methods.METHODS`.
 
 from __future__ import annotations
 
-from gmfbo.retuning.corrected_methods import GMFBO_CALIBRATED, GMFBO_PHYSICS, GMFBO_SMOOTHED
 from gmfbo.tuning.methods import METHODS
-from gmfbo.tuning.query.method import Method
 
-RETUNING: tuple[Method, ...] = (GMFBO_PHYSICS, GMFBO_CALIBRATED, GMFBO_SMOOTHED)
-"""Methods that this package adds."""
+RETUNING = {
+    "gmfbo_physics": "gmfbo.retuning.corrected_methods:GMFBO_PHYSICS",
+    "gmfbo_calibrated": "gmfbo.retuning.corrected_methods:GMFBO_CALIBRATED",
+}
+"""Rows that this package adds to the table of methods."""
 
-for _method in RETUNING:
-    METHODS.setdefault(_method.name, _method)
+METHODS.add_rows(RETUNING)
 
 __all__ = ["RETUNING"]

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.retuning.refiner import PhysicsRefiner
-from gmfbo.retuning.smoothing_refiner import SmoothingRefiner
 from gmfbo.sources.plants.source import Source
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.tuning.history.state import TuningState
@@ -66,10 +65,6 @@ def _calibrate(twin: FmuTwin, folder: Path) -> TwinRefiner:
     return PhysicsRefiner(twin, folder, completer=None)
 
 
-def _smooth(twin: FmuTwin, folder: Path) -> TwinRefiner | None:
-    return SmoothingRefiner(twin) if twin.file.tables else None
-
-
 _CALIBRATION = (
     "Kennedy and O'Hagan 2001, Bayesian calibration of computer models; on the corrected twin "
 )
@@ -88,12 +83,4 @@ GMFBO_CALIBRATED = OnCorrectedTwin(
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
     refine=_calibrate,
-)
-
-GMFBO_SMOOTHED = OnCorrectedTwin(
-    name="gmfbo_smoothed",
-    summary="gmfbo on a twin whose tables were smoothed without any recording",
-    reference="as gmfbo; Wahba 1990, Spline models for observational data",
-    searching=Gmfbo(),
-    refine=_smooth,
 )

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from gmfbo.acquisition.knowledge_gradient import KnowledgeGradient
 from gmfbo.acquisition.maximise import Proposal, Search, maximise, recommend
-from gmfbo.acquisition.relevance import information_per_cost
 from gmfbo.correction.torch_setup import DTYPE, exact_algebra
 from gmfbo.errors import InputError
 from gmfbo.surrogate.observations import Observations, with_source
@@ -112,23 +111,3 @@ def test_nothing_is_left_to_ask_when_every_gain_was_run() -> None:
     )
     with pytest.raises(InputError, match="all candidate gains were run already by IS1, IS2"):
         asked(data, Search(2, snap=np.round))
-
-
-def test_information_is_more_where_less_is_known() -> None:
-    """Of two gains that may be the best: one the axis ran, the other it never came near."""
-    data = observed(8)
-    model = TruncatedModel.fit(data)
-    known, unknown = data.points[1], np.array([0.7, 0.3])
-    told = [
-        information_per_cost(model, Search(2), point, "IS1", seed=1) for point in (known, unknown)
-    ]
-    assert 0.0 <= told[0] < told[1]
-
-
-def test_information_of_the_twin_is_less_but_for_its_cost() -> None:
-    model = TruncatedModel.fit(observed(8))
-    point, _ = recommend(model, Search(2))
-    axis_told, twin_told = (
-        information_per_cost(model, Search(2), point, source, seed=1) for source in BOTH
-    )
-    assert 0.1 * twin_told < axis_told

@@ -16,7 +16,6 @@ from gmfbo.recordings.store.study_folder import StudyStore
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.corrected_methods import (
     GMFBO_CALIBRATED,
-    GMFBO_SMOOTHED,
     OnCorrectedTwin,
 )
 from gmfbo.retuning.real_runs import plain_recordings
@@ -29,6 +28,7 @@ from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.query.method import CorrectionOptions
 from gmfbo.tuning.twin.twin_version import TwinVersion
+from tests.retuning.smoothed_once import SMOOTHED_ONCE
 
 OPTIONS = CorrectionOptions(survey=12)
 STUDY = """
@@ -194,7 +194,7 @@ def test_after_a_change_a_twin_of_the_changed_plant_spares_the_former_best_gains
     asked, former = asked_after_a_change(whole, tmp_path / "estimates", estimates)
     assert asked != former
     # Negative control: smoothing a table learns nothing from real runs.
-    smooths = replace(GMFBO_SMOOTHED, correction=OPTIONS)
+    smooths = replace(SMOOTHED_ONCE, correction=OPTIONS)
     asked, former = asked_after_a_change(whole, tmp_path / "smooths", smooths)
     assert asked == former
 
@@ -232,16 +232,9 @@ def test_a_twin_that_was_taken_back_is_estimated_again_after_a_change_of_the_pla
         assert since.reason == "estimated from 2 real runs"
 
 
-def test_smoothing_alone_changes_the_twin_once(tmp_path: Path) -> None:
-    study = study_in(tmp_path / "smooth", runs=3)
-    with Tuner(study, method=replace(GMFBO_SMOOTHED, correction=OPTIONS)) as tuner:
-        result = tuner.run()
-    assert result.twin_versions == ("its tables were smoothed",)
-
-
 def test_a_diagnosis_is_not_told_what_the_plant_was_run_at(tmp_path: Path) -> None:
     study = study_in(tmp_path / "leak", runs=2, plant='parameters = { "friction.scale" = 2.0 }')
-    with Tuner(study, method=replace(GMFBO_SMOOTHED, correction=OPTIONS)) as tuner:
+    with Tuner(study, method=replace(SMOOTHED_ONCE, correction=OPTIONS)) as tuner:
         tuner.run()
         real = tuner.history.of("IS1")
         # Negative control: the trial itself knows it.

@@ -11,37 +11,21 @@ What it must have is `gmfbo.tuning.method.Method`. A class is called without arg
 
 from __future__ import annotations
 
-from gmfbo.tuning.methods.bo_ei import SingleSourceImprovement
-from gmfbo.tuning.methods.gmfbo import Gmfbo
-from gmfbo.tuning.methods.gmfbo_kernel import KernelGmfbo
-from gmfbo.tuning.methods.gmfbo_paper import PrintedGmfbo
-from gmfbo.tuning.methods.mfbo_adaptive import AdaptiveMultiFidelity
-from gmfbo.tuning.methods.mfbo_caei import CostAwareMultiFidelity
-from gmfbo.tuning.methods.mfbo_icm import CoregionalisedMultiFidelity
-from gmfbo.tuning.methods.mfbo_takg import MultiFidelityKnowledgeGradient
-from gmfbo.tuning.methods.random import RandomSearch
-from gmfbo.tuning.methods.registry import added_methods, method_named
-from gmfbo.tuning.methods.rmfbo import RobustMultiFidelity
-from gmfbo.tuning.methods.twin_once import TwinOnce
+from gmfbo.tuning.methods.table import MethodTable
 from gmfbo.tuning.query.method import Method
 
-METHODS: dict[str, Method] = {
-    method.name: method
-    for method in (
-        Gmfbo(),
-        KernelGmfbo(),
-        PrintedGmfbo(),
-        AdaptiveMultiFidelity(),
-        CoregionalisedMultiFidelity(),
-        CostAwareMultiFidelity(),
-        MultiFidelityKnowledgeGradient(),
-        RobustMultiFidelity(),
-        SingleSourceImprovement(),
-        TwinOnce(),
-        RandomSearch(),
-    )
-}
-"""Methods of gmfbo by name, and those added from Python."""
+METHODS = MethodTable(
+    {
+        "gmfbo": "gmfbo.tuning.methods.gmfbo:Gmfbo",
+        "gmfbo_paper": "gmfbo.tuning.methods.gmfbo_paper:PrintedGmfbo",
+        "mfbo_caei": "gmfbo.tuning.methods.mfbo_caei:CostAwareMultiFidelity",
+        "mfbo_takg": "gmfbo.tuning.methods.mfbo_takg:MultiFidelityKnowledgeGradient",
+        "bo_ei": "gmfbo.tuning.methods.bo_ei:SingleSourceImprovement",
+        "twin_once": "gmfbo.tuning.methods.twin_once:TwinOnce",
+        "random": "gmfbo.tuning.methods.random:RandomSearch",
+    }
+)
+"""Methods of gmfbo by name, and those added from Python; a method loads when it is looked up."""
 
 
 def all_methods() -> dict[str, Method]:
@@ -52,24 +36,24 @@ def all_methods() -> dict[str, Method]:
     InputError
         A package's method cannot be loaded, or is none.
     """
-    return {**added_methods(), **METHODS}
+    return {name: METHODS.find(name) for name in METHODS.names()}
 
 
 def find_method(name: str) -> Method:
-    """Return a method by its name.
+    """Return a method by its name, as a study file gives it.
 
     Parameters
     ----------
     name : str
-        As in a study file.
+        Of gmfbo, added from Python, or added by an installed package.
 
     Raises
     ------
     InputError
-        There is none of that name (the message names the nearest), or the package that adds it
-        is broken.
+        There is none of that name (the message names the nearest), it was removed, or the
+        package that adds it is broken.
     """
-    return METHODS[name] if name in METHODS else method_named(name, METHODS)
+    return METHODS.find(name)
 
 
 __all__ = ["METHODS", "all_methods", "find_method"]

@@ -154,7 +154,6 @@ def improve_each_source(
     data: Observations,
     state: TuningState,
     twin_cost: float,
-    mismatch: float | None = None,
 ) -> Proposal:
     """Maximise EI / H over gains and source, each with the incumbent of its source.
 
@@ -168,8 +167,6 @@ def improve_each_source(
         Where a proposal may lie.
     twin_cost : float
         H of the twin [runs of the axis].
-    mismatch : float or None
-        Mismatch that the cost follows from, for the log.
     """
     from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
     from gmfbo.acquisition.maximise import maximise
@@ -180,7 +177,7 @@ def improve_each_source(
         {"IS1": 1.0, "IS2": twin_cost},
     )
     found = maximise(acquisition, search_of(state), ["IS1", "IS2"], data)
-    return Proposal(source_of(found), found.point, mismatch, model.note)
+    return Proposal(source_of(found), found.point, note=model.note)
 
 
 def least_expected(

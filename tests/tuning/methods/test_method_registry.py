@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from gmfbo.cli import main
 from gmfbo.errors import InputError
 from gmfbo.tuning.methods import METHODS, all_methods, find_method
 from gmfbo.tuning.study_file.study_sections import DEFAULT_METHOD
@@ -88,8 +89,32 @@ def test_methods_of_gmfbo_come_first_and_cannot_be_replaced(packages: Path) -> N
 
 
 def test_an_unknown_name_is_refused_with_the_nearest() -> None:
-    with pytest.raises(InputError, match="no method 'mfbo_icn'; did you mean 'mfbo_icm'"):
-        find_method("mfbo_icn")
+    with pytest.raises(InputError, match="no method 'mfbo_takq'; did you mean 'mfbo_takg'"):
+        find_method("mfbo_takq")
+
+
+def test_a_study_of_a_removed_method_says_what_to_use_and_can_still_be_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = write_study(tmp_path, method="bo_ei", budget="iterations = 1")
+    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2)) as tuner:
+        tuner.run()
+    file, folder = tmp_path / "axis.toml", tmp_path / "axis.study"
+    for path in (file, folder / "study.toml"):
+        path.write_text(path.read_text().replace('"bo_ei"', '"rmfbo"'), encoding="utf-8")
+    for command in (["tune", str(file), "--resume"], ["ask", str(file)]):
+        assert main(command) == 2
+        said = capsys.readouterr().err
+        assert "method 'rmfbo': removed in 0.2.0; use one of gmfbo, gmfbo_paper," in said
+    page, packed = tmp_path / "page.html", tmp_path / "packed.h5"
+    for command in (
+        ["report", str(folder), "--out", str(page)],
+        ["export", str(folder), "--pack", str(packed)],
+        ["repair", str(folder)],
+    ):
+        assert main(command) == 0, capsys.readouterr().err
+    assert page.exists()
+    assert packed.exists()
 
 
 def test_a_package_that_cannot_be_loaded_is_named(packages: Path) -> None:

@@ -1,10 +1,13 @@
-"""What a table's roughness alone is worth: the twin is smoothed once, and no recording is used."""
+"""A twin that is changed without any recording: the negative control of an estimate."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+from gmfbo.retuning.corrected_methods import GMFBO_CALIBRATED, OnCorrectedTwin
 from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.unknowns import Unknowns
 from gmfbo.sources.twin.twin import FmuTwin
@@ -13,13 +16,7 @@ from gmfbo.tuning.twin.twin_version import TwinVersion
 
 
 class SmoothingRefiner:
-    """Smooths the tables of a twin before the first query, and then leaves it alone.
-
-    Parameters
-    ----------
-    twin : FmuTwin
-        As the study file names it, with tables.
-    """
+    """Smooths the tables of a twin before the first query, and then leaves it alone."""
 
     def __init__(self, twin: FmuTwin) -> None:
         self._twin, self._done = twin, False
@@ -40,3 +37,10 @@ class SmoothingRefiner:
         unknowns = Unknowns.of(self._twin)
         source = TwinAt(self._twin, unknowns.settings(unknowns.smoothed))
         return TwinVersion(1, source, "its tables were smoothed")
+
+
+def _smooth(twin: FmuTwin, folder: Path) -> SmoothingRefiner:
+    return SmoothingRefiner(twin)
+
+
+SMOOTHED_ONCE: OnCorrectedTwin = replace(GMFBO_CALIBRATED, name="smoothed_once", refine=_smooth)
