@@ -80,12 +80,14 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'gmfbo' has no attribute '{name}'")
-    if name in _TAKE_METHODS:
-        import_module("gmfbo.retuning")
-    return getattr(import_module(_HOMES[name]), name)
+if not TYPE_CHECKING:  # a type checker that saw it would take any name for one of ours
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'gmfbo' has no attribute '{name}'")
+        if name in _TAKE_METHODS:
+            import_module("gmfbo.retuning")
+        return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:

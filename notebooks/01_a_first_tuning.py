@@ -32,12 +32,10 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo import Study, Tuner
-from gmfbo.reports.figures.notebook_figure import NotebookFigure
+from gmfbo import NotebookFigure, Study, Tuner, models_folder
 from gmfbo.reports.figures.study_figures import best_observed, gains
 from gmfbo.reports.figures.trajectory_figure import trajectories
 from gmfbo.reports.study.review import StudyReview
-from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.tuning.query.progress import Progress
 
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-first-"))

@@ -32,8 +32,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo import FmuTwin, Recording, Study, Tuner
-from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo import FmuTwin, Recording, Study, Tuner, models_folder
 
 MODELS = models_folder()
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-vendor-"))

@@ -29,9 +29,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo import FmuTwin, Recording, diagnose
+from gmfbo import FmuTwin, Recording, diagnose, models_folder
 from gmfbo.objective.fit import compare_at
-from gmfbo.sources.fmu_file.models import models_folder
 
 twin = FmuTwin(models_folder() / "emps.toml")
 whole = Recording.read(Path(os.environ["GMFBO_DATA"]) / "emps" / "DATA_EMPS.mat", twin)

@@ -30,11 +30,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo import FmuTwin, Recording, diagnose
+from gmfbo import FmuTwin, NotebookFigure, Recording, diagnose, models_folder, write_recording
 from gmfbo.physics import CATALOGUE, States
-from gmfbo.recordings.writing.writer import write_recording
-from gmfbo.reports.figures.notebook_figure import NotebookFigure
-from gmfbo.sources.fmu_file.models import models_folder
 
 raw = Path(os.environ["GMFBO_DATA"]) / "odrive_cogging"
 Array = NDArray[np.float64]

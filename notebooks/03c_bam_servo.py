@@ -33,11 +33,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from gmfbo import FmuTwin, Recording, diagnose
+from gmfbo import AugmentedTwin, FmuTwin, Recording, diagnose, models_folder, write_recording
 from gmfbo.objective.fit import compare_at
-from gmfbo.recordings.writing.writer import write_recording
-from gmfbo.sources.fmu_file.models import models_folder
-from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 twin = FmuTwin(models_folder() / "servo_pendulum.toml")
 raw = Path(os.environ["GMFBO_DATA"]) / "bam_xl330" / "raw"

@@ -31,9 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.io import loadmat
 
-from gmfbo import FmuTwin, Recording, diagnose
+from gmfbo import FmuTwin, Recording, diagnose, models_folder
 from gmfbo.objective.fit import compare_at
-from gmfbo.sources.fmu_file.models import models_folder
 
 SAMPLE = 5e-3  # [s]
 SPLIT = 2000  # rows that may be learned from

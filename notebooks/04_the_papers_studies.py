@@ -39,11 +39,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo import Comparison, compare
+from gmfbo import Comparison, NotebookFigure, compare, models_folder
 from gmfbo.reports.figures.comparison_figures import best_observed, sampling_cost
 from gmfbo.reports.figures.figure_map import draw_map
-from gmfbo.reports.figures.notebook_figure import NotebookFigure
-from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.studies.curves import read_curves
 from gmfbo.studies.landscape import read_landscape
 

@@ -28,9 +28,16 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from gmfbo import FmuTwin, Recording, Study, Trajectory, Tuner, step_reference
-from gmfbo.recordings.writing.writer import write_recording
-from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo import (
+    FmuTwin,
+    Recording,
+    Study,
+    Trajectory,
+    Tuner,
+    models_folder,
+    step_reference,
+    write_recording,
+)
 from gmfbo.sources.plants.failed_run import failed_run
 
 MODELS = models_folder()
@@ -74,8 +81,7 @@ def study_of(name: str, is1: str) -> Study:
 # %%
 BENCH = f"""
 import json, sys
-from gmfbo import FmuTwin, Recording
-from gmfbo.recordings.writing.writer import write_recording
+from gmfbo import FmuTwin, Recording, write_recording
 
 request = json.load(open(sys.argv[sys.argv.index("--request") + 1], encoding="utf-8"))
 if request["gains"]["ctl.Kp"] > 180.0:

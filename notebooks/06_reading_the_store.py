@@ -34,9 +34,7 @@ import h5py
 import numpy as np
 import torch
 
-from gmfbo import Study, Tuner
-from gmfbo.reports.figures.notebook_figure import NotebookFigure
-from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo import NotebookFigure, Study, Tuner, models_folder
 
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-store-"))
 STUDY = f"""

@@ -27,8 +27,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo import FmuTwin, Study, Trajectory, Tuner
-from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo import FmuTwin, Study, Trajectory, Tuner, models_folder
 from gmfbo.tuning.method import CorrectionOptions
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.query.request import TuningResult

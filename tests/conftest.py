@@ -27,6 +27,13 @@ LONGEST = (TESTS / "notebooks", TESTS / "cli" / "test_demo_command.py", TESTS / 
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Order the tests, and skip the slow ones unless they are asked for."""
+    _begin_with_the_longest(items)
+    if os.environ.get("GMFBO_SLOW") != "1":
+        _skip_slow(items)
+
+
+def _begin_with_the_longest(items: list[pytest.Item]) -> None:
     """Begin with what takes longest, so that no process waits for another's last file."""
 
     def place(item: pytest.Item) -> int:
@@ -34,3 +41,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return among.index(True) if any(among) else len(among)
 
     items.sort(key=place)
+
+
+def _skip_slow(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.skip(reason="slow: set GMFBO_SLOW=1 to run it"))

@@ -10,6 +10,8 @@ import pytest
 
 from gmfbo import diagnose
 from gmfbo.physics import Effect, States, Units
+from gmfbo.tuning.methods import METHODS
+from gmfbo.version import __version__
 from tests.effect_table import EXAMPLE, documented_table, effect_table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -58,3 +60,15 @@ def test_example_of_the_readme_finds_what_it_prints(
     assert effect.parameters["level"].value == pytest.approx(0.2, rel=0.02)
     error = found.fit.signals["torque_command"]
     assert error.augmented < 0.2 * error.parameters_only
+
+
+def test_changelog_has_an_entry_for_this_version() -> None:
+    page = (ROOT / "notebooks/docs/changelog.md").read_text(encoding="utf-8")
+    assert re.search(rf"^## {re.escape(__version__)}( |$)", page, re.MULTILINE)
+
+
+def test_cited_paper_is_the_one_that_the_printed_method_names() -> None:
+    page = (ROOT / "notebooks/docs/citing.md").read_text(encoding="utf-8")
+    cited = re.search(r"eprint += \{([\d.]+)\}", page)
+    assert cited is not None
+    assert f"arXiv:{cited.group(1)}" in METHODS["gmfbo_paper"].reference

@@ -121,6 +121,14 @@ def test_every_public_name_is_in_the_reference(built: Built, names: Any) -> None
     assert not missing, "add them to a page in notebooks/docs/reference/"
 
 
+def test_documents_import_a_main_name_from_gmfbo_itself() -> None:
+    main = set(importlib.import_module("gmfbo").__all__)
+    shown = set(shown_names())
+    assert "gmfbo.write_recording" in shown
+    deep = {name for name in shown if name.rpartition(".")[2] in main}
+    assert deep <= {f"gmfbo.{name}" for name in main}
+
+
 def test_every_command_is_in_the_reference(built: Built) -> None:
     from gmfbo.cli.application import app
 

@@ -19,14 +19,16 @@ if TYPE_CHECKING:
 __all__ = ["Check", "Diagnosis", "check", "diagnose"]
 
 
-def __getattr__(name: str) -> Any:
-    # They need the FMU's runner; to read a saved diagnosis does not.
-    if name == "check":
-        from gmfbo.diagnosis.checking.check import check
+if not TYPE_CHECKING:  # a type checker that saw it would take any name for one of ours
 
-        return check
-    if name == "diagnose":
-        from gmfbo.diagnosis.engine import diagnose
+    def __getattr__(name: str) -> Any:
+        # They need the FMU's runner; to read a saved diagnosis does not.
+        if name == "check":
+            from gmfbo.diagnosis.checking.check import check
 
-        return diagnose
-    raise AttributeError(f"module 'gmfbo.diagnosis' has no attribute '{name}'")
+            return check
+        if name == "diagnose":
+            from gmfbo.diagnosis.engine import diagnose
+
+            return diagnose
+        raise AttributeError(f"module 'gmfbo.diagnosis' has no attribute '{name}'")
