@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from gmfbo.units import unit_words
+
 NOT_EXCITED = "not excited"
 _MOST_DIGITS = 7
 
@@ -23,11 +25,6 @@ def percent(share: float) -> str:
     if not math.isfinite(share):
         return "-"
     return f"{100.0 * share:.0f} %" if abs(share) >= 0.0995 else f"{100.0 * share:#.2g} %"
-
-
-def unit_words(unit: str) -> str:
-    """Unit as it is read: `N.m` is "N m", `kg.m2` is "kg m2"; none for a plain number."""
-    return "" if unit in ("", "1") else unit.replace(".", " ")
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:

@@ -34,7 +34,6 @@ import numpy as np
 from gmfbo import FmuTwin, Recording, Study, Tuner, compare, diagnose
 from gmfbo.physics import Effect, Excitation, add_effect
 from gmfbo.physics.effect import positive
-from gmfbo.physics.units import quantity
 from gmfbo.recordings.writing.writer import write_recording
 from gmfbo.reports.figures.comparison_figures import best_observed
 from gmfbo.reports.figures.notebook_figure import NotebookFigure
@@ -42,6 +41,7 @@ from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.studies.curves import read_curves
 from gmfbo.tuning.method import Proposal
+from gmfbo.units import quantity
 
 folder = Path(tempfile.mkdtemp(prefix="gmfbo-mine-"))
 AXIS = models_folder() / "servo_axis.toml"

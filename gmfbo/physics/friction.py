@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gmfbo.physics.effect import EffectParameter, Values, positive
+from gmfbo.physics.effect import EffectParameter, Units, Values, positive
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units
 
 # The decision rests on evidence; this share of the range is where a drive engineer stops caring.
 FLOOR_SHARE = 1.5e-4

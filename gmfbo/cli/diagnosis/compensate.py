@@ -57,7 +57,8 @@ def compensate(
     from gmfbo.diagnosis.compensation.compensation import compensation_of
     from gmfbo.diagnosis.compensation.text import c_text, csv_text, formula, target_words
     from gmfbo.files.durable import cause, write_whole
-    from gmfbo.plain_words import number, unit_words, words
+    from gmfbo.plain_words import number, words
+    from gmfbo.units import unit_words
 
     made = compensation_of(Diagnosis.from_json(folder), str(folder), smoothing)
     text = csv_text(made) if out.suffix.lower() == ".csv" else c_text(made)

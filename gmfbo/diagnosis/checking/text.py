@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
-from gmfbo.plain_words import number, percent, quantity, unit_words, words
+from gmfbo.plain_words import number, percent, quantity, words
+from gmfbo.units import unit_words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.checking.result import (

@@ -3,10 +3,10 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 _SHARES = (3.0, 0.9, 0.5, 0.2, 0.05, 0.012)  # of the fastest command
 _LEAST_LAG = 0.02  # of a row, behind its largest change

@@ -3,9 +3,9 @@
 import math
 
 from gmfbo.physics import transmission
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 # Blows return 16, 53 or 85 % of the speed: dead ones first, bounces give a fit many minima.
 _DAMPING_RATIOS = (0.5, 0.2, 0.05)

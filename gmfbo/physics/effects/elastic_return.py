@@ -1,8 +1,8 @@
 """Elastic return: a spring, cable or hose that pulls the axis back."""
 
-from gmfbo.physics.effect import Effect, Values, positive, signed
+from gmfbo.physics.effect import Effect, Units, Values, positive, signed
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

@@ -1,10 +1,10 @@
 """Gravity or unbalance: a torque with one cycle a turn."""
 
 from gmfbo.physics import harmonic
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

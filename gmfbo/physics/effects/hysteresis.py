@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.effect import Effect, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _loop(position: Array, deflection: float) -> Array:

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values, signed
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.harmonic import amplitude
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

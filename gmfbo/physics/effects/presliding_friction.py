@@ -1,10 +1,10 @@
 """Presliding friction: the axis gives elastically before it slides."""
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.effect import Effect, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values, signed
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, number, quantity
+from gmfbo.units import number, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

@@ -1,9 +1,9 @@
 """Sensor lag: the reading follows the position with a time constant."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.effect import Effect, Units, Values
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

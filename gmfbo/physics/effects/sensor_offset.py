@@ -3,10 +3,10 @@
 import numpy as np
 
 from gmfbo.physics import sensor
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _size(excitation: Excitation) -> float:

@@ -3,10 +3,10 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values, positive
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values, positive
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _limit(states: States, parameters: Values) -> Array:

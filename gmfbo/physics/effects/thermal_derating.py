@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.timing import lagged
-from gmfbo.physics.units import Units, percent, quantity
+from gmfbo.units import percent, quantity
 
 # Effective current of a typical motion, as a share of its largest.
 _EFFECTIVE = 0.5

@@ -3,10 +3,10 @@
 import math
 
 from gmfbo.physics import transmission
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.timing import acts_in_fast_change
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 _SHARE = 0.5  # of the inertia at the load, where the stiffness range is laid out
 _DAMPING_RATIO = 0.05

@@ -1,8 +1,8 @@
 """Viscous friction: a torque against the motion that grows with speed."""
 
-from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.effect import Effect, Units, Values, positive
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
