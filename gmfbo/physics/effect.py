@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
+from gmfbo.units import quantity
 
 _LEAST_KEPT = 1e-3  # of the shaft's inertia, when a load is taken out of it
 
@@ -168,6 +169,26 @@ def signed(
     """
     amplitude = positive(name, words, unit, shown, most, typical)
     return replace(amplitude, low=lambda e: -most * shown(e))
+
+
+def sentence(text: str, **names: str) -> Callable[[Values, Units, str], str]:
+    """Make the statement of an effect from a text with blanks.
+
+    Parameters
+    ----------
+    text : str
+        `{name}` is a parameter's value with its unit; `{place}` and `{torque_word}` are of `Units`.
+    **names : str
+        Unit of each parameter in the text, as in EffectParameter.
+    """
+
+    def statement(parameters: Values, units: Units, place: str) -> str:
+        told = {
+            name: quantity(parameters[name], units.resolve(unit)) for name, unit in names.items()
+        }
+        return text.format(place=place, torque_word=units.torque_word, **told)
+
+    return statement
 
 
 def _nothing_fixed(excitation: Excitation) -> Values:

@@ -1,18 +1,12 @@
 """Actuator lag: the current loop or valve follows with a time constant."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Units, Values
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return timing.lagged(states.time, states.command, parameters["time"]) - states.command
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["time"], "s")
-    return f"An actuator lag with a time constant of about {size} is missing from the twin."
 
 
 actuator_lag = Effect(
@@ -31,7 +25,10 @@ actuator_lag = Effect(
     acts=timing.command_acts,
     region=lambda p, units: "where the command changes fast",
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "An actuator lag with a time constant of about {time} is missing from the twin.",
+        time="s",
+    ),
     equation="T * d(u_out)/dt = u - u_out",
     source="Leonhard, 1985",
     same_loop=("sensor_lag",),

@@ -3,9 +3,8 @@
 import math
 
 from gmfbo.physics import transmission
-from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
-from gmfbo.units import quantity
 
 # Blows return 16, 53 or 85 % of the speed: dead ones first, bounces give a fit many minima.
 _DAMPING_RATIOS = (0.5, 0.2, 0.05)
@@ -49,13 +48,6 @@ def _not_excited(excitation: Excitation) -> str | None:
     return transmission.unknown_inertia(excitation)
 
 
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    gap = quantity(parameters["gap"], units.position)
-    return (
-        f"Backlash with an effective gap of about {gap} behind the motor is missing from the twin."
-    )
-
-
 backlash = Effect(
     name="backlash",
     port="torque",
@@ -84,7 +76,10 @@ backlash = Effect(
     acts=lambda states, p: states.near_reversals(),
     region=lambda p, units: "where the velocity changes sign",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Backlash with an effective gap of about {gap} behind the motor is missing from the twin.",
+        gap="position",
+    ),
     equation="tau = -k * dead_zone(phi - phi_load, gap) - d * (omega - omega_load) in contact",
     source="Nordin and Gutman, 2002",
     confused_with={

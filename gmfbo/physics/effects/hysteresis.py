@@ -5,10 +5,9 @@ import math
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Units, Values
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.units import quantity
 
 
 def _loop(position: Array, deflection: float) -> Array:
@@ -41,15 +40,6 @@ def _starts(excitation: Excitation) -> list[Values]:
     ]
 
 
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    deflection = quantity(parameters["deflection"], units.position)
-    return (
-        f"Hysteresis of about {level} {place}, closing within {deflection}, "
-        "is missing from the twin."
-    )
-
-
 hysteresis = Effect(
     name="hysteresis",
     port="torque",
@@ -73,7 +63,12 @@ hysteresis = Effect(
     acts=friction.acts_at_reversals,
     region=lambda p, units: "over the position, after the velocity changes sign",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Hysteresis of about {level} {place}, closing within {deflection}, is missing from the "
+        "twin.",
+        level="torque",
+        deflection="position",
+    ),
     equation="tau = -F * z, dz/dphi = (1 - abs(z)^n * (sign(z * omega) + 1) / 2) / deflection",
     source="Wen, 1976",
     contains=("coulomb_friction",),

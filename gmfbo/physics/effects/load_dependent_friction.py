@@ -3,10 +3,9 @@
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Units, Values, positive
+from gmfbo.physics.effect import Effect, Values, positive, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -26,15 +25,6 @@ def _size(parameters: Values, excitation: Excitation) -> float:
 def _acts(states: States, parameters: Values) -> Mask:
     loaded = states.load > 0.5 * np.max(states.load)
     return states.near_reversals() | (loaded & (np.abs(states.velocity) > states.rest))
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    slope = quantity(parameters["coefficient"], units.resolve("torque/load"))
-    return (
-        f"Friction {place} that grows with the load is missing from the twin: "
-        f"about {level} and {slope} times the load on top."
-    )
 
 
 load_dependent_friction = Effect(
@@ -60,7 +50,12 @@ load_dependent_friction = Effect(
     acts=_acts,
     region=lambda p, units: "where the velocity changes sign and the current is high",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Friction {place} that grows with the load is missing from the twin: about {level} and "
+        "{coefficient} times the load on top.",
+        level="torque",
+        coefficient="torque/load",
+    ),
     equation="tau = -(F_c + mu * abs(tau_load)) * sign(omega)",
     source="Hamon, Gautier and Garrec, 2010",
     contains=("coulomb_friction",),

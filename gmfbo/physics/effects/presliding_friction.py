@@ -1,10 +1,9 @@
 """Presliding friction: the axis gives elastically before it slides."""
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Units, Values
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -20,15 +19,6 @@ def _starts(excitation: Excitation) -> list[Values]:
         {"level": 0.07 * excitation.torque, "deflection": deflection}
         for deflection in friction.deflection_grid(excitation, 3, friction.contact_deflections)
     ]
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    deflection = quantity(parameters["deflection"], units.position)
-    return (
-        f"Presliding friction of about {level} {place} is missing from the twin: "
-        f"the axis gives about {deflection} before it slides."
-    )
 
 
 presliding_friction = Effect(
@@ -51,7 +41,12 @@ presliding_friction = Effect(
     acts=friction.acts_at_reversals,
     region=lambda p, units: "where the velocity changes sign, before the axis slides",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Presliding friction of about {level} {place} is missing from the twin: the axis gives "
+        "about {deflection} before it slides.",
+        level="torque",
+        deflection="position",
+    ),
     equation="tau = -F_c * z, dz/dphi = (1 - z * sign(omega)) / deflection",
     source="Dahl, 1968",
     contains=("coulomb_friction",),

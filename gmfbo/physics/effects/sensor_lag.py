@@ -1,9 +1,8 @@
 """Sensor lag: the reading follows the position with a time constant."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Units, Values
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -12,11 +11,6 @@ def _signal(states: States, parameters: Values) -> Array:
 
 def _acts(states: States, parameters: Values) -> Mask:
     return timing.acts_in_fast_change(states.time, states.position)
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["time"], "s")
-    return f"A lag of the position sensor of about {size} is missing from the twin."
 
 
 sensor_lag = Effect(
@@ -35,7 +29,10 @@ sensor_lag = Effect(
     acts=_acts,
     region=lambda p, units: "in fast motion, in proportion to the velocity",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "A lag of the position sensor of about {time} is missing from the twin.",
+        time="s",
+    ),
     equation="T * d(reading)/dt = phi - reading",
     source="Fraden, 1993",
     same_loop=("actuator_lag",),
