@@ -177,10 +177,6 @@ def _arrival(review: ComparisonReview, place: int | None) -> str:
     return marked_number(("runs", place, "n_star"), float("nan") if found is None else found)
 
 
-def _verbatim(text: str) -> str:
-    return f"<pre>{escape(text)}</pre>"
-
-
 def _footer() -> str:
     told = "All numbers on this page are those of the comparison's folder, and are also inside "
     return f"<footer>{paragraph(told + 'this file.', 'soft')}</footer>"
