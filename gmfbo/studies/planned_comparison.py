@@ -116,7 +116,7 @@ class PlannedComparison:
                 f"earlier = '{study.file.earlier}'; a comparison lets every method begin from "
                 "nothing"
             )
-        key = study_key(study, wanted.grid)
+        key = _study_key(study, wanted.grid)
         planned = cls(study, folder, wanted, key, gather(study), folder.outcomes(key))
         planned._read({path.name: path.read_bytes() for path in folder.truth.glob("*.csv")})
         return planned
@@ -230,16 +230,8 @@ class PlannedComparison:
         )
 
 
-def study_key(study: Study, grid: int) -> str:
-    """Hash of all that the runs of a comparison share.
-
-    Parameters
-    ----------
-    study : Study
-        As given; name, folder, method and seed do not count.
-    grid : int
-        Points along a side.
-    """
+def _study_key(study: Study, grid: int) -> str:
+    """Hash of all that the runs share; name, folder, method and seed do not count."""
     # The twins' hashes hold the seed where the study file says so, hence always that of seed 0.
     first = seeded(study, 0, study.file.method, study.location)
     parts = first.file.model_dump(mode="json", exclude={"name", "out", "method", "seed", "earlier"})
