@@ -201,7 +201,6 @@ class PlannedComparison:
         return [(m, seed) for m, seed in self.wanted.runs() if (m.name, seed) not in have]
 
     def _names(self, seed: int) -> frozenset[str]:
-        """Names of the grids of the plant on a seed."""
         same = seed if seeds_apart(self.study) else 0
         if same not in self._named:
             study = seeded(self.study, same, self.study.file.method, self.study.location)

@@ -78,7 +78,6 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
 
 
 def _cut(lines: list[str], most: int, width: int = WIDTH) -> list[str]:
-    """At most so many lines; dots where some are left out."""
     if len(lines) <= most:
         return lines
     last = textwrap.shorten(lines[most - 1], width - 4, placeholder="")

@@ -107,7 +107,6 @@ def _path(words: str) -> SignalPath:
 
 
 def _where(case: Case, candidate: Candidate, fitted_with: Fitted, most: int) -> list[Stretch]:
-    """Stretches in which one effect acts and changes most."""
     weights = _contribution(case, candidate, fitted_with)
     grids, acts, moves = [], [], []
     for k, (record, run) in enumerate(

@@ -118,7 +118,6 @@ def _read_signals(
     specs: Mapping[str, SignalSpec],
     reading: _Reading,
 ) -> None:
-    """Read what the twin names, and take it out of `columns`."""
     taken = set()
     for name, spec in specs.items():
         # A file of ours holds signals under their own names, already scaled.

@@ -157,7 +157,6 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
 
 
 def _responses(review: StudyReview) -> str:
-    """The first and the best real run over time, with what they were asked to follow."""
     best, first = review.best, review.first
     signal = review.file.objective.signal
     if best is None or first is None or signal not in best.recording.signals:

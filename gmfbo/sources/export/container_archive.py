@@ -176,7 +176,6 @@ def _move_libraries(
 
 
 def _papers(binding: Binding) -> dict[str, bytes]:
-    """Documentation and picture of the only FMU."""
     with open_archive(binding.fmus[0].path) as archive:
         return {
             name: archive.read(name)

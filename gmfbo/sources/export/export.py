@@ -147,7 +147,6 @@ def _expose(
     physics: Sequence[PhysicsParameter],
     settings: Mapping[str, float],
 ) -> tuple[ExposedParameter, ...]:
-    """Set physics, and show the parameters of the named effects."""
     if physics and not wiring.physics:
         raise ExportError(
             f"{binding.label}: no port for '{physics[0].name}'; expected [ports] in the twin file"

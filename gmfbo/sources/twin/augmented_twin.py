@@ -328,7 +328,6 @@ class AugmentedTwin:
         return tuple(through if port.column == column else port for port in inputs)
 
     def _outputs(self, first: int) -> list[Port]:
-        """States, ports and the effort, in columns after the twin's own."""
         binding = self._augmented.binding
         bound = [binding.variables[name] for name in binding.file.states.values()]
         for instance in self._augmented.physics:

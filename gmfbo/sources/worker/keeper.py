@@ -61,7 +61,6 @@ if sys.platform != "win32":
             self._worker = self._fork(wake)
 
         def keep(self) -> NoReturn:
-            """Wait for the end of the worker or of gmfbo; then leave as the worker left."""
             nothing = os.open(os.devnull, os.O_RDWR)
             os.dup2(nothing, _ANSWERS)  # so that gmfbo sees the end of the pipe with the worker's
             status = None
