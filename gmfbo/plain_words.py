@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+import textwrap
 
 from gmfbo.units import unit_words
 
 NOT_EXCITED = "not excited"
+WIDTH = 79
+"""[characters] Widest line on a terminal."""
+
 _MOST_DIGITS = 7
 
 
@@ -48,3 +52,20 @@ def interval(value: float, low: float, high: float, unit: str, digits: int = 3) 
 def probability(value: float) -> str:
     """Probability with two decimals."""
     return f"{value:.2f}" if math.isfinite(value) else "-"
+
+
+def wrapped(text: str, head: str, most: int | None = None) -> list[str]:
+    """Lines of a text behind a head, whose width later lines leave free; no word is cut.
+
+    Of more than `most` lines the last ends in dots.
+    """
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=head,
+        subsequent_indent=" " * len(head),
+        break_long_words=False,
+        break_on_hyphens=False,
+        max_lines=most,
+        placeholder=" ...",
+    )

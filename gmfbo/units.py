@@ -11,9 +11,11 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 # Exponents of kg, m, s, A, K, rad and counts.
 Dimension = tuple[int, int, int, int, int, int, int]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 from typing import Annotated
 
@@ -10,10 +9,9 @@ import typer
 
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
+from gmfbo.plain_words import wrapped
 
-WIDTH = 79
 INDENT = 15
-
 
 MANUAL = Manual(
     files={"FILE": "table over the state (.csv), or functions without dependencies (.c)"},
@@ -87,7 +85,5 @@ def compensate(
 
 
 def _say(head: str, text: str) -> None:
-    lines = textwrap.wrap(text, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
-    for line in lines:
-        typer.echo(f"{head:<{INDENT}}{line}")
-        head = ""
+    for line in wrapped(text, f"{head:<{INDENT}}"):
+        typer.echo(line)

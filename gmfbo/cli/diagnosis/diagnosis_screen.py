@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts, rivals_text
-from gmfbo.plain_words import interval, number, percent, probability, words
+from gmfbo.plain_words import WIDTH, interval, number, percent, probability, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.result.named_effect import NamedEffect
 
-WIDTH = 79
 HEIGHT = 23  # the prompt takes the last line
 INDENT = 13
 
