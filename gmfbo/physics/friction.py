@@ -108,10 +108,11 @@ def body_deflections(excitation: Excitation) -> tuple[float, float]:
     return low, max(0.2 * excitation.stroke, 20.0 * low)
 
 
-def deflection_grid(excitation: Excitation, count: int, visible: Deflections) -> list[float]:
-    """Deflections to start from: `count` of them, evenly over the logarithm, inside the bounds."""
+def starts(excitation: Excitation, count: int, visible: Deflections) -> list[Values]:
+    """Start from `count` deflections, evenly over the logarithm, inside the bounds."""
     low, high = visible(excitation)
-    return [float(value) for value in np.geomspace(low, high, count + 2)[1:-1]]
+    inside = np.geomspace(low, high, count + 2)[1:-1]
+    return [{"level": 0.07 * excitation.torque, "deflection": float(value)} for value in inside]
 
 
 def typical_deflection(states: States) -> float:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
-from gmfbo.diagnosis.checking.clock_quality import clock_quality
 from gmfbo.diagnosis.checking.column_quality import (
     clipped_rows,
+    clock_quality,
     is_latched,
     lost_rows,
     refresh_rows,

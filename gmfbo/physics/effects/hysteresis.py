@@ -6,7 +6,6 @@ import numpy as np
 
 from gmfbo.physics import friction
 from gmfbo.physics.effect import Effect, Values, sentence
-from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 
 
@@ -33,13 +32,6 @@ def _signal(states: States, parameters: Values) -> Array:
     return -parameters["level"] * _loop(states.position, parameters["deflection"])
 
 
-def _starts(excitation: Excitation) -> list[Values]:
-    return [
-        {"level": 0.07 * excitation.torque, "deflection": deflection}
-        for deflection in friction.deflection_grid(excitation, 2, friction.body_deflections)
-    ]
-
-
 hysteresis = Effect(
     name="hysteresis",
     port="torque",
@@ -50,7 +42,7 @@ hysteresis = Effect(
         friction.deflection("Deflection of the loop", friction.body_deflections),
     ),
     fixed=lambda e: {"exponent": 1.0},
-    starts=_starts,
+    starts=lambda e: friction.starts(e, 2, friction.body_deflections),
     size=lambda p, e: p["level"],
     size_name="level",
     size_unit="torque",

@@ -2,7 +2,6 @@
 
 from gmfbo.physics import friction
 from gmfbo.physics.effect import Effect, Values, sentence
-from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 
 
@@ -14,13 +13,6 @@ def _feature(states: States) -> Array:
     return -friction.bristle(states.position, friction.typical_deflection(states))
 
 
-def _starts(excitation: Excitation) -> list[Values]:
-    return [
-        {"level": 0.07 * excitation.torque, "deflection": deflection}
-        for deflection in friction.deflection_grid(excitation, 3, friction.contact_deflections)
-    ]
-
-
 presliding_friction = Effect(
     name="presliding_friction",
     port="torque",
@@ -30,7 +22,7 @@ presliding_friction = Effect(
         friction.level(),
         friction.deflection("Deflection before sliding", friction.contact_deflections),
     ),
-    starts=_starts,
+    starts=lambda e: friction.starts(e, 3, friction.contact_deflections),
     size=lambda p, e: p["level"],
     size_name="level",
     size_unit="torque",
