@@ -1,13 +1,7 @@
 """Actuator lag: the current loop or valve follows with a time constant."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Values, sentence
-from gmfbo.physics.states import Array, States
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return timing.lagged(states.time, states.command, parameters["time"]) - states.command
-
+from gmfbo.physics.effect import Effect, sentence
 
 actuator_lag = Effect(
     name="actuator_lag",
@@ -20,7 +14,7 @@ actuator_lag = Effect(
     size_name="time",
     size_unit="s",
     floor=timing.floor,
-    signal=_signal,
+    signal=lambda states, p: timing.lagged(states.time, states.command, p["time"]) - states.command,
     feature=lambda states: timing.lateness_feature(states.time, states.command),
     acts=timing.command_acts,
     region=lambda p, units: "where the command changes fast",

@@ -3,13 +3,9 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
+from gmfbo.physics.effect import Effect, EffectParameter, sentence
 from gmfbo.physics.states import Array, States
 from gmfbo.units import quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return limits.clipped(states.command, parameters["limit"])
 
 
 def _feature(states: States) -> Array:
@@ -41,7 +37,7 @@ actuator_saturation = Effect(
     size_unit="command",
     floor=limits.cut_floor,
     least_time=limits.LEAST_TIME,
-    signal=_signal,
+    signal=lambda states, p: limits.clipped(states.command, p["limit"]),
     feature=_feature,
     acts=lambda states, p: limits.beyond(states.command, p["limit"]),
     region=lambda p, units: f"where the command is beyond {quantity(p['limit'], units.command)}",

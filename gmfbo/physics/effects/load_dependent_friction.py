@@ -4,7 +4,6 @@ import numpy as np
 
 from gmfbo.physics import friction
 from gmfbo.physics.effect import Effect, Values, positive, sentence
-from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 
 
@@ -16,10 +15,6 @@ def _signal(states: States, parameters: Values) -> Array:
 def _feature(states: States) -> Array:
     largest = max(float(np.max(states.load)), np.finfo(float).tiny)
     return _signal(states, {"level": 0.5, "coefficient": 0.5 / largest})
-
-
-def _size(parameters: Values, excitation: Excitation) -> float:
-    return parameters["level"] + parameters["coefficient"] * excitation.load_range
 
 
 def _acts(states: States, parameters: Values) -> Mask:
@@ -40,7 +35,7 @@ load_dependent_friction = Effect(
     ),
     fixed=friction.fixed_deflection,
     starts=lambda e: [{"level": 0.03 * e.torque, "coefficient": 0.07 * e.torque / e.load_range}],
-    size=_size,
+    size=lambda p, e: p["level"] + p["coefficient"] * e.load_range,
     size_name="level",
     size_unit="torque",
     floor=friction.floor,

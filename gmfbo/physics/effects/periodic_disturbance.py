@@ -21,14 +21,6 @@ def _frequencies(excitation: Excitation) -> tuple[float, ...]:
     return excitation.frequencies[:4] or (min(10.0 / excitation.duration, 0.1 / excitation.sample),)
 
 
-def _low(excitation: Excitation) -> float:
-    return 0.5 * min(0.5 / excitation.duration, *_frequencies(excitation))
-
-
-def _high(excitation: Excitation) -> float:
-    return 2.0 * max(0.25 / excitation.sample, *_frequencies(excitation))
-
-
 def _starts(excitation: Excitation) -> list[Values]:
     size = 0.05 * excitation.torque
     return [{"frequency": f, "sine": size, "cosine": size} for f in _frequencies(excitation)]
@@ -55,8 +47,8 @@ periodic_disturbance = Effect(
             "frequency",
             "Frequency",
             "Hz",
-            low=_low,
-            high=_high,
+            low=lambda e: 0.5 * min(0.5 / e.duration, *_frequencies(e)),
+            high=lambda e: 2.0 * max(0.25 / e.sample, *_frequencies(e)),
             # One radian of phase over the recording.
             scale=lambda e: 1.0 / (2.0 * math.pi * e.duration),
         ),

@@ -17,10 +17,6 @@ def _level(states: States, parameters: Values) -> Array:
     return np.maximum(0.0, parameters["level"] + varying)
 
 
-def _signal(states: States, parameters: Values) -> Array:
-    return -_level(states, parameters) * states.direction
-
-
 def _starts(excitation: Excitation) -> list[Values]:
     once = 1.0 if excitation.angular else 2.0 * math.pi / excitation.stroke
     level = 0.06 * excitation.torque
@@ -68,7 +64,7 @@ position_dependent_friction = Effect(
     size_unit="torque",
     floor=friction.floor,
     not_excited=friction.no_reversal,
-    signal=_signal,
+    signal=lambda states, p: -_level(states, p) * states.direction,
     acts=_acts,
     region=lambda p, units: (
         "over the position while the velocity is not zero, "

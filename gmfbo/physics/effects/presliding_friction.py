@@ -1,17 +1,7 @@
 """Presliding friction: the axis gives elastically before it slides."""
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values, sentence
-from gmfbo.physics.states import Array, States
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return -parameters["level"] * friction.bristle(states.position, parameters["deflection"])
-
-
-def _feature(states: States) -> Array:
-    return -friction.bristle(states.position, friction.typical_deflection(states))
-
+from gmfbo.physics.effect import Effect, sentence
 
 presliding_friction = Effect(
     name="presliding_friction",
@@ -28,8 +18,8 @@ presliding_friction = Effect(
     size_unit="torque",
     floor=friction.floor,
     not_excited=friction.no_reversal,
-    signal=_signal,
-    feature=_feature,
+    signal=lambda states, p: -p["level"] * friction.bristle(states.position, p["deflection"]),
+    feature=lambda states: -friction.bristle(states.position, friction.typical_deflection(states)),
     acts=friction.acts_at_reversals,
     region=lambda p, units: "where the velocity changes sign, before the axis slides",
     region_state="velocity",

@@ -2,15 +2,11 @@
 
 from gmfbo.physics import timing
 from gmfbo.physics.effect import Effect, Values, sentence
-from gmfbo.physics.states import Array, Mask, States
+from gmfbo.physics.states import Array, States
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return timing.lagged(states.time, states.position, parameters["time"]) - states.position
-
-
-def _acts(states: States, parameters: Values) -> Mask:
-    return timing.acts_in_fast_change(states.time, states.position)
 
 
 sensor_lag = Effect(
@@ -26,7 +22,7 @@ sensor_lag = Effect(
     floor=timing.floor,
     signal=_signal,
     feature=lambda states: -states.velocity,
-    acts=_acts,
+    acts=lambda states, p: timing.acts_in_fast_change(states.time, states.position),
     region=lambda p, units: "in fast motion, in proportion to the velocity",
     region_state="velocity",
     statement=sentence(

@@ -13,10 +13,6 @@ def _limit(states: States, parameters: Values) -> Array:
     return np.maximum(0.0, left)
 
 
-def _signal(states: States, parameters: Values) -> Array:
-    return limits.clipped(states.command, _limit(states, parameters))
-
-
 def _starts(excitation: Excitation) -> list[Values]:
     command, slope = excitation.command, excitation.command / excitation.speed
     return [
@@ -60,7 +56,7 @@ supply_voltage_limit = Effect(
     size_unit="command",
     floor=limits.cut_floor,
     least_time=limits.LEAST_TIME,
-    signal=_signal,
+    signal=lambda states, p: limits.clipped(states.command, _limit(states, p)),
     acts=lambda states, p: limits.beyond(states.command, _limit(states, p)),
     region=lambda p, units: "where command and velocity are high",
     region_state="command",

@@ -34,14 +34,6 @@ def _feature(states: States) -> Array:
     return -_warmth(states, {"time": 0.5 * duration}) * states.command
 
 
-def _starts(excitation: Excitation) -> list[Values]:
-    return [{"loss": 0.02, "time": share * excitation.duration} for share in (0.15, 1.2)]
-
-
-def _size(parameters: Values, excitation: Excitation) -> float:
-    return parameters["loss"] * -math.expm1(-excitation.duration / parameters["time"])
-
-
 def _not_excited(excitation: Excitation) -> str | None:
     if excitation.duration < 20.0 * excitation.loop_time:
         return "no recording is long enough to warm up"
@@ -85,8 +77,8 @@ thermal_derating = Effect(
         ),
     ),
     fixed=lambda e: {"scale": e.effective_current or _EFFECTIVE * e.current},
-    starts=_starts,
-    size=_size,
+    starts=lambda e: [{"loss": 0.02, "time": share * e.duration} for share in (0.15, 1.2)],
+    size=lambda p, e: p["loss"] * -math.expm1(-e.duration / p["time"]),
     size_name="loss",
     size_unit="1",
     floor=lambda e: 1e-3,
