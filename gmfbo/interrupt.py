@@ -1,7 +1,8 @@
-"""Ctrl-C that is not lost on its way: in a weak reference's callback, or in a compiled library.
+"""Ctrl-C that is not lost on its way, in a callback or a compiled library; names of signals.
 
-Python drops it in the first and prints a traceback, which nobody who pressed the keys wants. The
-second, where it calls Python back, may hand it on as a SystemError.
+Python drops it in a weak reference's callback and prints a traceback, which
+nobody who pressed the keys wants. A library that calls Python back may hand it on as a
+SystemError.
 """
 
 from __future__ import annotations
@@ -59,3 +60,11 @@ def unwrapped_interrupt() -> Iterator[None]:
         if reason is None:
             raise
         raise KeyboardInterrupt from error
+
+
+def signal_name(status: int) -> str:
+    """Name of the signal that a negative exit status stands for: `SIGKILL`, or `signal 77`."""
+    try:
+        return signal.Signals(-status).name
+    except ValueError:
+        return f"signal {-status}"

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import math
+import textwrap
+
+from gmfbo.units import unit_words
 
 NOT_EXCITED = "not excited"
+WIDTH = 79
+"""[characters] Widest line on a terminal."""
+
 _MOST_DIGITS = 7
 
 
@@ -23,11 +29,6 @@ def percent(share: float) -> str:
     if not math.isfinite(share):
         return "-"
     return f"{100.0 * share:.0f} %" if abs(share) >= 0.0995 else f"{100.0 * share:#.2g} %"
-
-
-def unit_words(unit: str) -> str:
-    """Unit as it is read: `N.m` is "N m", `kg.m2` is "kg m2"; none for a plain number."""
-    return "" if unit in ("", "1") else unit.replace(".", " ")
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
@@ -51,3 +52,20 @@ def interval(value: float, low: float, high: float, unit: str, digits: int = 3) 
 def probability(value: float) -> str:
     """Probability with two decimals."""
     return f"{value:.2f}" if math.isfinite(value) else "-"
+
+
+def wrapped(text: str, head: str, most: int | None = None) -> list[str]:
+    """Lines of a text behind a head, whose width later lines leave free; no word is cut.
+
+    Of more than `most` lines the last ends in dots.
+    """
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=head,
+        subsequent_indent=" " * len(head),
+        break_long_words=False,
+        break_on_hyphens=False,
+        max_lines=most,
+        placeholder=" ...",
+    )

@@ -38,15 +38,6 @@ _LOG_SQRT_2PI = 0.5 * math.log(2.0 * math.pi)
 _LEAST_SIGMA = 1e-10
 
 
-def expected_improvement(mean: Tensor, sigma: Tensor, incumbent: Tensor | float) -> Tensor:
-    """EI [g] of a normal posterior; with sigma = 0 the improvement of the mean itself."""
-    gain = incumbent - mean
-    u = gain / sigma.clamp_min(_LEAST_SIGMA)
-    density = torch.exp(-0.5 * u.square() - _LOG_SQRT_2PI)
-    smooth = sigma * (density + u * torch.special.ndtr(u))
-    return torch.where(sigma > _LEAST_SIGMA, smooth, gain.clamp_min(0.0))
-
-
 def log_expected_improvement(mean: Tensor, sigma: Tensor, incumbent: Tensor | float) -> Tensor:
     """Logarithm of EI, finite wherever u^2 is; differentiable.
 

@@ -5,9 +5,8 @@ compared. Candidates are a dense grid (one or two gains) or seeded Sobol points 
 BoTorch's optimiser makes of the best of them; the same arguments give the same answer::
 
     proposal = maximise(acquisition, Search(dimension=2), sources=("IS1", "IS2"), taken=taken)
-    proposal.point (d,), proposal.source, proposal.value, proposal.by_source["IS2"].value
+    proposal.point (d,), proposal.source, proposal.value
     best = recommend(model, Search(dimension=2))    # least posterior mean of the axis: point, g
-    best = best_measured(model, observations)       # the same among points that the axis ran
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 import torch
@@ -30,7 +28,6 @@ from scipy.stats import qmc
 from gmfbo.acquisition.feasibility import LogWeight, WeightedAcquisition
 from gmfbo.correction.torch_setup import DTYPE, exact_algebra
 from gmfbo.errors import InputError
-from gmfbo.surrogate.model import SourceModel
 from gmfbo.surrogate.observations import Observations, source_column
 
 Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -119,14 +116,11 @@ class Proposal:
         Who is to run it.
     value : float
         Acquisition there; log EI - log H for `CostAwareExpectedImprovement`.
-    by_source : mapping of str to Proposal
-        The best of each source, for a log.
     """
 
     point: NDArray[np.float64]
     source: str
     value: float
-    by_source: Mapping[str, Proposal] = field(default_factory=dict)
 
 
 def maximise(
@@ -155,7 +149,7 @@ def maximise(
     """
     if search.log_weight is not None:
         acquisition = WeightedAcquisition(acquisition, search.log_weight)
-    found = {}
+    found: list[Proposal] = []
     for source in sources:
         points, values = _candidates(acquisition, search, source)
         if source == "IS1" and search.admits is not None:
@@ -164,49 +158,26 @@ def maximise(
         done = np.empty((0, search.dimension)) if taken is None else taken.points[taken.of(source)]
         for index in np.argsort(-values, kind="stable"):
             if len(done) == 0 or np.abs(done - points[index]).max(axis=1).min() > SAME_POINT:
-                found[source] = Proposal(points[index], source, float(values[index]))
+                found.append(Proposal(points[index], source, float(values[index])))
                 break
     if not found:
         raise InputError(
             f"all candidate gains were run already by {', '.join(sources)}; "
             "widen the box or stop the study"
         )
-    best = max(found.values(), key=lambda proposal: proposal.value)
-    return Proposal(best.point, best.source, best.value, MappingProxyType(found))
+    return max(found, key=lambda proposal: proposal.value)
 
 
-def recommend(
-    model: Model, search: Search, source: str = "IS1"
-) -> tuple[NDArray[np.float64], float]:
+def recommend(model: Model, search: Search) -> tuple[NDArray[np.float64], float]:
     """Gains with the least posterior mean: point of shape (d,), and that mean [g].
 
     Of gains that more probably than not meet the limits; without any, the most probable.
     """
-    points, values = _candidates(PosteriorMean(model, maximize=False), search, source)
+    points, values = _candidates(PosteriorMean(model, maximize=False), search, "IS1")
     weights = search.log_weights(points)
     probable = weights >= min(np.log(0.5), float(weights.max()))
     best = int(np.argmax(np.where(probable, values, -np.inf)))
     return points[best], -float(values[best])
-
-
-def best_measured(
-    model: SourceModel, observations: Observations, source: str = "IS1"
-) -> tuple[NDArray[np.float64], float]:
-    """The point with the least posterior mean among those that this source ran, and that mean.
-
-    Unlike the least observed value it is not biased by the luck of a noisy run.
-
-    Raises
-    ------
-    InputError
-        The source ran nothing yet.
-    """
-    points = observations.points[observations.of(source)]
-    if len(points) == 0:
-        raise InputError(f"{source} ran nothing yet; there is nothing to recommend")
-    mean, _ = model.predict(points, source)
-    best = int(np.argmin(mean))
-    return points[best], float(mean[best])
 
 
 def _candidates(

@@ -55,53 +55,35 @@ def methods(incomplete: str) -> list[str]:
     return [f"{done}{comma}{name}" for name in fitting if name not in given]
 
 
-def effects(incomplete: str) -> list[str]:
-    """Names of effects of the catalogue.
+def _names_of(known: Callable[[], Iterable[str]]) -> Completion:
+    """Complete names that are looked up at TAB, so that nothing loads before."""
 
-    Parameters
-    ----------
-    incomplete : str
-        How it begins.
-    """
+    def complete(incomplete: str) -> list[str]:
+        return _beginning(incomplete, known())
+
+    return complete
+
+
+def _effects() -> Iterable[str]:
     from gmfbo.physics import CATALOGUE
 
-    return _beginning(incomplete, CATALOGUE)
+    return CATALOGUE
 
 
-def dialects(incomplete: str) -> list[str]:
-    """Names of the dialects of text files.
-
-    Parameters
-    ----------
-    incomplete : str
-        How it begins.
-    """
+def _dialects() -> Iterable[str]:
     from gmfbo.recordings.columns.column_mapping import DIALECTS
 
-    return _beginning(incomplete, DIALECTS)
+    return DIALECTS
 
 
-def compilers(incomplete: str) -> list[str]:
-    """Compilers of the project's FMUs.
-
-    Parameters
-    ----------
-    incomplete : str
-        How it begins.
-    """
-    return _beginning(incomplete, ("zig", "system"))
-
-
-def models(incomplete: str) -> list[str]:
-    """Names of the project's FMUs that can be built from this checkout.
-
-    Parameters
-    ----------
-    incomplete : str
-        How it begins.
-    """
+def _models() -> Iterable[str]:
+    """The project's FMUs that can be built from this checkout."""
     sources = Path(__file__).resolve().parents[2] / "fmu_build"
-    return _beginning(incomplete, sorted(path.parent.name for path in sources.glob("*/model.toml")))
+    return sorted(path.parent.name for path in sources.glob("*/model.toml"))
+
+
+effects, dialects, models = _names_of(_effects), _names_of(_dialects), _names_of(_models)
+compilers = _names_of(lambda: ("zig", "system"))
 
 
 def _beginning(begun: str, names: Iterable[str]) -> list[str]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
-WIDTH = 79
-"""[characters] Widest line of a help text."""
+from gmfbo.plain_words import wrapped
 
 EXITS = {
     0: "done",
@@ -51,7 +49,7 @@ class Manual:
             definitions("Files written", self.files),
             _section("Examples", _examples(self.examples)),
             definitions("Exit status", exits),
-            _section("See also", _wrapped(", ".join(self.see_also), "  ")),
+            _section("See also", wrapped(", ".join(self.see_also), "  ")),
         ]
         return "\n".join(section for section in sections if section)
 
@@ -70,26 +68,15 @@ def definitions(title: str, entries: Mapping[str, str]) -> str:
     lines = []
     for term, meaning in entries.items():
         head = f"  {term:<{width}}  " if width else "  "
-        lines += _wrapped(meaning, head if term else "  ")
+        lines += wrapped(meaning, head if term else "  ")
     return _section(title, lines)
 
 
 def _examples(examples: Mapping[str, str]) -> list[str]:
     lines = []
     for purpose, command in examples.items():
-        lines += [*_wrapped(purpose, "  "), f"    {command}"]
+        lines += [*wrapped(purpose, "  "), f"    {command}"]
     return lines
-
-
-def _wrapped(text: str, head: str) -> list[str]:
-    return textwrap.wrap(
-        text,
-        WIDTH,
-        initial_indent=head,
-        subsequent_indent=" " * len(head),
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
 
 
 def _section(title: str, lines: list[str]) -> str:

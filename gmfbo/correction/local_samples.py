@@ -8,8 +8,7 @@ accepted at sigma_c <= 0.05 alpha, there are at most 20 draws, each rejected one
 nearer to k (where the correction was trained), and fewer samples are then a result::
 
     samples = draw_local_samples(point (d,), simulate, correction, alpha, SamplingSettings(), rng)
-    samples.accepted, samples.rejected    # LocalSample: point, time, simulated, corrected, ...
-    samples.shortfall                     # how many are missing
+    samples.draws, samples.accepted       # LocalSample: point, time, simulated, corrected, ...
 """
 
 from __future__ import annotations
@@ -88,24 +87,13 @@ class LocalSamples:
     """All draws around one point, in the order in which they were made."""
 
     draws: tuple[LocalSample, ...]
-    wanted: int
     failed: int = 0
     """Draws whose simulation failed; they have no trajectory."""
 
     @property
     def accepted(self) -> tuple[LocalSample, ...]:
-        """Draws that may be used, at most as many as wanted."""
+        """Draws that may be used, at most as many as the settings ask for."""
         return tuple(draw for draw in self.draws if draw.accepted)
-
-    @property
-    def rejected(self) -> tuple[LocalSample, ...]:
-        """Draws of which the correction was not sure."""
-        return tuple(draw for draw in self.draws if not draw.accepted)
-
-    @property
-    def shortfall(self) -> int:
-        """Samples that are missing after the last draw."""
-        return self.wanted - len(self.accepted)
 
 
 def reference_size(reference: ArrayLike) -> float:
@@ -176,4 +164,4 @@ def draw_local_samples(
         draws.append(LocalSample(place, time, simulated, corrected, std, sigma_c, good))
         accepted += good
         spread *= 1.0 if good else settings.shrink
-    return LocalSamples(tuple(draws), settings.count, failed)
+    return LocalSamples(tuple(draws), failed)

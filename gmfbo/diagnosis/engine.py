@@ -75,7 +75,7 @@ def diagnose(
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     read = [as_recording(recording, opened) for recording in recordings]
     unseen = [as_recording(recording, opened) for recording in validate or ()]
-    told = progress or _silent
+    told = progress or (lambda stage, share: None)
     told("running the twin", 0.0)
     gain = find_shown_gain(opened, read, seed=seed, jobs=jobs)
     if gain is not None:
@@ -96,10 +96,6 @@ def diagnose(
         case.simulations.close()
         if not isinstance(twin, FmuTwin):
             opened.close()
-
-
-def _silent(stage: str, share: float) -> None:
-    """Tell nobody."""
 
 
 def _aligned_case(

@@ -115,7 +115,6 @@ class Condition:
 
 
 def _is_truth(node: ast.expr) -> bool:
-    """Whether a node is true or false, and not a number."""
     if isinstance(node, ast.BoolOp):
         return all(_is_truth(part) for part in node.values)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):

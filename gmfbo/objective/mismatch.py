@@ -57,9 +57,9 @@ def scaled_mismatch(corrected: ArrayLike, twin: ArrayLike) -> float:
     return float(np.median(np.abs(g_c - g_2) / _guarded(g_c)))
 
 
-def source_lengthscale(mismatch: float, cap: float = SOURCE_LENGTHSCALE_BOUNDS[1]) -> float:
-    """l_g0 = clamp(1 / e, 0.1, cap); the publication's cap is 1."""
-    low = SOURCE_LENGTHSCALE_BOUNDS[0]
+def source_lengthscale(mismatch: float) -> float:
+    """l_g0 = clamp(1 / e, 0.1, 1), as in the publication."""
+    low, cap = SOURCE_LENGTHSCALE_BOUNDS
     # e <= 1 / cap covers e = 0, where 1 / e is infinite.
     return cap if mismatch * cap <= 1.0 else max(1.0 / mismatch, low)
 

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from html import escape
 
 from gmfbo.plain_words import percent
+from gmfbo.units import SMALL
 
 _PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"))
 _PREFIXED = ("N", "m", "rad", "s", "V", "A", "W", "Hz", "Pa")
-# Of lengths, angles and times small numbers are the rule; 0.05 N m is read as it stands.
-_SMALL = ("m", "rad", "s")
 _NO_BREAK, _THIN = "\u00a0", "\u202f"
 _POWERS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -79,7 +78,7 @@ def scale_for(value: float, unit: str, *, share: bool = False) -> Scale:
     size = abs(value)
     if first is None or first[0] not in _PREFIXED or not math.isfinite(size) or size == 0.0:
         return Scale(1.0, unit_text(unit))
-    least = 0.1 if first[0] in _SMALL else 0.01
+    least = 0.1 if first[0] in SMALL else 0.01
     if least <= size < 1e4:
         return Scale(1.0, unit_text(unit))
     for factor, prefix in _PREFIXES:

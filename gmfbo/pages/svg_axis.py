@@ -66,7 +66,7 @@ class Axis:
 
     def words(self) -> list[str]:
         """What is written at each tick."""
-        return tick_words(self.ticks())
+        return _tick_words(self.ticks())
 
 
 @dataclass(frozen=True)
@@ -152,14 +152,8 @@ class NamedAxis(Axis):
         return list(self.names)
 
 
-def tick_words(ticks: Sequence[float]) -> list[str]:
-    """As few decimals as tell neighbours apart; powers of ten for very large or small values.
-
-    Parameters
-    ----------
-    ticks : sequence of float
-        Evenly spaced, rising.
-    """
+def _tick_words(ticks: Sequence[float]) -> list[str]:
+    """As few decimals as tell neighbours apart; powers of ten for very large or small values."""
     largest = max((abs(tick) for tick in ticks), default=0.0)
     if len(ticks) < 2 or not 1e-4 <= largest < 1e6:
         return [f"{tick + 0.0:.4g}" for tick in ticks]

@@ -92,7 +92,7 @@ def line_chart(
     ends = [] if band is None else [band.low, band.high]
     x_axis = Axis.over([line.x for line in lines], 0.0, WIDE, margin=0.0)
     y_axis = Axis.over([*(line.y for line in lines), *ends], HIGH, 0.0, margin=0.05)
-    drawn = [window_rectangle(x_axis, start, end) for start, end in windows]
+    drawn = [_window_rectangle(x_axis, start, end) for start, end in windows]
     if band is not None:
         drawn.append(band_path(band, x_axis, y_axis))
     drawn += [line_path(line, x_axis, y_axis, buckets) for line in lines]
@@ -130,16 +130,8 @@ def swatch(style: str) -> str:
     )
 
 
-def window_rectangle(x_axis: Axis, start: float, end: float) -> str:
-    """Shade a stretch of the x axis; nothing for one that lies outside.
-
-    Parameters
-    ----------
-    x_axis : Axis
-        Of the chart.
-    start, end : float
-        Of the stretch.
-    """
+def _window_rectangle(x_axis: Axis, start: float, end: float) -> str:
+    """Shade a stretch of the x axis; nothing for one that lies outside."""
     left, right = max(float(x_axis.at(start)), 0.0), min(float(x_axis.at(end)), WIDE)
     if right <= left:
         return ""

@@ -21,10 +21,9 @@ processes, pass names: an effect holds functions and does not pickle.
 """
 
 from gmfbo.physics.catalogue import CATALOGUE, add_effect
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import States
-from gmfbo.physics.units import Units
 
 __all__ = [
     "CATALOGUE",

@@ -6,6 +6,7 @@ One that is not part of gmfbo is added by `add_effect`, or by the entry point of
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from importlib.metadata import entry_points
 
 from gmfbo.errors import InputError
 from gmfbo.physics.effect import Effect
@@ -41,7 +42,6 @@ from gmfbo.physics.effects.torque_ripple import torque_ripple
 from gmfbo.physics.effects.torsional_compliance import torsional_compliance
 from gmfbo.physics.effects.transport_delay import transport_delay
 from gmfbo.physics.effects.viscous_friction import viscous_friction
-from gmfbo.physics.installed_effects import installed_effects
 
 # The order is that of reports, and decides between effects that explain equally well.
 _EFFECTS = (
@@ -113,7 +113,7 @@ class _Catalogue(Mapping[str, Effect]):
         if not self._loaded:
             self._loaded = True  # at once: what is loaded may look up an effect itself
             try:
-                for effect in installed_effects():
+                for effect in _installed_effects():
                     self.add(effect)
             except InputError:
                 self._loaded = False  # said again wherever effects are asked for
@@ -128,6 +128,24 @@ class _Catalogue(Mapping[str, Effect]):
 
     def __len__(self) -> int:
         return len(self._all())
+
+
+def _installed_effects() -> Iterator[Effect]:
+    for entry in entry_points(group="gmfbo.effects"):
+        try:
+            effect = entry.load()
+        except Exception as error:
+            reason = f"{type(error).__name__}: {error}".splitlines()[0]
+            raise InputError(
+                f"effect '{entry.name}': cannot load {entry.value} ({reason}); "
+                "repair or uninstall the package that adds it"
+            ) from error
+        if not isinstance(effect, Effect):
+            raise InputError(
+                f"effect '{entry.name}': expected {entry.value} to be a gmfbo.physics.Effect, got "
+                f"{type(effect).__name__}"
+            )
+        yield effect
 
 
 CATALOGUE = _Catalogue()

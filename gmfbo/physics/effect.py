@@ -2,17 +2,102 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units
+from gmfbo.units import quantity
 
 _LEAST_KEPT = 1e-3  # of the shaft's inertia, when a load is taken out of it
 
+_TERM = re.compile(r"([A-Za-z]+|1)(\d*)")
+_PLAIN = ("s", "Hz", "1")
+
 Values = Mapping[str, float]
 Range = Callable[[Excitation], float]
+
+
+@dataclass(frozen=True)
+class Units:
+    """The units of one twin's port and states, as its FMU spells them.
+
+    Attributes
+    ----------
+    torque : str
+        Of the torque port: `N.m`, or `N` on a linear axis.
+    position, velocity : str
+        Of the shaft: `rad` and `rad/s`, or `m` and `m/s`.
+    command, current : str
+        Of the actuator command and of what stands for the current.
+    load : str
+        Of what stands for the load: the torque's where a load torque is known, else the current's.
+    """
+
+    torque: str = "N.m"
+    position: str = "rad"
+    velocity: str = "rad/s"
+    command: str = "N.m"
+    current: str = "N.m"
+    load: str = "N.m"
+
+    @property
+    def place(self) -> str:
+        """Where a torque acts, in words: on a shaft or on a linear axis."""
+        return "at the motor shaft" if self.position == "rad" else "on the axis"
+
+    @property
+    def torque_word(self) -> str:
+        """What acts at the torque port: a torque on a shaft, a force on a linear axis."""
+        return "torque" if self.position == "rad" else "force"
+
+    def resolve(self, expression: str) -> str:
+        """Write the unit of a parameter, such as `torque/velocity`, for this twin.
+
+        Parameters
+        ----------
+        expression : str
+            Words torque, position, velocity, command, current, load, inertia, s, Hz and 1, with a
+            power where needed (`velocity2`), and at most one `/`.
+
+        Returns
+        -------
+        str
+            Readable rather than reduced: `N.m/(rad/s)`, `1/rad`, `kg.m2`; `1` where all cancels.
+
+        Raises
+        ------
+        InputError
+            The expression has another word.
+        """
+        above, _, below = expression.partition("/")
+        top = self._term(above)
+        if not below:
+            return top
+        bottom = self._term(below)
+        if top == bottom:
+            return "1"
+        return f"{_bracketed(top)}/{_enclosed(bottom)}"
+
+    def _term(self, text: str) -> str:
+        found = _TERM.fullmatch(text.strip())
+        words = ("torque", "position", "velocity", "command", "current", "load", "inertia")
+        if found is None or found[1] not in (*words, *_PLAIN):
+            raise InputError(
+                f"no unit '{text}'" + did_you_mean(text, (*words, *_PLAIN)) + "; correct the effect"
+            )
+        word, power = found[1], found[2]
+        if word in _PLAIN:
+            return word + power
+        unit = self._inertia() if word == "inertia" else str(getattr(self, word))
+        return re.sub("[A-Za-z]+", rf"\g<0>{power}", unit) if power else unit
+
+    def _inertia(self) -> str:
+        known = {("N.m", "rad"): "kg.m2", ("N", "m"): "kg"}
+        found = known.get((self.torque, self.position))
+        return found or f"{_bracketed(self.torque)}/({self.position}/s2)"
 
 
 @dataclass(frozen=True)
@@ -82,14 +167,28 @@ def signed(
     most, typical : float
         Largest and typical size, as shares of what is shown.
     """
-    return EffectParameter(
-        name,
-        words,
-        unit,
-        low=lambda e: -most * shown(e),
-        high=lambda e: most * shown(e),
-        scale=lambda e: typical * shown(e),
-    )
+    amplitude = positive(name, words, unit, shown, most, typical)
+    return replace(amplitude, low=lambda e: -most * shown(e))
+
+
+def sentence(text: str, **names: str) -> Callable[[Values, Units, str], str]:
+    """Make the statement of an effect from a text with blanks.
+
+    Parameters
+    ----------
+    text : str
+        `{name}` is a parameter's value with its unit; `{place}` and `{torque_word}` are of `Units`.
+    **names : str
+        Unit of each parameter in the text, as in EffectParameter.
+    """
+
+    def statement(parameters: Values, units: Units, place: str) -> str:
+        told = {
+            name: quantity(parameters[name], units.resolve(unit)) for name, unit in names.items()
+        }
+        return text.format(place=place, torque_word=units.torque_word, **told)
+
+    return statement
 
 
 def _nothing_fixed(excitation: Excitation) -> Values:
@@ -267,3 +366,11 @@ class Effect:
             left = excitation.shaft_inertia - together["load_inertia"]
             together.setdefault("shaft_inertia", max(left, _LEAST_KEPT * excitation.shaft_inertia))
         return {f"{self.name}.{name}": float(value) for name, value in together.items()}
+
+
+def _bracketed(unit: str) -> str:
+    return f"({unit})" if "/" in unit else unit
+
+
+def _enclosed(unit: str) -> str:
+    return f"({unit})" if "/" in unit or "." in unit else unit

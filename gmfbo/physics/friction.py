@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gmfbo.physics.effect import EffectParameter, Values, positive
+from gmfbo.physics.effect import EffectParameter, Units, Values, positive
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units
 
 # The decision rests on evidence; this share of the range is where a drive engineer stops caring.
 FLOOR_SHARE = 1.5e-4
@@ -31,16 +30,11 @@ def level(words: str = "Friction while sliding", name: str = "level") -> EffectP
     return positive(name, words, "torque", lambda e: e.torque)
 
 
-def bristle_deflection(excitation: Excitation) -> float:
-    """Elastic displacement of a bristle that stands for plain sliding friction.
+def _bristle_deflection(excitation: Excitation) -> float:
+    """Elastic displacement of a bristle that stands for plain friction, in the position's unit.
 
     Too small to be seen, and large enough that its stiffness k, held over a step h, satisfies
     k h^2 <= 0.1 J for a friction of a tenth of the torque range.
-
-    Returns
-    -------
-    float
-        In the unit of the position.
     """
     friction, share = 0.1 * excitation.torque, 0.1
     stable = friction * excitation.step**2 / (share * excitation.shaft_inertia)
@@ -49,7 +43,7 @@ def bristle_deflection(excitation: Excitation) -> float:
 
 def fixed_deflection(excitation: Excitation) -> Values:
     """Give the bristle of a plain friction law its deflection."""
-    return {"deflection": bristle_deflection(excitation)}
+    return {"deflection": _bristle_deflection(excitation)}
 
 
 def acts_at_reversals(states: States, parameters: Values) -> Mask:
@@ -103,7 +97,7 @@ def deflection(words: str, visible: Deflections) -> EffectParameter:
 
 def contact_deflections(excitation: Excitation) -> tuple[float, float]:
     """Deflections of a contact before it slides that can be told from plain sliding."""
-    low = max(0.5 * excitation.resolution, bristle_deflection(excitation))
+    low = max(0.5 * excitation.resolution, _bristle_deflection(excitation))
     most = _CONTACT_ANGLE if excitation.angular else _CONTACT_SHARE * excitation.stroke
     return low, max(most, 10.0 * low)
 
@@ -114,10 +108,11 @@ def body_deflections(excitation: Excitation) -> tuple[float, float]:
     return low, max(0.2 * excitation.stroke, 20.0 * low)
 
 
-def deflection_grid(excitation: Excitation, count: int, visible: Deflections) -> list[float]:
-    """Deflections to start from: `count` of them, evenly over the logarithm, inside the bounds."""
+def starts(excitation: Excitation, count: int, visible: Deflections) -> list[Values]:
+    """Start from `count` deflections, evenly over the logarithm, inside the bounds."""
     low, high = visible(excitation)
-    return [float(value) for value in np.geomspace(low, high, count + 2)[1:-1]]
+    inside = np.geomspace(low, high, count + 2)[1:-1]
+    return [{"level": 0.07 * excitation.torque, "deflection": float(value)} for value in inside]
 
 
 def typical_deflection(states: States) -> float:

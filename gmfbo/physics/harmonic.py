@@ -10,7 +10,7 @@ import numpy as np
 from gmfbo.physics.effect import EffectParameter, Range, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import number
+from gmfbo.units import number
 
 # Cycles over the stroke where no line was found: a shape to state detectable sizes for.
 _CYCLES = 10.0

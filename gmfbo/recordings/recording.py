@@ -248,6 +248,5 @@ class _Words:
         return self.tunable
 
     def names(self) -> frozenset[str]:
-        """Names that a file may use for what the twin knows."""
         columns = (spec.column for spec in self.specs.values())
         return frozenset((*self.specs, *columns, *self.tunable))

@@ -66,7 +66,7 @@ class OneRun:
         stamps = _Stamps([], [])
         with Tuner(self.study, method=self.method, store=store) as tuner:
             tuner.run(stamps.take)
-            goals = true_goals(self.study, tuner.history, self.side, self.truth)
+            goals = _true_goals(self.study, tuner.history, self.side, self.truth)
             return self._outcome(tuner.history, goals, stamps), store.record
 
     def _outcome(self, history: History, goals: Sequence[Goal], stamps: _Stamps) -> Outcome:
@@ -74,11 +74,11 @@ class OneRun:
         real = history.of("IS1")
         descent = Descent.of(
             # A plant that is an FMU repeats exactly: what is observed is the noise-free cost.
-            [float(true_costs(history, trial.metrics)) for trial in real],
+            [float(_true_costs(history, trial.metrics)) for trial in real],
             goals,
             change.after_runs if change else None,
         )
-        within = real_runs_within(history.trials, stamps.queries, PAPER_QUERIES)
+        within = _real_runs_within(history.trials, stamps.queries, PAPER_QUERIES)
         most = budget.is1_runs or budget.initial_is1 + budget.most_queries
         return Outcome(
             study=self.key,
@@ -91,7 +91,7 @@ class OneRun:
             median=_short(goals[-1].median),
             best=tuple(map(_short, descent.best)),
             regret=tuple(map(_short, descent.regret)),
-            cost=cost_by_query(history.trials, stamps.queries),
+            cost=_cost_by_query(history.trials, stamps.queries),
             seconds=stamps.each,
             seconds_before=_short(stamps.began),
             twin_runs=len(history.of("IS2")),
@@ -176,36 +176,16 @@ def make_truth(study: Study, side: int, truth: Path) -> None:
             opened.grid(plant, side, truth)
 
 
-def true_goals(study: Study, history: History, side: int, truth: Path) -> list[Goal]:
-    """Goals of the plant, and of the changed plant, by the study's own cost.
-
-    Parameters
-    ----------
-    study : Study
-        With its seed.
-    history : History
-        With its cost's constants, which come from the initial runs of the twin.
-    side : int
-        Points along a side of the grid.
-    truth : Path
-        Folder of the plant's grids.
-    """
+def _true_goals(study: Study, history: History, side: int, truth: Path) -> list[Goal]:
+    """Goals of the plant, and of the changed plant, by the study's own cost."""
     opened = TrueSources.open(study)
     with closing(opened.sources):
         grids = [opened.grid(plant, side, truth) for plant in opened.plants]
-    return [Goal.over(true_costs(history, grid.metrics)) for grid in grids]
+    return [Goal.over(_true_costs(history, grid.metrics)) for grid in grids]
 
 
-def true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-    """Cost by which runs are judged; breaking a limit counts as failing.
-
-    Parameters
-    ----------
-    history : History
-        With its cost's constants and limits.
-    metrics : mapping of str to array_like, shape (...)
-        Of runs [% or s].
-    """
+def _true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+    """Cost by which runs are judged, shape of a metric [% or s]; breaking a limit is failing."""
     costs, limits = history.objective.value(metrics), history.limits
     met = np.ones(costs.shape, dtype=bool)
     for name, values in limits.limited(metrics).items():
@@ -213,20 +193,10 @@ def true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np
     return np.where(met, costs, history.objective.failed)
 
 
-def cost_by_query(trials: Sequence[Trial], queries: Sequence[int]) -> tuple[float, ...]:
-    """Cost after the initial data, and after each query with all runs that it entailed.
+def _cost_by_query(trials: Sequence[Trial], queries: Sequence[int]) -> tuple[float, ...]:
+    """Cost [real runs] after the initial data, and after each query with all that it entailed.
 
-    Parameters
-    ----------
-    trials : sequence of Trial
-        All runs in order.
-    queries : sequence of int
-        Numbers of the trials that a method asked for, in order.
-
-    Returns
-    -------
-    tuple of float
-        One more than queries; in units of a real run: 1 for IS1, 0.1 for IS2 and IS3.
+    `queries` are the numbers of the trials that a method asked for, in order.
     """
     asked = set(queries)
     account = [0.0]
@@ -237,18 +207,8 @@ def cost_by_query(trials: Sequence[Trial], queries: Sequence[int]) -> tuple[floa
     return tuple(map(_short, account))
 
 
-def real_runs_within(trials: Sequence[Trial], queries: Sequence[int], most: int) -> int:
-    """Real runs, initial ones counted, by the end of a number of queries.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        All runs in order.
-    queries : sequence of int
-        Numbers of the trials that a method asked for, in order.
-    most : int
-        Queries of either source.
-    """
+def _real_runs_within(trials: Sequence[Trial], queries: Sequence[int], most: int) -> int:
+    """Real runs, initial ones counted, by the end of the first `most` queries of either source."""
     after = set(queries[most:])
     return sum(trial.source == "IS1" and trial.number not in after for trial in trials)
 

@@ -116,7 +116,7 @@ class PlannedComparison:
                 f"earlier = '{study.file.earlier}'; a comparison lets every method begin from "
                 "nothing"
             )
-        key = study_key(study, wanted.grid)
+        key = _study_key(study, wanted.grid)
         planned = cls(study, folder, wanted, key, gather(study), folder.outcomes(key))
         planned._read({path.name: path.read_bytes() for path in folder.truth.glob("*.csv")})
         return planned
@@ -201,7 +201,6 @@ class PlannedComparison:
         return [(m, seed) for m, seed in self.wanted.runs() if (m.name, seed) not in have]
 
     def _names(self, seed: int) -> frozenset[str]:
-        """Names of the grids of the plant on a seed."""
         same = seed if seeds_apart(self.study) else 0
         if same not in self._named:
             study = seeded(self.study, same, self.study.file.method, self.study.location)
@@ -230,16 +229,8 @@ class PlannedComparison:
         )
 
 
-def study_key(study: Study, grid: int) -> str:
-    """Hash of all that the runs of a comparison share.
-
-    Parameters
-    ----------
-    study : Study
-        As given; name, folder, method and seed do not count.
-    grid : int
-        Points along a side.
-    """
+def _study_key(study: Study, grid: int) -> str:
+    """Hash of all that the runs share; name, folder, method and seed do not count."""
     # The twins' hashes hold the seed where the study file says so, hence always that of seed 0.
     first = seeded(study, 0, study.file.method, study.location)
     parts = first.file.model_dump(mode="json", exclude={"name", "out", "method", "seed", "earlier"})

@@ -9,7 +9,6 @@ NumPy observations and settings, `predict` gives NumPy back::
     mean, variance = model.predict(points (m, d), "IS1")     # [g], [g^2]
     covariance = model.covariance(points (m, d), "IS1", "IS2")   # of both sources at one point
     model.note            # "" or, in a line, what went wrong in the fit and what was done
-    model.hyperparameters()                                  # numbers for a log
 
 `posterior` (BoTorch) and `predict` agree; `predict` takes thousands of points at once.
 """
@@ -168,26 +167,6 @@ class SourceModel(SingleTaskGP):
             prior = self.covar_module.forward(one, two, diag=True)
             both = prior - (self._project(one)[1] * self._project(two)[1]).sum(dim=0)
             return (self._scale()[1] ** 2 * both).numpy()
-
-    def hyperparameters(self) -> dict[str, float]:
-        """Fitted numbers by name, for a log; lengthscales in the unit cube."""
-        kernel = self.covar_module
-        named = {
-            "outputscale_0": kernel.shared.outputscale,
-            "outputscale_1": kernel.discrepancy.outputscale,
-            "source_lengthscale": kernel.source_lengthscale,
-            "third_place": kernel.third_place,
-        }
-        for index, part in enumerate((kernel.shared, kernel.discrepancy)):
-            lengths = part.base_kernel.lengthscale.flatten()
-            for column, length in enumerate(lengths):
-                suffix = f"[{column}]" if len(lengths) > 1 else ""
-                named[f"lengthscale_{index}{suffix}"] = length
-        numbers = {name: float(value.detach()) for name, value in named.items()}
-        noise = self.likelihood.noise.detach()
-        names = ("IS1", "IS2", "IS3") if len(noise) == 3 else ("all",)
-        numbers.update({f"noise.{n}": float(v) for n, v in zip(names, noise, strict=True)})
-        return {**numbers, "source_correlation": kernel.source_correlation}
 
     def _scale(self) -> tuple[Tensor, Tensor]:
         transform: Any = self.outcome_transform

@@ -136,5 +136,4 @@ class DriftWatch:
         return None if distances.min() <= NEXT_TO else best
 
     def _weighed(self, real: list[Trial]) -> int:
-        """Real runs that were weighed before."""
         return sum(trial.number < self.history.last_asked for trial in real)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.page.law_text import law_html
+from gmfbo.diagnosis.page.effect_account import law_html
 from gmfbo.pages.marked_number import (
     json_path,
     marked_interval,

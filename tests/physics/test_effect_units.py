@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, Units
-from gmfbo.physics.units import number, percent, quantity
-from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.units import parse_unit
 
 ROTARY = Units(command="V", current="A", load="A")
 SLIDE = Units(torque="N", position="m", velocity="m/s", command="N", current="N", load="N")
@@ -52,29 +49,3 @@ def test_every_unit_of_the_catalogue_is_one_that_recordings_understand() -> None
 def test_an_unknown_word_is_refused() -> None:
     with pytest.raises(InputError, match=r"no unit 'torqe'; did you mean 'torque'"):
         ROTARY.resolve("torqe/velocity")
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "words"),
-    [
-        (0.5193, "N.m", "0.52 N m"),
-        (0.0021, "s", "2.1 ms"),
-        (8e-4, "rad", "0.8 mrad"),
-        (-0.0421, "N.m", "-0.042 N m"),
-        (20.4, "N", "20 N"),
-        (0.031, "N.m/(rad/s)", "0.031 N m/(rad/s)"),
-        (12.3, "1", "12.3"),
-        (0.0, "s", "0 s"),
-    ],
-)
-def test_quantities_are_short(value: float, unit: str, words: str) -> None:
-    assert quantity(value, unit) == words
-
-
-def test_shares_are_percentages() -> None:
-    assert percent(0.0423) == "4.2 %"
-
-
-@given(st.floats(1e-12, 1e12))
-def test_numbers_keep_their_first_digits(value: float) -> None:
-    assert float(number(value)) == pytest.approx(value, rel=0.06)

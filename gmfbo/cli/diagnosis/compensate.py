@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 from typing import Annotated
 
@@ -10,10 +9,9 @@ import typer
 
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
+from gmfbo.plain_words import wrapped
 
-WIDTH = 79
 INDENT = 15
-
 
 MANUAL = Manual(
     files={"FILE": "table over the state (.csv), or functions without dependencies (.c)"},
@@ -57,7 +55,8 @@ def compensate(
     from gmfbo.diagnosis.compensation.compensation import compensation_of
     from gmfbo.diagnosis.compensation.text import c_text, csv_text, formula, target_words
     from gmfbo.files.durable import cause, write_whole
-    from gmfbo.plain_words import number, unit_words, words
+    from gmfbo.plain_words import number, words
+    from gmfbo.units import unit_words
 
     made = compensation_of(Diagnosis.from_json(folder), str(folder), smoothing)
     text = csv_text(made) if out.suffix.lower() == ".csv" else c_text(made)
@@ -86,7 +85,5 @@ def compensate(
 
 
 def _say(head: str, text: str) -> None:
-    lines = textwrap.wrap(text, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
-    for line in lines:
-        typer.echo(f"{head:<{INDENT}}{line}")
-        head = ""
+    for line in wrapped(text, f"{head:<{INDENT}}"):
+        typer.echo(line)

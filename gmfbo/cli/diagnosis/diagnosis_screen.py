@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts, rivals_text
-from gmfbo.plain_words import interval, number, percent, probability, words
+from gmfbo.plain_words import WIDTH, interval, number, percent, probability, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.result.named_effect import NamedEffect
 
-WIDTH = 79
 HEIGHT = 23  # the prompt takes the last line
 INDENT = 13
 
@@ -78,7 +77,6 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
 
 
 def _cut(lines: list[str], most: int, width: int = WIDTH) -> list[str]:
-    """At most so many lines; dots where some are left out."""
     if len(lines) <= most:
         return lines
     last = textwrap.shorten(lines[most - 1], width - 4, placeholder="")

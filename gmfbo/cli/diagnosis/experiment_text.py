@@ -7,28 +7,18 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from gmfbo.plain_words import number, percent, quantity, words
+from gmfbo.plain_words import WIDTH, number, percent, quantity, words, wrapped
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.experiment.observed import Confirmation
     from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
 
-WIDTH = 79
 INDENT = 13
 _EFFECTS = 6  # that are listed with their sizes
 
 
 def _entry(head: str, text: str, most: int = 4) -> list[str]:
-    wrapped = textwrap.wrap(
-        text,
-        WIDTH - INDENT,
-        break_long_words=False,
-        break_on_hyphens=False,
-        max_lines=most,
-        placeholder=" ...",
-    )
-    heads = [head, *[""] * (len(wrapped) - 1)]
-    return [f"{name:<{INDENT}}{line}" for name, line in zip(heads, wrapped, strict=True)]
+    return wrapped(text, f"{head:<{INDENT}}", most)
 
 
 def experiment_lines(proposed: ProposedExperiment, written: str) -> list[str]:

@@ -66,7 +66,6 @@ def report(
 
 
 def _page(path: Path, figures: Path | None) -> tuple[str, list[Path]]:
-    """The page, and the figures that were drawn."""
     if (path / TABLE_NAME).is_file():
         return _comparison_page(path, figures)
     from gmfbo.reports.study.page import study_page

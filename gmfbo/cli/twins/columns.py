@@ -104,7 +104,7 @@ def _settings(texts: list[str]) -> dict[str, MappedColumn]:
 
 
 def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
-    from gmfbo.recordings.columns.units import parse_unit
+    from gmfbo.units import parse_unit
 
     names = [column.name for column in file.columns]
     for name, entry in settings.items():

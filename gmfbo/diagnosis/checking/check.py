@@ -68,7 +68,7 @@ def check(
         The twin as it is cannot follow the recordings.
     """
     started = time.perf_counter()
-    told = progress or _silent
+    told = progress or (lambda stage, share: None)
     told("reading", 0.0)
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     try:
@@ -82,10 +82,6 @@ def check(
     finally:
         if not isinstance(twin, FmuTwin):
             opened.close()
-
-
-def _silent(stage: str, share: float) -> None:
-    """Tell nobody."""
 
 
 class _Counted:

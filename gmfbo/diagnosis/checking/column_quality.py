@@ -1,4 +1,4 @@
-"""Faults of logging that a column shows by itself: repeats, latches, clipping, lost rows."""
+"""Faults of logging: repeats, latches, clipping and lost rows of columns, and uneven clocks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from gmfbo.diagnosis.checking.result import ClockQuality
 from gmfbo.diagnosis.runs.scored_record import resolution
 
 Array = NDArray[np.float64]
@@ -164,3 +165,25 @@ def _steps(values: Array) -> _Steps:
         & (excess > max(_JUMP_SPREADS * spread, least))
     )
     return _Steps(ratio, jumps, np.abs(usual) > _MOVING * least)
+
+
+def clock_quality(time: NDArray[np.float64], lost: NDArray[np.int64]) -> ClockQuality:
+    """Judge the times of the rows.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s] Of the rows of the fastest signal.
+    lost : ndarray of int
+        Rows before which all signals jump.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    places = np.round(steps / usual).clip(1.0)
+    own = steps[places == 1.0]
+    return ClockQuality(
+        step=usual,
+        jitter=float(np.abs(own / usual - 1.0).max()),
+        lost_by_clock=int(np.sum(places - 1.0)),
+        lost_at=tuple(float(time[row]) for row in lost if places[row - 1] == 1.0),
+    )

@@ -206,7 +206,6 @@ def _of_column(
 
 
 def _twin_clips(case: Case, record: int, signal: str) -> bool:
-    """Whether the twin as it is runs into the same kind of limit."""
     simulated = case.base.simulated[record].response.held.get(signal)
     if simulated is None:
         return False

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
-from gmfbo.diagnosis.checking.clock_quality import clock_quality
 from gmfbo.diagnosis.checking.column_quality import (
     clipped_rows,
+    clock_quality,
     is_latched,
     lost_rows,
     refresh_rows,
     repeated_rows,
 )
-from gmfbo.diagnosis.checking.known_limits import known_limit
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
     ColumnQuality,
@@ -30,9 +31,11 @@ from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
 from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, resolution
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.twin import FmuTwin
 
 Array = NDArray[np.float64]
 
+_LIMIT_NAMES = re.compile(r"(limit|max|saturation)", re.IGNORECASE)
 _AT_LIMIT = 0.99  # of a limit, from which a signal counts as at it
 
 
@@ -141,7 +144,7 @@ def _quality(case: Case, recording: Recording, name: str, *, is_command: bool) -
     is_output = name in case.twin.file.outputs
     refresh = refresh_rows(values, quantum)
     repeated = clipped = 0
-    limit = known_limit(case.twin, name, is_command=is_command) if is_output else None
+    limit = _known_limit(case.twin, name, is_command=is_command) if is_output else None
     # An input may hold its value as long as it was asked to.
     if is_output and not is_latched(refresh):
         repeated = repeated_rows(values, quantum).size
@@ -171,3 +174,36 @@ def _unit(case: Case, name: str) -> str:
     file = case.twin.file
     variable = (file.outputs[name] if name in file.outputs else file.inputs[name]).variable
     return case.twin.binding.variables[variable].variable.si_unit
+
+
+class _KnownLimit(NamedTuple):
+    """Size [SI] that a signal does not exceed in the twin, and what says so."""
+
+    size: float
+    source: str
+
+
+def _known_limit(twin: FmuTwin, signal: str, *, is_command: bool) -> _KnownLimit | None:
+    """Find the limit that a twin states for one of its [outputs]; None where it states none.
+
+    For a command, a parameter that is called a limit and has the same unit counts as well.
+    """
+    binding = twin.binding
+    name = twin.file.outputs[signal].variable
+    variable = binding.variables[name].variable
+    ends = [abs(end) for end in (variable.minimum, variable.maximum) if end is not None]
+    if ends and max(ends) > 0.0:
+        return _KnownLimit(max(ends) * variable.to_si, name)
+    if not is_command:
+        return None
+    found = []
+    for other, bound in binding.variables.items():
+        own = bound.variable
+        if own.causality != "parameter" or own.value_type is None:
+            continue
+        last = other.rpartition(".")[2]
+        if own.si_unit and own.si_unit == variable.si_unit and _LIMIT_NAMES.search(last):
+            value = twin.nominal(other) * own.to_si
+            if value > 0.0:
+                found.append(_KnownLimit(value, other))
+    return min(found, key=lambda limit: limit.size, default=None)

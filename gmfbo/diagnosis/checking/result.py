@@ -276,11 +276,6 @@ class Check:
     units: Mapping[str, str]
     cost: Cost
 
-    @property
-    def has_reversal(self) -> bool:
-        """Without one, friction and a constant torque look alike and a gap does not show."""
-        return any(facts.reversals for facts in self.recordings.values())
-
     def to_json(self) -> str:
         """Return all numbers as JSON; a number that is not finite becomes null."""
         content = {"schema": CHECK_SCHEMA, **_plain(asdict(self))}

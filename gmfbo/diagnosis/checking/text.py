@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
-from gmfbo.plain_words import number, percent, quantity, unit_words, words
+from gmfbo.plain_words import number, percent, quantity, words, wrapped
+from gmfbo.units import unit_words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.checking.result import (
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
         ResponseSeen,
         Showable,
     )
-
-WIDTH = 79
 
 # What drives lack most often, one of each kind; the others stand behind `every`.
 _USUAL = (
@@ -61,7 +59,7 @@ def check_lines(check: Check, *, every: bool = False) -> list[str]:
         *_responses(check),
         *_sizes(check, every),
         *_silent(check),
-        *(line for note in check.notes for line in _wrapped("note: ", note)),
+        *(line for note in check.notes for line in wrapped(note, "note: ")),
         f"cost: {check.cost.simulations} simulations in {check.cost.seconds:.1f} s",
     ]
 
@@ -76,8 +74,8 @@ def _findings(check: Check, every: bool) -> list[str]:
     lines = [f"{check.twin}: {runs}, {len(alike)} thing{'s' if len(alike) != 1 else ''} to look at"]
     shown = alike if every else alike[:_MOST_FINDINGS]
     for group in shown:
-        lines += _wrapped("! ", f"{_title(group)}: {group[0].what}")
-        lines += _wrapped("  -> ", group[0].cure)
+        lines += wrapped(f"{_title(group)}: {group[0].what}", "! ")
+        lines += wrapped(group[0].cure, "  -> ")
     if len(alike) > len(shown):
         lines.append(f"  and {len(alike) - len(shown)} more: --all")
     return lines
@@ -98,17 +96,6 @@ def _title(group: Sequence[Finding]) -> str:
     place = f"{first.recording} and {others} more" if others else first.recording
     parts = [part for part in (place, words(first.signal)) if part]
     return ", ".join(parts) or "all recordings"
-
-
-def _wrapped(head: str, text: str) -> list[str]:
-    return textwrap.wrap(
-        text,
-        WIDTH,
-        initial_indent=head,
-        subsequent_indent=" " * len(head),
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
 
 
 def _table(told: Sequence[tuple[str, ...]]) -> list[str]:
@@ -199,7 +186,7 @@ def _peak(told: tuple[float, float | None, str]) -> str:
 
 def _controller(check: Check) -> list[str]:
     if check.parity_why_not:
-        return _wrapped("controller: ", f"not checked: {check.parity_why_not}")
+        return wrapped(f"not checked: {check.parity_why_not}", "controller: ")
     worst = max(facts.parity for facts in check.recordings.values())
     word = "computes" if worst <= FAILS_ABOVE else "does not compute"
     shown = f"{worst:.0f}" if worst >= 10.0 else f"{worst:.2f}"
@@ -213,7 +200,7 @@ def _responses(check: Check) -> list[str]:
     lines = []
     for one in check.responses:
         told = f"{words(one.source)} to {words(one.signal)}: {_response(one)}"
-        lines += _wrapped("", told)
+        lines += wrapped(told, "")
     return [*lines, ""]
 
 
@@ -262,4 +249,4 @@ def _silent(check: Check) -> list[str]:
     for entry in entries:
         reasons.setdefault(entry.why, []).append(words(entry.name))
     told = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
-    return _wrapped("cannot show: ", told)
+    return wrapped(told, "cannot show: ")

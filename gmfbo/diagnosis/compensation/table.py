@@ -13,10 +13,6 @@ Column = NDArray[np.float64]
 TARGETS = ("torque", "command", "reference")
 """What a compensation is added to."""
 
-FACTORS = ("", "direction", "current", "load")
-"""What the value of a table is multiplied by: nothing, the smoothed sign of the velocity, the
-current with its sign, or the amount of load."""
-
 
 @dataclass(frozen=True, eq=False)
 class CompensationTable:
@@ -35,7 +31,8 @@ class CompensationTable:
     unit_x, unit_y : str
         As the twin's FMU spells them.
     factor : str
-        One of FACTORS.
+        What its value is multiplied by: nothing where empty, the smoothed sign of the velocity
+        (`direction`), the `current` with its sign, or the amount of `load`.
     rest : float
         [velocity] Within which the sign of the velocity rises from -1 to 1.
     period : float

@@ -178,7 +178,6 @@ class _Choice:
 
     @property
     def apart(self) -> dict[tuple[str, str], float]:
-        """Pairs that it tells apart."""
         return {pair: d for pair, d in self.distances.items() if d >= self.threshold}
 
     def telling_apart(self, told: Mapping[str, str]) -> NextExperiment:

@@ -142,7 +142,6 @@ def make_menu(case: Case, base: Fitted, reference: str) -> Menu:
 def _as_recording(
     case: Case, like: Record, reference: str, entry: MenuEntry, limits: RecordedLimits
 ) -> Recording:
-    """A file to play: the reference moves, other inputs stay as they began."""
     time = np.arange(entry.values.size, dtype=np.float64) * limits.spacing
     signals = {
         name: entry.values if name == reference else np.full(time.size, column[0])

@@ -12,8 +12,8 @@ from gmfbo.diagnosis.experiment.menu_runs import Played
 from gmfbo.diagnosis.runs.measured_excitation import states_of
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.physics import States
-from gmfbo.physics.units import quantity
 from gmfbo.plain_words import words
+from gmfbo.units import quantity
 
 _SMOOTH_S = 0.01
 _AFTER_S = 0.15  # longer after a reversal, nobody would say so

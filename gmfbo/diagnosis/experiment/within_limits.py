@@ -83,7 +83,7 @@ def propose_experiment(
     SimulationError
         The twin cannot follow what would be played.
     """
-    told = progress or _silent
+    told = progress or (lambda stage, share: None)
     explanations = _explanations(diagnosis)
     points = [Point(), *(Point(e.parameters, e.physics) for e in explanations)]
     played = played_input(twin)
@@ -108,10 +108,6 @@ def propose_experiment(
             return choice.proposed(recording, limits, peaks)
         finally:
             case.simulations.close()
-
-
-def _silent(stage: str, share: float) -> None:
-    """Tell nobody."""
 
 
 def _explanations(diagnosis: Diagnosis | None) -> tuple[Explanation, ...]:
@@ -215,14 +211,12 @@ class _Choice:
 
     @property
     def words(self) -> str:
-        """What is played."""
         first, second = (self.entries[place].words for place in self.best)
         return f"{first}, played twice" if first == second else f"{first}, then {second}"
 
     def proposed(
         self, recording: Recording, limits: PlayLimits, peaks: Peaks
     ) -> ProposedExperiment:
-        """Gather what comes of the best two patterns."""
         sizes = {name: self._size(name, self.best) for name in self.excited.showable}
         shows = {
             name: DetectableSize(

@@ -161,7 +161,6 @@ class _Search:
 
     @property
     def has_columns(self) -> bool:
-        """Whether a model nearby has some of the columns."""
         return bool(self._near)
 
     def forget(self) -> None:
@@ -169,7 +168,6 @@ class _Search:
         self._near, self._last = {}, None
 
     def solution(self, x: Array, steps: int) -> Array:
-        """Where a search from x ends."""
         found = least_squares(
             self.residual,
             x,
@@ -236,7 +234,6 @@ class _Search:
         return self._measured(x, range(x.size))
 
     def _measured(self, x: Array, which: Sequence[int]) -> list[Columns]:
-        """Columns at x of some parameters."""
         at = x.tobytes()
         missing = [i for i in which if (at, i) not in self._columns]
         found = self._misfit.sensitivities(

@@ -28,7 +28,7 @@ from gmfbo.diagnosis.result.whereabouts import Location, SignalPath, TimeWindow
 from gmfbo.diagnosis.runs.measured_excitation import states_of
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.physics import States, Units
-from gmfbo.physics.units import quantity
+from gmfbo.units import quantity
 
 _ALWAYS = 0.6  # of the rows that move: an effect that acts in more has no special place
 _SHOWS_LATE_S = 0.04  # the loop takes as long to show what a torque does
@@ -107,7 +107,6 @@ def _path(words: str) -> SignalPath:
 
 
 def _where(case: Case, candidate: Candidate, fitted_with: Fitted, most: int) -> list[Stretch]:
-    """Stretches in which one effect acts and changes most."""
     weights = _contribution(case, candidate, fitted_with)
     grids, acts, moves = [], [], []
     for k, (record, run) in enumerate(

@@ -68,14 +68,8 @@ def recordings_to_show(diagnosis: Findings) -> list[str]:
     return sorted(names, key=lambda name: (name not in held_out, -gains.get(name, 0.0)))
 
 
-def ordered_curves(diagnosis: Findings) -> list[Curve]:
-    """Return the curves as they are shown: the signal that improves most comes first.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        What was found.
-    """
+def _ordered_curves(diagnosis: Findings) -> list[Curve]:
+    """Return the curves as they are shown: the signal that improves most comes first."""
     fit = diagnosis.fit.signals
     best = diagnosis.fit.most_improved
     if best is None and fit:
@@ -101,7 +95,7 @@ def before_and_after_panels(diagnosis: Findings) -> list[str]:
     list of str
         A `<figure>` for each, the most telling first.
     """
-    curves = ordered_curves(diagnosis)
+    curves = _ordered_curves(diagnosis)
     buckets = max(30, min(MOST_BUCKETS, _MOST_POINTS // (10 * max(1, len(curves)))))
     return [_panel(diagnosis, place, curve, buckets) for place, curve in enumerate(curves)]
 
@@ -119,7 +113,7 @@ def curves_json(diagnosis: Findings) -> str:
     str
         A `<script>` element with as many rows as a page of moderate size holds.
     """
-    curves = ordered_curves(diagnosis)
+    curves = _ordered_curves(diagnosis)
     rows = _MOST_NUMBERS // (5 * max(1, len(curves)))
     told = [_content(curve, rows) for curve in curves]
     return embedded_json("curves", json.dumps(told, separators=(",", ":"), allow_nan=False))
@@ -145,16 +139,15 @@ def shape_chart(shape: Shape) -> str:
     chart = line_chart(
         lines,
         title=f"missing {words(shape.port)} against {words(shape.against)}",
-        x_label=axis_words(words(shape.against), shape.unit_x),
-        y_label=axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
+        x_label=_axis_words(words(shape.against), shape.unit_x),
+        y_label=_axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
         style="shape",
         band=Band(x[known], low[known], high[known]) if known.any() else None,
     )
     return f"<figure>{legend(lines)}{chart}</figure>"
 
 
-def axis_words(what: str, unit: str) -> str:
-    """Quantity with its unit, for an axis."""
+def _axis_words(what: str, unit: str) -> str:
     return f"{what} [{unit_text(unit)}]" if unit_text(unit) else what
 
 
@@ -195,7 +188,7 @@ def _panel(diagnosis: Findings, place: int, curve: Curve, buckets: int) -> str:
         lines,
         title=f"{name} in {curve.recording}",
         x_label="" if left else "time [s]",
-        y_label=axis_words(name, curve.unit),
+        y_label=_axis_words(name, curve.unit),
         windows=windows,
         buckets=buckets,
     )
@@ -204,7 +197,7 @@ def _panel(diagnosis: Findings, place: int, curve: Curve, buckets: int) -> str:
             left,
             title=f"{name} error in {curve.recording}",
             x_label="time [s]",
-            y_label=axis_words("what is left: recorded less simulated", curve.unit),
+            y_label=_axis_words("what is left: recorded less simulated", curve.unit),
             style="low",
             windows=windows,
             buckets=buckets,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from html import escape
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import part_words
-from gmfbo.diagnosis.page.law_text import law_html
 from gmfbo.pages.html_page import columns, paragraph, table
 from gmfbo.pages.marked_number import (
     marked_interval,
@@ -19,6 +19,8 @@ from gmfbo.plain_words import words
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
     from gmfbo.diagnosis.result.named_effect import NamedEffect
+
+_GREEK = {"tau": "τ", "omega": "ω", "phi": "φ", "mu": "μ", "pi": "π"}
 
 
 def effect_account(place: int, diagnosis: Findings) -> str:
@@ -112,3 +114,27 @@ def _recordings(place: int, effect: NamedEffect, diagnosis: Findings) -> str:
     ]
     listed = table(["recording", "part", "evidence"], rows, numbers=(2,))
     return f"<h4>Evidence by recording</h4>{listed}" if rows else ""
+
+
+def law_html(equation: str) -> str:
+    """Set the text of an equation.
+
+    Parameters
+    ----------
+    equation : str
+        As an effect states it, such as `tau = -F_c * sign(omega)`.
+
+    Returns
+    -------
+    str
+        HTML; what is not understood stays as it is.
+    """
+    text = escape(equation)
+    text = re.sub(
+        r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b",
+        lambda m: f"{_GREEK.get(m[1], m[1])}<sub>{m[2]}</sub>",
+        text,
+    )
+    text = re.sub(r"\b(tau|omega|phi|mu|pi)\b", lambda m: _GREEK[m[1]], text)
+    text = re.sub(r"\^(-?\w+)", r"<sup>\1</sup>", text)
+    return text.replace(" * ", "\u202f·\u202f").replace("-", "−").replace("&lt;=", "≤")

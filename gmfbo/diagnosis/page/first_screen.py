@@ -78,7 +78,7 @@ def _head(diagnosis: Findings) -> str:
         "insufficient": "the recordings cannot tell enough",
     }[diagnosis.evidence]
     named = f"<span>Diagnosis of <b>{escape(twin)}</b></span>" if twin else "<span>Diagnosis</span>"
-    headline, rest = split_sentence(verdict_sentence(diagnosis))
+    headline, rest = _split_sentence(verdict_sentence(diagnosis))
     return (
         f'<header><div class="top">{named}'
         f'<span class="badge {diagnosis.verdict}">{verdict}</span>'
@@ -99,19 +99,8 @@ def unbroken(text: str) -> str:
     return _QUANTITY.sub(lambda found: found[0].replace(" ", "\u00a0"), text)
 
 
-def split_sentence(sentence: str) -> tuple[str, str]:
-    """Split a verdict into a headline and the rest, at the end of a sentence.
-
-    Parameters
-    ----------
-    sentence : str
-        One or a few sentences.
-
-    Returns
-    -------
-    headline, rest : str
-        The whole and nothing where it is short; joined by a blank they are the verdict.
-    """
+def _split_sentence(sentence: str) -> tuple[str, str]:
+    """Headline and rest of a verdict; the whole and nothing where it is short."""
     if len(sentence) <= _HEADLINE:
         return sentence, ""
     ends = [found.end() - 1 for found in re.finditer(r"[.] (?=[A-Z])", sentence)]

@@ -53,7 +53,6 @@ def save(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
 
 
 def _write_twin(diagnosis: Findings, folder: Path) -> tuple[tuple[Path, ...], str]:
-    """Write the augmented twin: its files, and why there are none."""
     if diagnosis.augmentation is None:
         return _kept_twin(diagnosis, folder), ""
     private = PrivateFolder()

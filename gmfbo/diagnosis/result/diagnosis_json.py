@@ -85,7 +85,6 @@ def read_diagnosis(kind: type[F], path: Path) -> F:
 
 
 def _plain(value: Any) -> Any:
-    """Turn values into what JSON knows."""
     if isinstance(value, DetectableSize):
         return {value.parameter: _plain(value.size), "unit": value.unit}
     if is_dataclass(value):
@@ -132,7 +131,6 @@ def _is_required(field: Any) -> bool:
 
 
 def _value(kind: Any, content: Any, where: str) -> Any:
-    """Return what JSON holds as the type that a field declares."""
     if get_origin(kind) in (Union, UnionType):
         inner = next(part for part in get_args(kind) if part is not NoneType)
         return None if content is None else _value(inner, content, where)

@@ -82,7 +82,7 @@ def _physics(diagnosis: Findings) -> str:
 
 def _outside(diagnosis: Findings) -> str:
     from gmfbo.physics import CATALOGUE
-    from gmfbo.physics.units import quantity as prefixed
+    from gmfbo.units import quantity as prefixed
 
     if len({entry.name for entry in diagnosis.not_testable}) >= len(CATALOGUE):
         return (

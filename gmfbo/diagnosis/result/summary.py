@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 COLUMNS = ("nominal", "parameters only", "augmented", "noise floor")
 
 
-def fit_cells(fit: SignalFit) -> tuple[str, str, str, str]:
+def _fit_cells(fit: SignalFit) -> tuple[str, str, str, str]:
     """Errors of one signal [%], in the order of `COLUMNS`."""
     return (
         percent(fit.nominal),
@@ -44,7 +44,7 @@ def fit_lines(diagnosis: Findings) -> list[str]:
     if not diagnosis.fit.signals:
         return []
     rows = [("error, unseen runs", COLUMNS)]
-    rows += [(words(name), fit_cells(fit)) for name, fit in diagnosis.fit.signals.items()]
+    rows += [(words(name), _fit_cells(fit)) for name, fit in diagnosis.fit.signals.items()]
     wide = min(max(len(name) for name, _ in rows), 28)
     return [
         (name if len(name) <= wide else f"{name[: wide - 3]}...").ljust(wide)
@@ -83,7 +83,7 @@ def _fit_html(diagnosis: Findings) -> str:
     heads = "".join(f"<th>{name}</th>" for name in ("error, unseen recordings", *COLUMNS))
     rows = "".join(
         f"<tr><td>{escape(words(name))}</td>"
-        + "".join(f"<td>{cell}</td>" for cell in fit_cells(fit))
+        + "".join(f"<td>{cell}</td>" for cell in _fit_cells(fit))
         + "</tr>"
         for name, fit in diagnosis.fit.signals.items()
     )

@@ -49,7 +49,7 @@ def windows_of(
     # Few or short recordings are cut finer, so that something can be left out of a fit.
     width = max(min(_WINDOW_S, total / _LEAST_WINDOWS), _LOOP_TIMES * loop_time)
     for k, record in enumerate(records):
-        elsewhere = bool(nominal) and starts_elsewhere(record, nominal[k], positions, loop_time)
+        elsewhere = bool(nominal) and _starts_elsewhere(record, nominal[k], positions, loop_time)
         found = [
             window
             for stretch in record.stretches(_SETTLING * loop_time, starts_elsewhere=elsewhere)
@@ -86,23 +86,13 @@ def _windows_within(
     return windows
 
 
-def starts_elsewhere(
+def _starts_elsewhere(
     record: Record, nominal: Simulated, positions: Collection[str], loop_time: float
 ) -> bool:
     """Whether a recording starts at another place or speed than its twin.
 
-    Within the first few rows neither parameters nor physics move anything that was at rest.
-
-    Parameters
-    ----------
-    record : Record
-        What was measured.
-    nominal : Simulated
-        The same by the twin as it is.
-    positions : collection of str
-        Signals by which that is told; a command differs by any load.
-    loop_time : float
-        [s] For which a wrong speed goes on.
+    Within the first few rows neither parameters nor physics move anything that was at rest. Told
+    by positions, since a command differs by any load; a wrong speed goes on for `loop_time` [s].
     """
     for signal, values in zip(record.signals, nominal.signals, strict=True):
         if signal.name not in positions:

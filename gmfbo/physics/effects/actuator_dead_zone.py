@@ -3,9 +3,9 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.effect import Effect, Values, positive, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -16,11 +16,6 @@ def _signal(states: States, parameters: Values) -> Array:
 def _feature(states: States) -> Array:
     width = max(0.05 * float(np.max(np.abs(states.command))), np.finfo(float).tiny)
     return _signal(states, {"width": width}) / width
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["width"], units.command)
-    return f"A dead zone of the actuator of about {size} to either side is missing from the twin."
 
 
 actuator_dead_zone = Effect(
@@ -42,7 +37,10 @@ actuator_dead_zone = Effect(
         f"where the command is within {quantity(p['width'], units.command)} of zero"
     ),
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "A dead zone of the actuator of about {width} to either side is missing from the twin.",
+        width="command",
+    ),
     equation="u_out = u - min(max(u, -w), w)",
     source="Tao and Kokotovic, 1994",
     confused_with={

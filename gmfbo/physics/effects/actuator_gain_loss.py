@@ -1,8 +1,8 @@
 """Gain loss: the actuator gives less than the command asks for."""
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, percent
+from gmfbo.units import percent
 
 
 def _signal(states: States, parameters: Values) -> Array:

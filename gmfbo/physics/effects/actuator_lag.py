@@ -1,19 +1,7 @@
 """Actuator lag: the current loop or valve follows with a time constant."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Values
-from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return timing.lagged(states.time, states.command, parameters["time"]) - states.command
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["time"], "s")
-    return f"An actuator lag with a time constant of about {size} is missing from the twin."
-
+from gmfbo.physics.effect import Effect, sentence
 
 actuator_lag = Effect(
     name="actuator_lag",
@@ -26,12 +14,15 @@ actuator_lag = Effect(
     size_name="time",
     size_unit="s",
     floor=timing.floor,
-    signal=_signal,
+    signal=lambda states, p: timing.lagged(states.time, states.command, p["time"]) - states.command,
     feature=lambda states: timing.lateness_feature(states.time, states.command),
     acts=timing.command_acts,
     region=lambda p, units: "where the command changes fast",
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "An actuator lag with a time constant of about {time} is missing from the twin.",
+        time="s",
+    ),
     equation="T * d(u_out)/dt = u - u_out",
     source="Leonhard, 1985",
     same_loop=("sensor_lag",),

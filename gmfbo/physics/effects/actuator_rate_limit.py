@@ -3,10 +3,10 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 _SHARES = (3.0, 0.9, 0.5, 0.2, 0.05, 0.012)  # of the fastest command
 _LEAST_LAG = 0.02  # of a row, behind its largest change
@@ -42,11 +42,6 @@ def _fastest(excitation: Excitation) -> float:
     return excitation.command_rate / _LEAST_LAG
 
 
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["rate"], units.resolve("command/s"))
-    return f"The actuator follows at most {size}, a rate limit that is missing from the twin."
-
-
 def _starts(excitation: Excitation) -> list[Values]:
     rates = [share * excitation.command_rate for share in _SHARES]
     return [{"rate": rate} for rate in rates if rate < _fastest(excitation)]
@@ -79,7 +74,10 @@ actuator_rate_limit = Effect(
         "where the command changes faster than " + quantity(p["rate"], units.resolve("command/s"))
     ),
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "The actuator follows at most {rate}, a rate limit that is missing from the twin.",
+        rate="command/s",
+    ),
     equation="abs(d(u_out)/dt) <= rate",
     source="Rundqwist and Ståhl-Gunnarsson, 1996",
     confused_with={

@@ -3,24 +3,15 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return limits.clipped(states.command, parameters["limit"])
+from gmfbo.units import quantity
 
 
 def _feature(states: States) -> Array:
     largest = float(np.max(np.abs(states.command)))
     cut = limits.clipped(states.command, 0.8 * largest)
     return cut / max(0.2 * largest, np.finfo(float).tiny)
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["limit"], units.command)
-    return f"The actuator saturates at about {size}, which is missing from the twin."
 
 
 actuator_saturation = Effect(
@@ -46,12 +37,15 @@ actuator_saturation = Effect(
     size_unit="command",
     floor=limits.cut_floor,
     least_time=limits.LEAST_TIME,
-    signal=_signal,
+    signal=lambda states, p: limits.clipped(states.command, p["limit"]),
     feature=_feature,
     acts=lambda states, p: limits.beyond(states.command, p["limit"]),
     region=lambda p, units: f"where the command is beyond {quantity(p['limit'], units.command)}",
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "The actuator saturates at about {limit}, which is missing from the twin.",
+        limit="command",
+    ),
     equation="u_out = min(max(u, -u_max), u_max)",
     source="Åström and Rundqwist, 1989",
     confused_with={

@@ -3,9 +3,8 @@
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Values, sentence, signed
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -13,15 +12,6 @@ def _signal(states: States, parameters: Values) -> Array:
     levels = np.where(direction > 0.0, parameters["level_positive"], parameters["level_negative"])
     viscous = 0.5 * parameters.get("viscous_difference", 0.0) * np.abs(states.velocity)
     return np.asarray(-levels * direction - viscous, dtype=np.float64)
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    forward = quantity(parameters["level_positive"], units.torque)
-    backward = quantity(parameters["level_negative"], units.torque)
-    return (
-        f"Friction of about {forward} in positive and {backward} in negative direction {place} "
-        "is missing from the twin."
-    )
 
 
 asymmetric_friction = Effect(
@@ -57,7 +47,12 @@ asymmetric_friction = Effect(
     acts=friction.acts_at_reversals,
     region=friction.reversal_region,
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Friction of about {level_positive} in positive and {level_negative} in negative "
+        "direction {place} is missing from the twin.",
+        level_positive="torque",
+        level_negative="torque",
+    ),
     equation="tau = -F_p - d/2 * omega if omega > 0, +F_n + d/2 * omega if omega < 0",
     source="Armstrong-Hélouvry, 1991",
     contains=("coulomb_friction",),

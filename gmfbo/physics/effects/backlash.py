@@ -3,9 +3,8 @@
 import math
 
 from gmfbo.physics import transmission
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.units import Units, quantity
 
 # Blows return 16, 53 or 85 % of the speed: dead ones first, bounces give a fit many minima.
 _DAMPING_RATIOS = (0.5, 0.2, 0.05)
@@ -17,24 +16,12 @@ def _unit(excitation: Excitation) -> float:
     return max(3.0 * excitation.resolution, min(least, 4e-4 * excitation.stroke))
 
 
-def _floor(excitation: Excitation) -> float:
-    return max(2.0 * excitation.resolution, 0.2 * _unit(excitation))
-
-
-def _largest(excitation: Excitation) -> float:
-    return max(0.5 * excitation.stroke, 30.0 * _unit(excitation))
-
-
 def _fixed(excitation: Excitation, damping_ratio: float = _DAMPING_RATIOS[0]) -> Values:
     # Stiffer than this, the contact's own deflection is far below any gap that is claimed.
     stiffness = excitation.torque / (0.1 * _unit(excitation))
     # Motor and load of equal shares meet as a quarter of the inertia.
     own = math.sqrt(stiffness * 0.25 * excitation.shaft_inertia)
     return {"stiffness": stiffness, "damping": 2.0 * damping_ratio * own}
-
-
-def _fixed_otherwise(excitation: Excitation) -> list[Values]:
-    return [_fixed(excitation, ratio) for ratio in _DAMPING_RATIOS[1:]]
 
 
 def _starts(excitation: Excitation) -> list[Values]:
@@ -49,13 +36,6 @@ def _not_excited(excitation: Excitation) -> str | None:
     return transmission.unknown_inertia(excitation)
 
 
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    gap = quantity(parameters["gap"], units.position)
-    return (
-        f"Backlash with an effective gap of about {gap} behind the motor is missing from the twin."
-    )
-
-
 backlash = Effect(
     name="backlash",
     port="torque",
@@ -67,24 +47,27 @@ backlash = Effect(
             "Effective gap, total free play",
             "position",
             low=lambda e: 0.0,
-            high=_largest,
+            high=lambda e: max(0.5 * e.stroke, 30.0 * _unit(e)),
             scale=lambda e: 3.0 * _unit(e),
         ),
         transmission.load_inertia(),
     ),
     fixed=_fixed,
-    fixed_otherwise=_fixed_otherwise,
+    fixed_otherwise=lambda e: [_fixed(e, ratio) for ratio in _DAMPING_RATIOS[1:]],
     starts=_starts,
     inertia_share=True,
     size=lambda p, e: p["gap"],
     size_name="gap",
     size_unit="position",
-    floor=_floor,
+    floor=lambda e: max(2.0 * e.resolution, 0.2 * _unit(e)),
     not_excited=_not_excited,
     acts=lambda states, p: states.near_reversals(),
     region=lambda p, units: "where the velocity changes sign",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Backlash with an effective gap of about {gap} behind the motor is missing from the twin.",
+        gap="position",
+    ),
     equation="tau = -k * dead_zone(phi - phi_load, gap) - d * (omega - omega_load) in contact",
     source="Nordin and Gutman, 2002",
     confused_with={

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 
 from gmfbo.physics import harmonic
-from gmfbo.physics.effect import Effect, EffectParameter, Values, signed
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _starts(excitation: Excitation) -> Sequence[Values]:

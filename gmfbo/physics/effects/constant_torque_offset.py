@@ -2,18 +2,12 @@
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Values, sentence, signed
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return np.full(len(states.time), float(parameters["level"]))
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["level"], units.torque)
-    return f"A constant {units.torque_word} of about {size} {place} is missing from the twin."
 
 
 constant_torque_offset = Effect(
@@ -33,7 +27,10 @@ constant_torque_offset = Effect(
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "at all times, whatever position and velocity",
     region_state="time",
-    statement=_statement,
+    statement=sentence(
+        "A constant {torque_word} of about {level} {place} is missing from the twin.",
+        level="torque",
+    ),
     equation="tau = tau_0",
     source="Newton, 1687",
     confused_with={

@@ -1,18 +1,12 @@
 """Coulomb friction: a constant torque against the motion."""
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return -parameters["level"] * states.direction
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["level"], units.torque)
-    return f"Coulomb friction of about {size} {place} is missing from the twin."
 
 
 coulomb_friction = Effect(
@@ -33,7 +27,10 @@ coulomb_friction = Effect(
     acts=friction.acts_at_reversals,
     region=friction.reversal_region,
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Coulomb friction of about {level} {place} is missing from the twin.",
+        level="torque",
+    ),
     equation="tau = -F_c * sign(omega)",
     source="Coulomb, 1785",
     confused_with={

@@ -1,19 +1,11 @@
 """Elastic return: a spring, cable or hose that pulls the axis back."""
 
-from gmfbo.physics.effect import Effect, Values, positive, signed
+from gmfbo.physics.effect import Effect, Values, positive, sentence, signed
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return parameters["preload"] - parameters["stiffness"] * states.position
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["stiffness"], units.resolve("torque/position"))
-    return (
-        f"An elastic return {units.torque_word} of about {size} {place} is missing from the twin."
-    )
 
 
 elastic_return = Effect(
@@ -36,7 +28,10 @@ elastic_return = Effect(
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "over the position, growing with the distance from rest",
     region_state="position",
-    statement=_statement,
+    statement=sentence(
+        "An elastic return {torque_word} of about {stiffness} {place} is missing from the twin.",
+        stiffness="torque/position",
+    ),
     equation="tau = -k * phi + tau_0",
     source="Hooke, 1678",
     contains=("constant_torque_offset",),

@@ -1,14 +1,9 @@
 """Gravity or unbalance: a torque with one cycle a turn."""
 
 from gmfbo.physics import harmonic
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return harmonic.wave(states, 1.0, parameters["sine"], parameters["cosine"])
+from gmfbo.units import quantity
 
 
 def _not_excited(excitation: Excitation) -> str | None:
@@ -42,7 +37,7 @@ gravity_torque = Effect(
     size_unit="torque",
     floor=lambda e: 1.5e-4 * e.torque,
     not_excited=_not_excited,
-    signal=_signal,
+    signal=lambda states, p: harmonic.wave(states, 1.0, p["sine"], p["cosine"]),
     acts_at_rest=True,
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "over the position, one cycle a turn",

@@ -5,10 +5,8 @@ import math
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values
-from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _loop(position: Array, deflection: float) -> Array:
@@ -34,22 +32,6 @@ def _signal(states: States, parameters: Values) -> Array:
     return -parameters["level"] * _loop(states.position, parameters["deflection"])
 
 
-def _starts(excitation: Excitation) -> list[Values]:
-    return [
-        {"level": 0.07 * excitation.torque, "deflection": deflection}
-        for deflection in friction.deflection_grid(excitation, 2, friction.body_deflections)
-    ]
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    deflection = quantity(parameters["deflection"], units.position)
-    return (
-        f"Hysteresis of about {level} {place}, closing within {deflection}, "
-        "is missing from the twin."
-    )
-
-
 hysteresis = Effect(
     name="hysteresis",
     port="torque",
@@ -60,7 +42,7 @@ hysteresis = Effect(
         friction.deflection("Deflection of the loop", friction.body_deflections),
     ),
     fixed=lambda e: {"exponent": 1.0},
-    starts=_starts,
+    starts=lambda e: friction.starts(e, 2, friction.body_deflections),
     size=lambda p, e: p["level"],
     size_name="level",
     size_unit="torque",
@@ -73,7 +55,12 @@ hysteresis = Effect(
     acts=friction.acts_at_reversals,
     region=lambda p, units: "over the position, after the velocity changes sign",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Hysteresis of about {level} {place}, closing within {deflection}, is missing from the "
+        "twin.",
+        level="torque",
+        deflection="position",
+    ),
     equation="tau = -F * z, dz/dphi = (1 - abs(z)^n * (sign(z * omega) + 1) / 2) / deflection",
     source="Wen, 1976",
     contains=("coulomb_friction",),

@@ -3,10 +3,8 @@
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values, positive
-from gmfbo.physics.excitation import Excitation
+from gmfbo.physics.effect import Effect, Values, positive, sentence
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -19,22 +17,9 @@ def _feature(states: States) -> Array:
     return _signal(states, {"level": 0.5, "coefficient": 0.5 / largest})
 
 
-def _size(parameters: Values, excitation: Excitation) -> float:
-    return parameters["level"] + parameters["coefficient"] * excitation.load_range
-
-
 def _acts(states: States, parameters: Values) -> Mask:
     loaded = states.load > 0.5 * np.max(states.load)
     return states.near_reversals() | (loaded & (np.abs(states.velocity) > states.rest))
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    slope = quantity(parameters["coefficient"], units.resolve("torque/load"))
-    return (
-        f"Friction {place} that grows with the load is missing from the twin: "
-        f"about {level} and {slope} times the load on top."
-    )
 
 
 load_dependent_friction = Effect(
@@ -50,7 +35,7 @@ load_dependent_friction = Effect(
     ),
     fixed=friction.fixed_deflection,
     starts=lambda e: [{"level": 0.03 * e.torque, "coefficient": 0.07 * e.torque / e.load_range}],
-    size=_size,
+    size=lambda p, e: p["level"] + p["coefficient"] * e.load_range,
     size_name="level",
     size_unit="torque",
     floor=friction.floor,
@@ -60,7 +45,12 @@ load_dependent_friction = Effect(
     acts=_acts,
     region=lambda p, units: "where the velocity changes sign and the current is high",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Friction {place} that grows with the load is missing from the twin: about {level} and "
+        "{coefficient} times the load on top.",
+        level="torque",
+        coefficient="torque/load",
+    ),
     equation="tau = -(F_c + mu * abs(tau_load)) * sign(omega)",
     source="Hamon, Gautier and Garrec, 2010",
     contains=("coulomb_friction",),

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.effect import Effect, Units, Values, positive
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values, signed
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.harmonic import amplitude
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -19,14 +19,6 @@ def _signal(states: States, parameters: Values) -> Array:
 def _frequencies(excitation: Excitation) -> tuple[float, ...]:
     # Where no line was found: ten cycles, a shape to state a detectable size for.
     return excitation.frequencies[:4] or (min(10.0 / excitation.duration, 0.1 / excitation.sample),)
-
-
-def _low(excitation: Excitation) -> float:
-    return 0.5 * min(0.5 / excitation.duration, *_frequencies(excitation))
-
-
-def _high(excitation: Excitation) -> float:
-    return 2.0 * max(0.25 / excitation.sample, *_frequencies(excitation))
 
 
 def _starts(excitation: Excitation) -> list[Values]:
@@ -55,8 +47,8 @@ periodic_disturbance = Effect(
             "frequency",
             "Frequency",
             "Hz",
-            low=_low,
-            high=_high,
+            low=lambda e: 0.5 * min(0.5 / e.duration, *_frequencies(e)),
+            high=lambda e: 2.0 * max(0.25 / e.sample, *_frequencies(e)),
             # One radian of phase over the recording.
             scale=lambda e: 1.0 / (2.0 * math.pi * e.duration),
         ),

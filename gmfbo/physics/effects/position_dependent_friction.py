@@ -5,20 +5,16 @@ import math
 import numpy as np
 
 from gmfbo.physics import friction, harmonic
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _level(states: States, parameters: Values) -> Array:
     sine, cosine = parameters["sine"], parameters["cosine"]
     varying = harmonic.wave(states, parameters["wavenumber"], sine, cosine)
     return np.maximum(0.0, parameters["level"] + varying)
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return -_level(states, parameters) * states.direction
 
 
 def _starts(excitation: Excitation) -> list[Values]:
@@ -68,7 +64,7 @@ position_dependent_friction = Effect(
     size_unit="torque",
     floor=friction.floor,
     not_excited=friction.no_reversal,
-    signal=_signal,
+    signal=lambda states, p: -_level(states, p) * states.direction,
     acts=_acts,
     region=lambda p, units: (
         "over the position while the velocity is not zero, "

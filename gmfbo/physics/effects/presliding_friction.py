@@ -1,35 +1,7 @@
 """Presliding friction: the axis gives elastically before it slides."""
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values
-from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return -parameters["level"] * friction.bristle(states.position, parameters["deflection"])
-
-
-def _feature(states: States) -> Array:
-    return -friction.bristle(states.position, friction.typical_deflection(states))
-
-
-def _starts(excitation: Excitation) -> list[Values]:
-    return [
-        {"level": 0.07 * excitation.torque, "deflection": deflection}
-        for deflection in friction.deflection_grid(excitation, 3, friction.contact_deflections)
-    ]
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    deflection = quantity(parameters["deflection"], units.position)
-    return (
-        f"Presliding friction of about {level} {place} is missing from the twin: "
-        f"the axis gives about {deflection} before it slides."
-    )
-
+from gmfbo.physics.effect import Effect, sentence
 
 presliding_friction = Effect(
     name="presliding_friction",
@@ -40,18 +12,23 @@ presliding_friction = Effect(
         friction.level(),
         friction.deflection("Deflection before sliding", friction.contact_deflections),
     ),
-    starts=_starts,
+    starts=lambda e: friction.starts(e, 3, friction.contact_deflections),
     size=lambda p, e: p["level"],
     size_name="level",
     size_unit="torque",
     floor=friction.floor,
     not_excited=friction.no_reversal,
-    signal=_signal,
-    feature=_feature,
+    signal=lambda states, p: -p["level"] * friction.bristle(states.position, p["deflection"]),
+    feature=lambda states: -friction.bristle(states.position, friction.typical_deflection(states)),
     acts=friction.acts_at_reversals,
     region=lambda p, units: "where the velocity changes sign, before the axis slides",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Presliding friction of about {level} {place} is missing from the twin: the axis gives "
+        "about {deflection} before it slides.",
+        level="torque",
+        deflection="position",
+    ),
     equation="tau = -F_c * z, dz/dphi = (1 - z * sign(omega)) / deflection",
     source="Dahl, 1968",
     contains=("coulomb_friction",),

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values, signed
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, number, quantity
+from gmfbo.physics.states import Array, States
+from gmfbo.units import number, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -32,10 +32,6 @@ def _starts(excitation: Excitation) -> list[Values]:
 
 def _shortest(excitation: Excitation) -> float:
     return min(excitation.sample, 0.1 * excitation.duration)
-
-
-def _acts(states: States, parameters: Values) -> Mask:
-    return _signal(states, {**parameters, "level": 1.0}) > 0.0
 
 
 def _region(parameters: Values, units: Units) -> str:
@@ -85,7 +81,7 @@ pulse_disturbance = Effect(
     floor=lambda e: 3e-4 * e.torque,
     least_time=5e-3,
     signal=_signal,
-    acts=_acts,
+    acts=lambda states, p: _signal(states, {**p, "level": 1.0}) > 0.0,
     region=_region,
     region_state="time",
     statement=_statement,

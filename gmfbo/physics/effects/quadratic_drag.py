@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.effect import Effect, Values, positive, sentence
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -14,14 +13,6 @@ def _signal(states: States, parameters: Values) -> Array:
 def _acts(states: States, parameters: Values) -> Mask:
     speed = np.abs(states.velocity)
     return np.asarray(speed > 0.5 * np.max(speed), dtype=np.bool_)
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["coefficient"], units.resolve("torque/velocity2"))
-    return (
-        f"Drag that grows with the square of the speed, about {size} {place}, "
-        "is missing from the twin."
-    )
 
 
 quadratic_drag = Effect(
@@ -44,7 +35,11 @@ quadratic_drag = Effect(
     acts=_acts,
     region=lambda p, units: "where the velocity is high",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Drag that grows with the square of the speed, about {coefficient} {place}, is missing "
+        "from the twin.",
+        coefficient="torque/velocity2",
+    ),
     equation="tau = -c * omega * abs(omega)",
     source="Rayleigh, 1876",
     confused_with={

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from gmfbo.physics import harmonic, sensor
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 
 def _line(excitation: Excitation) -> float:

@@ -1,22 +1,12 @@
 """Sensor lag: the reading follows the position with a time constant."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Values
-from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.physics.effect import Effect, Values, sentence
+from gmfbo.physics.states import Array, States
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return timing.lagged(states.time, states.position, parameters["time"]) - states.position
-
-
-def _acts(states: States, parameters: Values) -> Mask:
-    return timing.acts_in_fast_change(states.time, states.position)
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["time"], "s")
-    return f"A lag of the position sensor of about {size} is missing from the twin."
 
 
 sensor_lag = Effect(
@@ -32,10 +22,13 @@ sensor_lag = Effect(
     floor=timing.floor,
     signal=_signal,
     feature=lambda states: -states.velocity,
-    acts=_acts,
+    acts=lambda states, p: timing.acts_in_fast_change(states.time, states.position),
     region=lambda p, units: "in fast motion, in proportion to the velocity",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "A lag of the position sensor of about {time} is missing from the twin.",
+        time="s",
+    ),
     equation="T * d(reading)/dt = phi - reading",
     source="Fraden, 1993",
     same_loop=("actuator_lag",),

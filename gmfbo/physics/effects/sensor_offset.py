@@ -3,10 +3,9 @@
 import numpy as np
 
 from gmfbo.physics import sensor
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Values, sentence, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _size(excitation: Excitation) -> float:
@@ -15,11 +14,6 @@ def _size(excitation: Excitation) -> float:
 
 def _signal(states: States, parameters: Values) -> Array:
     return np.full(len(states.time), float(parameters["level"]))
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["level"], units.position)
-    return f"An offset of the position sensor of about {size} is missing from the twin."
 
 
 sensor_offset = Effect(
@@ -39,7 +33,10 @@ sensor_offset = Effect(
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "at all times, whatever position and velocity",
     region_state="time",
-    statement=_statement,
+    statement=sentence(
+        "An offset of the position sensor of about {level} is missing from the twin.",
+        level="position",
+    ),
     equation="reading = phi + phi_0",
     source="Fraden, 1993",
     confused_with={

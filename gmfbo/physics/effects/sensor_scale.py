@@ -1,9 +1,9 @@
 """Sensor scale: the reading is wrong by a share of the position."""
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, percent
+from gmfbo.units import percent
 
 _MOST = 0.3  # that a sensor may be off by
 

@@ -3,10 +3,10 @@
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
+from gmfbo.units import quantity
 
 _LEAST_AT_REST = 0.4
 """Of the sliding level. A real axis whose friction rises with speed has 0.51 (EMPS, Janot et al.

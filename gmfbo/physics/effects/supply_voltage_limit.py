@@ -3,19 +3,14 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values, positive
+from gmfbo.physics.effect import Effect, EffectParameter, Values, positive, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _limit(states: States, parameters: Values) -> Array:
     left = parameters["limit"] - parameters["slope"] * np.abs(states.velocity)
     return np.maximum(0.0, left)
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return limits.clipped(states.command, _limit(states, parameters))
 
 
 def _starts(excitation: Excitation) -> list[Values]:
@@ -30,14 +25,6 @@ def _starts(excitation: Excitation) -> list[Values]:
 def _cut(parameters: Values, excitation: Excitation) -> float:
     left = max(0.0, parameters["limit"] - parameters["slope"] * excitation.speed)
     return max(0.0, excitation.command - left)
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    limit = quantity(parameters["limit"], units.command)
-    slope = quantity(parameters["slope"], units.resolve("command/velocity"))
-    return (
-        f"A supply limit of about {limit}, less {slope} times the speed, is missing from the twin."
-    )
 
 
 supply_voltage_limit = Effect(
@@ -69,11 +56,15 @@ supply_voltage_limit = Effect(
     size_unit="command",
     floor=limits.cut_floor,
     least_time=limits.LEAST_TIME,
-    signal=_signal,
+    signal=lambda states, p: limits.clipped(states.command, _limit(states, p)),
     acts=lambda states, p: limits.beyond(states.command, _limit(states, p)),
     region=lambda p, units: "where command and velocity are high",
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "A supply limit of about {limit}, less {slope} times the speed, is missing from the twin.",
+        limit="command",
+        slope="command/velocity",
+    ),
     equation="abs(u_out) <= max(0, u_max - k * abs(omega))",
     source="Leonhard, 1985",
     contains=("actuator_saturation",),

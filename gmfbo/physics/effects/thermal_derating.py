@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.timing import lagged
-from gmfbo.physics.units import Units, percent, quantity
+from gmfbo.units import percent, quantity
 
 # Effective current of a typical motion, as a share of its largest.
 _EFFECTIVE = 0.5
@@ -32,14 +32,6 @@ def _signal(states: States, parameters: Values) -> Array:
 def _feature(states: States) -> Array:
     duration = float(states.time[-1] - states.time[0])
     return -_warmth(states, {"time": 0.5 * duration}) * states.command
-
-
-def _starts(excitation: Excitation) -> list[Values]:
-    return [{"loss": 0.02, "time": share * excitation.duration} for share in (0.15, 1.2)]
-
-
-def _size(parameters: Values, excitation: Excitation) -> float:
-    return parameters["loss"] * -math.expm1(-excitation.duration / parameters["time"])
 
 
 def _not_excited(excitation: Excitation) -> str | None:
@@ -85,8 +77,8 @@ thermal_derating = Effect(
         ),
     ),
     fixed=lambda e: {"scale": e.effective_current or _EFFECTIVE * e.current},
-    starts=_starts,
-    size=_size,
+    starts=lambda e: [{"loss": 0.02, "time": share * e.duration} for share in (0.15, 1.2)],
+    size=lambda p, e: p["loss"] * -math.expm1(-e.duration / p["time"]),
     size_name="loss",
     size_unit="1",
     floor=lambda e: 1e-3,

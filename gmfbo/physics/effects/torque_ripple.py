@@ -5,14 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from gmfbo.physics import harmonic
-from gmfbo.physics.effect import Effect, Values, signed
+from gmfbo.physics.effect import Effect, Units, Values, signed
 from gmfbo.physics.excitation import Excitation
-from gmfbo.physics.states import Array, Mask, States
-from gmfbo.physics.units import Units, quantity
-
-
-def _signal(states: States, parameters: Values) -> Array:
-    return states.current * harmonic.lines(states, parameters)
+from gmfbo.physics.states import Mask, States
+from gmfbo.units import quantity
 
 
 def _starts(excitation: Excitation) -> Sequence[Values]:
@@ -56,7 +52,7 @@ torque_ripple = Effect(
     is_itself=harmonic.strongest_repeats,
     floor=lambda e: 1.5e-4 * e.torque / e.current,
     not_excited=harmonic.too_short,
-    signal=_signal,
+    signal=lambda states, p: states.current * harmonic.lines(states, p),
     acts=_acts,
     region=lambda p, units: (
         "over the position where the current is high, "

@@ -3,10 +3,9 @@
 import math
 
 from gmfbo.physics import transmission
-from gmfbo.physics.effect import Effect, EffectParameter, Values
+from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.timing import acts_in_fast_change
-from gmfbo.physics.units import Units, quantity
 
 _SHARE = 0.5  # of the inertia at the load, where the stiffness range is laid out
 _DAMPING_RATIO = 0.05
@@ -41,15 +40,6 @@ def _starts(excitation: Excitation) -> list[Values]:
 def _windup(parameters: Values, excitation: Excitation) -> float:
     share = parameters["load_inertia"] / excitation.shaft_inertia
     return share * excitation.torque / parameters["stiffness"]
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    stiffness = quantity(parameters["stiffness"], units.resolve("torque/position"))
-    inertia = quantity(parameters["load_inertia"], units.resolve("inertia"))
-    return (
-        "Compliance of the transmission is missing from the twin: a stiffness of about "
-        f"{stiffness} between the motor and a load of {inertia}."
-    )
 
 
 torsional_compliance = Effect(
@@ -87,7 +77,12 @@ torsional_compliance = Effect(
     acts=lambda states, p: acts_in_fast_change(states.time, states.velocity),
     region=lambda p, units: "in fast motion, where the acceleration is high",
     region_state="acceleration",
-    statement=_statement,
+    statement=sentence(
+        "Compliance of the transmission is missing from the twin: a stiffness of about "
+        "{stiffness} between the motor and a load of {load_inertia}.",
+        stiffness="torque/position",
+        load_inertia="inertia",
+    ),
     equation="tau = -k * (phi - phi_load) - d * (omega - omega_load)",
     source="Spong, 1987",
     confused_with={

@@ -1,18 +1,12 @@
 """Transport delay: the command acts later than the twin says."""
 
 from gmfbo.physics import timing
-from gmfbo.physics.effect import Effect, Values
+from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return timing.delayed(states.time, states.command, parameters["delay"]) - states.command
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["delay"], "s")
-    return f"A delay of about {size} between command and actuator is missing from the twin."
 
 
 transport_delay = Effect(
@@ -32,7 +26,10 @@ transport_delay = Effect(
     acts=timing.command_acts,
     region=lambda p, units: "where the command changes fast",
     region_state="command",
-    statement=_statement,
+    statement=sentence(
+        "A delay of about {delay} between command and actuator is missing from the twin.",
+        delay="s",
+    ),
     equation="u_out(t) = u(t - T_d)",
     source="Smith, 1957",
     confused_with={

@@ -1,17 +1,11 @@
 """Viscous friction: a torque against the motion that grows with speed."""
 
-from gmfbo.physics.effect import Effect, Values, positive
+from gmfbo.physics.effect import Effect, Values, positive, sentence
 from gmfbo.physics.states import Array, States
-from gmfbo.physics.units import Units, quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
     return -parameters["coefficient"] * states.velocity
-
-
-def _statement(parameters: Values, units: Units, place: str) -> str:
-    size = quantity(parameters["coefficient"], units.resolve("torque/velocity"))
-    return f"Viscous friction of about {size} {place} is missing from the twin."
 
 
 viscous_friction = Effect(
@@ -34,7 +28,10 @@ viscous_friction = Effect(
     acts=lambda states, p: states.everywhere(),
     region=lambda p, units: "at all times, in proportion to the velocity",
     region_state="velocity",
-    statement=_statement,
+    statement=sentence(
+        "Viscous friction of about {coefficient} {place} is missing from the twin.",
+        coefficient="torque/velocity",
+    ),
     equation="tau = -c * omega",
     source="Reynolds, 1886",
     confused_with={

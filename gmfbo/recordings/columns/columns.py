@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
-from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.units import parse_unit
 
 
 @dataclass(frozen=True, eq=False)

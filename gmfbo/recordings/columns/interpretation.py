@@ -13,7 +13,7 @@ from gmfbo.errors import RecordingError, did_you_mean
 from gmfbo.recordings.columns.clock import check_clock
 from gmfbo.recordings.columns.columns import Column, RecordedColumns, find_clock
 from gmfbo.recordings.columns.signal_values import plain_values, signal_values
-from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.units import parse_unit
 
 if TYPE_CHECKING:
     from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
@@ -118,7 +118,6 @@ def _read_signals(
     specs: Mapping[str, SignalSpec],
     reading: _Reading,
 ) -> None:
-    """Read what the twin names, and take it out of `columns`."""
     taken = set()
     for name, spec in specs.items():
         # A file of ours holds signals under their own names, already scaled.

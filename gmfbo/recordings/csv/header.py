@@ -6,7 +6,7 @@ import re
 from collections import Counter
 
 from gmfbo.errors import RecordingError
-from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.units import parse_unit
 
 # `x[1,2]` is an element of an array, `x [1]`, `x [N.m]` and `x[N.m]` carry a unit.
 _BRACKETS = re.compile(r"(?P<name>.*?)(?P<gap>\s*)\[(?P<unit>[^\[\]]*)\]")

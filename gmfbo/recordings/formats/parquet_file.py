@@ -61,7 +61,6 @@ def read_parquet(path: Path) -> RecordedColumns:
 
 
 def _column(arrow: Any, label: str, name: str, entry: Any, data: Any) -> tuple[Column, str]:
-    """One column, and when it began if it holds points in time."""
     name, unit = split_unit(name)
     for key in _UNIT_KEYS:
         unit = (entry.metadata or {}).get(key, unit.encode()).decode("utf-8", "replace")

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.channels import Channel, RecordedChannels
 from gmfbo.recordings.columns.columns import Column, FileNotes, find_clock
-from gmfbo.recordings.columns.units import parse_unit
 from gmfbo.recordings.formats.optional_package import load_package
+from gmfbo.units import parse_unit
 
 
 def read_tdms(path: Path) -> RecordedChannels:

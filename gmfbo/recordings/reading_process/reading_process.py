@@ -5,7 +5,6 @@ from __future__ import annotations
 import atexit
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import threading
@@ -15,6 +14,7 @@ from typing import IO, Any
 
 from gmfbo.errors import RecordingError
 from gmfbo.files.durable import cause
+from gmfbo.interrupt import signal_name
 from gmfbo.recordings.columns.channels import RecordedChannels
 from gmfbo.recordings.columns.columns import RecordedColumns
 from gmfbo.recordings.reading_process.column_stream import read_columns_from
@@ -164,10 +164,7 @@ class ReadingProcess:
 
     def _end_reason(self) -> str:
         status = self._process.wait()
-        try:
-            return signal.Signals(-status).name if status < 0 else f"exit status {status}"
-        except ValueError:
-            return f"signal {-status}"
+        return signal_name(status) if status < 0 else f"exit status {status}"
 
     def close(self) -> None:
         """End the process; a second call does nothing."""

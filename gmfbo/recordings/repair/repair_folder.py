@@ -200,7 +200,6 @@ def _lines(numbers: list[int]) -> str:
 
 
 def _set_aside(path: Path) -> Path:
-    """Move a file to the folder of damaged ones."""
     aside = _aside(path)
     path.replace(aside)
     sync_folder(aside.parent)

@@ -141,7 +141,6 @@ def _last_byte(descriptor: int, size: int) -> bytes:
 
 
 def _plain(value: Any) -> Any:
-    """Let JSON take NumPy values, paths and sets."""
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, np.ndarray):

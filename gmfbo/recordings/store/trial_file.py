@@ -14,7 +14,7 @@ import numpy as np
 
 from gmfbo.errors import RecordingError, StoreError
 from gmfbo.files.durable import cause
-from gmfbo.recordings.formats.hdf5_group import group_content, is_recording_group, with_prefix
+from gmfbo.recordings.formats.hdf5_group import group_content, with_prefix
 from gmfbo.recordings.reading_process.reading_process import try_apart
 from gmfbo.recordings.recording import recording_of
 from gmfbo.recordings.store.seal import read_seal, sealed
@@ -116,11 +116,6 @@ def read_trial_group(group: Any) -> Trial:
         std={str(n): group[f"{n}_std"][()] for n in attributes["std"]},
         versions=with_prefix(attributes, "version"),
     )
-
-
-def is_trial_group(group: Any) -> bool:
-    """Whether this group has the layout of `write_trial_group`."""
-    return is_recording_group(group) and "gain_names" in group.attrs
 
 
 def read_trial_file(path: Path) -> Trial:

@@ -35,21 +35,15 @@ def csv_text(recording: Recording, version: str) -> str:
     header += [header_cell(name, recording.units.get(name, "")) for name in columns]
     texts = [_cells(values) for values in (recording.time, *columns.values())]
     rows = [",".join(row) for row in zip(*texts, strict=True)]
-    return "\n".join([*head_lines(recording, version), ",".join(header), *rows, ""])
+    return "\n".join([*_head_lines(recording, version), ",".join(header), *rows, ""])
 
 
 def _cells(values: NDArray[np.float64]) -> list[str]:
     return ["" if value != value else repr(value) for value in values.tolist()]
 
 
-def head_lines(recording: Recording, version: str) -> list[str]:
-    """Lines to write above the header, without line ends.
-
-    Raises
-    ------
-    RecordingError
-        A parameter's name cannot stand in such a line.
-    """
+def _head_lines(recording: Recording, version: str) -> list[str]:
+    """Lines above the header, without line ends; refuses a name that cannot stand there."""
     lines = [f"# gmfbo = {version}"]
     if not is_ours(recording):
         lines.append(f"# {OWN}logger = {json.dumps('other')}")

@@ -24,16 +24,7 @@ _REAL_RUNS = "real runs, initial ones counted"
 _STYLES = 12  # of methods, in the page's style
 
 
-def method_style(review: ComparisonReview, method: str) -> str:
-    """Class in the page's style of a method's curves.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Of a comparison's folder.
-    method : str
-        Its name.
-    """
+def _method_style(review: ComparisonReview, method: str) -> str:
     return f"m{_methods(review).index(method) % _STYLES}"
 
 
@@ -47,7 +38,7 @@ def method_buttons(review: ComparisonReview) -> str:
     """
     buttons = "".join(
         f'<button type="button" aria-pressed="true" data-method="{escape(name)}" '
-        f'data-style="{method_style(review, name)}">{swatch(method_style(review, name))}'
+        f'data-style="{_method_style(review, name)}">{swatch(_method_style(review, name))}'
         f"{escape(name)}</button>"
         for name in _methods(review)
     )
@@ -136,7 +127,7 @@ def seed_charts(review: ComparisonReview) -> list[str]:
     charts = []
     for method in _methods(review):
         own = [run for run in review.runs if run.method == method]
-        style = method_style(review, method)
+        style = _method_style(review, method)
         lines = [
             Line(
                 f"seed {run.seed}",
@@ -229,10 +220,10 @@ def _curves(
     x_axis = CountAxis.over([curve.x for curve in curves], 0.0, WIDE, 0.3)
     drawn = list(inside)
     for curve in curves:
-        style = method_style(review, curve.method)
+        style = _method_style(review, curve.method)
         drawn.append(band_path(Band(curve.x, curve.low, curve.high, style), x_axis, y_axis))
     for curve in curves:
-        line = Line(curve.method, method_style(review, curve.method), curve.x, curve.mean)
+        line = Line(curve.method, _method_style(review, curve.method), curve.x, curve.mean)
         drawn.append(line_path(line, x_axis, y_axis))
     chart = framed(x_axis, y_axis, drawn, title=title, x_label=x_label, y_label=y_label)
     told = paragraph(note, "soft small")

@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from html import escape
+from typing import Any
 
-from gmfbo.pages.html_page import columns, folded, page, page_file, paragraph, section, table
+from gmfbo.pages.html_page import (
+    columns,
+    embedded_json,
+    folded,
+    page,
+    page_file,
+    paragraph,
+    section,
+    table,
+)
 from gmfbo.pages.marked_number import Path, marked_count, marked_number, marked_percent
 from gmfbo.reports.comparison.charts import (
     cost_chart,
@@ -16,7 +28,6 @@ from gmfbo.reports.comparison.charts import (
     seed_charts,
 )
 from gmfbo.reports.comparison.curves import ComparisonReview, MethodSummary, Spread
-from gmfbo.reports.comparison.page_json import comparison_content, comparison_json
 
 _ARRIVED = (
     "n* counts real runs, initial ones included, until the best is within 2 % of the way from the "
@@ -38,7 +49,7 @@ def comparison_page(review: ComparisonReview) -> str:
         HTML with its style, drawings and numbers in it; every number in a table is marked with
         its place in the JSON that the page holds.
     """
-    content = comparison_content(review)
+    content = _content(review)
     summary = _summary_table(review)
     layout = "first" if summary else "first alone"
     parts = [
@@ -53,7 +64,7 @@ def comparison_page(review: ComparisonReview) -> str:
             folded("As gmfbo compare prints them", f"<pre>{escape(review.text)}</pre>"),
         ),
         _footer(),
-        comparison_json(content),
+        embedded_json("comparison", json.dumps(content, separators=(",", ":"), allow_nan=False)),
     ]
     return page(
         f"Comparison {review.name}",
@@ -177,10 +188,28 @@ def _arrival(review: ComparisonReview, place: int | None) -> str:
     return marked_number(("runs", place, "n_star"), float("nan") if found is None else found)
 
 
-def _verbatim(text: str) -> str:
-    return f"<pre>{escape(text)}</pre>"
-
-
 def _footer() -> str:
     told = "All numbers on this page are those of the comparison's folder, and are also inside "
     return f"<footer>{paragraph(told + 'this file.', 'soft')}</footer>"
+
+
+def _content(review: ComparisonReview) -> dict[str, Any]:
+    """Tell a comparison in numbers and names."""
+    return {
+        "schema": 1,
+        "name": review.name,
+        "methods": [asdict(one) for one in review.methods],
+        "runs": [
+            {**asdict(run), "best": run.best.tolist(), "regret": run.regret.tolist()}
+            for run in review.runs
+        ],
+        "curves": [
+            {
+                "method": curve.method,
+                "name": curve.name,
+                "seeds": curve.seeds,
+                **{key: getattr(curve, key).tolist() for key in ("x", "mean", "low", "high")},
+            }
+            for curve in review.curves
+        ],
+    }

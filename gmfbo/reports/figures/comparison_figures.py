@@ -149,7 +149,6 @@ def best_observed(curves: Sequence[Curve]) -> Figure:
 
 
 def _lines(axes: Axes, curves: Sequence[Curve], name: str) -> None:
-    """Draw each method's mean, its 95 % interval as a band."""
     for number, curve in enumerate(curve for curve in curves if curve.name == name):
         colour = METHOD_COLOURS[number % len(METHOD_COLOURS)]
         dashes = DASHES[number // len(METHOD_COLOURS) % len(DASHES)]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 from gmfbo.errors import InputError
 from gmfbo.files.durable import cause
-from gmfbo.plain_words import unit_words
+from gmfbo.units import unit_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

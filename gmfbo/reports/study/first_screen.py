@@ -39,16 +39,7 @@ def study_first_screen(review: StudyReview, content: Mapping[str, Any]) -> str:
     return f'{_head(review, content)}<div class="{layout}">{panel}{numbers}</div>'
 
 
-def gains_html(path: tuple[str | int, ...], gains: Mapping[str, float]) -> str:
-    """Gains with their names, each number marked.
-
-    Parameters
-    ----------
-    path : sequence of str or int
-        Of the gains in the page's JSON.
-    gains : mapping of str to float
-        [unit of the FMU parameter]
-    """
+def _gains_html(path: tuple[str | int, ...], gains: Mapping[str, float]) -> str:
     return ", ".join(
         f'<span class="nowrap">{escape(name)} = {marked_number((*path, name), value, digits=4)}'
         "</span>"
@@ -56,16 +47,7 @@ def gains_html(path: tuple[str | int, ...], gains: Mapping[str, float]) -> str:
     )
 
 
-def run_place(review: StudyReview, trial: Trial) -> int:
-    """Place of a run in the list of all.
-
-    Parameters
-    ----------
-    review : StudyReview
-        Of a study.
-    trial : Trial
-        One of its runs.
-    """
+def _run_place(review: StudyReview, trial: Trial) -> int:
     return next(k for k, run in enumerate(review.runs) if run.trial is trial)
 
 
@@ -82,7 +64,7 @@ def _head(review: StudyReview, content: Mapping[str, Any]) -> str:
     if best is None:
         headline = f"None of {real} real runs succeeded, so there are no gains to take"
         return f'<header>{top}<h1 id="verdict">{headline}</h1></header>'
-    gains = gains_html(("runs", run_place(review, best), "gains"), best.gains)
+    gains = _gains_html(("runs", _run_place(review, best), "gains"), best.gains)
     found = marked_count(("best_real_run",), content["best_real_run"])
     headline = f"Best gains: {gains}, found at real run {found} of {real}"
     return f'<header>{top}<h1 id="verdict">{headline}</h1>{_lead(review, content)}</header>'
@@ -148,7 +130,7 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
     facts = []
     advised = content["recommendation"]
     if advised is not None:
-        gains = gains_html(("recommendation", "gains"), advised["gains"])
+        gains = _gains_html(("recommendation", "gains"), advised["gains"])
         known = [run.trial for run in review.real if run.trial.gains == advised["gains"]]
         made = f"real run {known[-1].number}" if known else "not run on the axis"
         mean = marked_number(("recommendation", "mean"), advised["mean"], digits=4)
@@ -175,7 +157,6 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
 
 
 def _responses(review: StudyReview) -> str:
-    """The first and the best real run over time, with what they were asked to follow."""
     best, first = review.best, review.first
     signal = review.file.objective.signal
     if best is None or first is None or signal not in best.recording.signals:

@@ -55,7 +55,6 @@ def study_page(review: StudyReview) -> str:
 
 
 def _viewer() -> str:
-    """An empty chart that the script fills with the run that is chosen."""
     empty = framed(
         Axis(0.0, 1.0, 0.0, WIDE),
         Axis(0.0, 1.0, HIGH, 0.0),

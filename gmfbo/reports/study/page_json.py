@@ -56,7 +56,6 @@ def study_content(review: StudyReview) -> dict[str, Any]:
 
 
 def _on_the_way(review: StudyReview) -> dict[str, Any]:
-    """What came about while the study ran."""
     descent = review.descent
     queries = {run.trial.number: run.query for run in review.runs}
     return {
@@ -124,7 +123,6 @@ def _run(run: Run) -> dict[str, Any]:
 
 
 def _place(review: StudyReview) -> int | None:
-    """How many real runs it took to the best."""
     if review.best is None:
         return None
     return review.descent.numbers.index(review.best.number) + 1

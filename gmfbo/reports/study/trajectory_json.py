@@ -23,14 +23,8 @@ _FEWEST_ROWS = 40
 _DIGITS = 5
 
 
-def shown_signals(review: StudyReview) -> dict[str, str]:
-    """Signals of the real runs that a page shows, with their units; that of the cost first.
-
-    Parameters
-    ----------
-    review : StudyReview
-        Of a study.
-    """
+def _shown_signals(review: StudyReview) -> dict[str, str]:
+    """Signals of the real runs that a page shows, with their units; that of the cost first."""
     real = review.real or review.runs
     first = real[0].trial.recording
     scored, reference = review.file.objective.signal, review.file.reference.signal
@@ -53,7 +47,7 @@ def trajectories_json(review: StudyReview) -> str:
         of a corrected run also those before it was corrected, `u`, and the standard deviation,
         `s`.
     """
-    signals = shown_signals(review)
+    signals = _shown_signals(review)
     scored = [name for name in signals if name == review.file.objective.signal]
     often = [
         run.trial

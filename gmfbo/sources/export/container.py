@@ -75,7 +75,6 @@ def build_container(wiring: Wiring, step: float, folder: Path) -> Container:
 
 
 def _build(wiring: Wiring, step: float, folder: Path) -> Any:
-    """Tell the toolbox what to join."""
     from fmu_manipulation_toolbox.container import FMUContainer
 
     class Described(FMUContainer):  # type: ignore[misc]  # the toolbox is untyped

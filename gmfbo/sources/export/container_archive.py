@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import re
 import struct
 import xml.etree.ElementTree as ET
+import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -20,12 +22,13 @@ from gmfbo.sources.export.container_description import (
 )
 from gmfbo.sources.export.container_wiring import Wiring
 from gmfbo.sources.export.exportable import library_for
-from gmfbo.sources.fmu_file.archive import pack
 from gmfbo.sources.fmu_file.description import read_description
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.fmu_file.platforms import Platform
 from gmfbo.sources.fmu_file.unpacking import open_archive
 
+_EARLIEST = (1980, 1, 1, 0, 0, 0)  # that a zip archive can hold
+_UNIX = 3
 _DESCRIPTION = "modelDescription.xml"
 
 
@@ -104,7 +107,7 @@ def container_archive(container: Container, wiring: Wiring, content: Content) ->
     files[_DESCRIPTION] = _text(xml)
     xml.set("guid", _hash(files))
     files[_DESCRIPTION] = _text(xml)
-    return pack(files)
+    return _zipped(files)
 
 
 def descriptions(binding: Binding) -> list[ET.Element]:
@@ -176,7 +179,6 @@ def _move_libraries(
 
 
 def _papers(binding: Binding) -> dict[str, bytes]:
-    """Documentation and picture of the only FMU."""
     with open_archive(binding.fmus[0].path) as archive:
         return {
             name: archive.read(name)
@@ -195,3 +197,16 @@ def _hash(files: Mapping[str, bytes]) -> str:
         digest.update(f"{name}\0{len(files[name])}\0".encode())
         digest.update(files[name])
     return digest.hexdigest()[:32]
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    """Zip whose bytes depend on its contents only: sorted, of a fixed date and permissions."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, date_time=_EARLIEST)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = _UNIX
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, files[name])
+    return buffer.getvalue()

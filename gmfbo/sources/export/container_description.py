@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import copy
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from gmfbo.sources.export.container_units import merge_units, unit_definition
+from gmfbo.units import parse_unit
 
+_BASE = ("kg", "m", "s", "A", "K", "rad")
 _HEAD = ("author", "version", "copyright", "license", "generationDateAndTime")
 
 
@@ -96,10 +98,10 @@ def describe_container(
     """
     root = ET.Element("fmiModelDescription", _attributes(heading, parts))
     ET.SubElement(root, "CoSimulation", _capabilities(heading, parts))
-    units = merge_units(part.xml for part in parts)
+    units = _merge_units(part.xml for part in parts)
     for parameter in added:
         if parameter.unit:
-            units.setdefault(parameter.unit, unit_definition(parameter.unit))
+            units.setdefault(parameter.unit, _unit_definition(parameter.unit))
     _section(root, "UnitDefinitions", units.values())
     _section(root, "TypeDefinitions", _types(parts))
     root.append(_experiment(heading, parts))
@@ -238,3 +240,62 @@ def _structure(variables: ET.Element) -> ET.Element:
 
 def _unknowns(structure: ET.Element, name: str, places: Iterable[int]) -> None:
     _section(structure, name, (ET.Element("Unknown", {"index": str(p)}) for p in places))
+
+
+def _merge_units(descriptions: Iterable[ET.Element]) -> dict[str, ET.Element]:
+    """Gather the units of several FMUs; the first to say what a unit is in SI is believed."""
+    units: dict[str, ET.Element] = {}
+    for description in descriptions:
+        for unit in description.findall("UnitDefinitions/Unit"):
+            name = unit.get("name", "")
+            if name not in units:
+                units[name] = copy.deepcopy(unit)
+                continue
+            known = units[name]
+            base = unit.find("BaseUnit")
+            if base is not None and known.find("BaseUnit") is None:
+                known.insert(0, copy.deepcopy(base))
+            shown = {display.get("name") for display in known.findall("DisplayUnit")}
+            known.extend(
+                copy.deepcopy(display)
+                for display in unit.findall("DisplayUnit")
+                if display.get("name") not in shown
+            )
+    return units
+
+
+def contradicting_units(descriptions: Iterable[ET.Element]) -> list[str]:
+    """Names of units that two FMUs define differently.
+
+    Parameters
+    ----------
+    descriptions : iterable of Element
+        Model descriptions.
+    """
+    meanings: dict[str, set[tuple[tuple[str, float], ...]]] = {}
+    for description in descriptions:
+        for unit in description.findall("UnitDefinitions/Unit"):
+            base = unit.find("BaseUnit")
+            if base is not None:
+                values = {**{"factor": 1.0}, **{k: float(v) for k, v in base.attrib.items()}}
+                # An exponent of 0 is what is meant where none is written.
+                meaning = tuple(sorted((k, v) for k, v in values.items() if v != 0.0))
+                meanings.setdefault(unit.get("name", ""), set()).add(meaning)
+    return sorted(name for name, found in meanings.items() if len(found) > 1)
+
+
+def _unit_definition(name: str) -> ET.Element:
+    """Define a unit such as `N.m/(rad/s)`; without base unit where it is not understood."""
+    element = ET.Element("Unit", {"name": name})
+    known = parse_unit(name)
+    if known is None or known.needs_scale:
+        return element
+    kg, m, s, a, k, rad, _ = known.dimension
+    powers = zip(_BASE, (kg, m, s, a, k, rad), strict=True)
+    base = ET.SubElement(element, "BaseUnit", {n: str(power) for n, power in powers if power})
+    factor = float(known.factor) * math.pi**known.pi
+    if factor != 1.0:
+        base.set("factor", repr(factor))
+    if known.zero:
+        base.set("offset", repr(known.zero))
+    return element

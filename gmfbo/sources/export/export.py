@@ -13,8 +13,7 @@ from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.export.augmented_file import augmented_twin_file
 from gmfbo.sources.export.container import build_container
 from gmfbo.sources.export.container_archive import Content, container_archive, descriptions
-from gmfbo.sources.export.container_description import ExposedParameter
-from gmfbo.sources.export.container_units import contradicting_units
+from gmfbo.sources.export.container_description import ExposedParameter, contradicting_units
 from gmfbo.sources.export.container_wiring import End, Wiring, wire_up
 from gmfbo.sources.export.exportable import check_exportable, common_platforms, losses
 from gmfbo.sources.fmu_file.description import FmuDescription, read_description
@@ -148,7 +147,6 @@ def _expose(
     physics: Sequence[PhysicsParameter],
     settings: Mapping[str, float],
 ) -> tuple[ExposedParameter, ...]:
-    """Set physics, and show the parameters of the named effects."""
     if physics and not wiring.physics:
         raise ExportError(
             f"{binding.label}: no port for '{physics[0].name}'; expected [ports] in the twin file"

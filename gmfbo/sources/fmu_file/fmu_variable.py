@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from gmfbo.recordings.columns.units import parse_unit
 from gmfbo.sources.fmu_file.job import ValueType
+from gmfbo.units import parse_unit
 
 if TYPE_CHECKING:
     from fmpy.model_description import ModelVariable

@@ -39,7 +39,7 @@ def check_prolog(name: str, content: bytes) -> None:
             f"'{name}' is refused: its modelDescription.xml has {len(content) / 1e6:.0f} MB, "
             f"expected at most {LARGEST_BYTES / 1e6:.0f} MB; ask its vendor for a smaller export"
         )
-    if has_document_type(content):
+    if _has_document_type(content):
         raise FmuFileError(
             f"'{name}' is refused: its modelDescription.xml has a document type (<!DOCTYPE>), "
             "which FMI does not know and which can read files or fill the memory; get the FMU "
@@ -47,14 +47,8 @@ def check_prolog(name: str, content: bytes) -> None:
         )
 
 
-def has_document_type(content: bytes) -> bool:
-    """Whether XML declares a document type; no entity of it is expanded.
-
-    Parameters
-    ----------
-    content : bytes
-        XML, perhaps damaged.
-    """
+def _has_document_type(content: bytes) -> bool:
+    """Whether XML, perhaps damaged, declares a document type; no entity of it is expanded."""
     parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = _document_type
     parser.StartElementHandler = _first_element

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from gmfbo.recordings.columns.units import Dimension, parse_unit
 from gmfbo.sources.fmu_file.fmu_variable import FmuVariable
+from gmfbo.units import Dimension, parse_unit
 
 _FORCE = ("N", "N.m")
 _WAY = ("m", "rad")

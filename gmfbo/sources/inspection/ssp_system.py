@@ -175,7 +175,6 @@ class _Flat:
         self.into.setdefault(end, []).append(start)
 
     def _parameter(self, place: str, name: str) -> End:
-        """Component and parameter of a dotted name that begins at a system."""
         parts = name.split(".")
         for count in range(1, len(parts)):
             component = _inner(place, "_".join(parts[:count]))

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO
 
 from gmfbo.errors import StudyFileError
+from gmfbo.interrupt import signal_name
 
 GRACE_S = 5.0
 """[s] A program that is asked to end has this long to bring its axis to rest, then it is killed."""
@@ -42,10 +43,7 @@ class Ended:
         assert self.status is not None
         if self.status >= 0:
             return f"exit status {self.status}"
-        try:
-            return f"ended by {signal.Signals(-self.status).name}"
-        except ValueError:
-            return f"ended by signal {-self.status}"
+        return f"ended by {signal_name(self.status)}"
 
 
 def find_program(word: str, folder: Path) -> str:

@@ -283,7 +283,6 @@ class Instance:
         self._slave.fmi2FreeInstance(self.component)
 
     def _enter(self, start: float) -> None:
-        """Go through initialisation."""
         # Of 78 third-party FMUs, 27 refuse the last step when a stop time was announced.
         self.call("fmi2SetupExperiment", Stage.INITIALISE, 0, 0.0, start, 0, 0.0)
         self.call("fmi2EnterInitializationMode", Stage.INITIALISE)

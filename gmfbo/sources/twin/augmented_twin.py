@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -256,12 +255,7 @@ class AugmentedTwin:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def _started(self) -> Runner:
@@ -328,7 +322,6 @@ class AugmentedTwin:
         return tuple(through if port.column == column else port for port in inputs)
 
     def _outputs(self, first: int) -> list[Port]:
-        """States, ports and the effort, in columns after the twin's own."""
         binding = self._augmented.binding
         bound = [binding.variables[name] for name in binding.file.states.values()]
         for instance in self._augmented.physics:

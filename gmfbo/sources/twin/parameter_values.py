@@ -73,7 +73,7 @@ def run_parameters(
         **binding.settings,
         **recording.parameters,
         **first,
-        **initial_values(binding, recording),
+        **_initial_values(binding, recording),
         **explicit,
     }
     for name, value in values.items():
@@ -157,20 +157,10 @@ def starts_as_recorded(binding: Binding, recording: Recording) -> bool:
     )
 
 
-def initial_values(binding: Binding, recording: Recording) -> dict[str, float]:
-    """Parameters of [initial], from the recording's first row where a signal is named.
+def _initial_values(binding: Binding, recording: Recording) -> dict[str, float]:
+    """Parameters of [initial], from the recording's first row where a signal is named [SI].
 
-    Parameters
-    ----------
-    binding : Binding
-        The twin; an entry "fit" keeps the parameter's nominal value.
-    recording : Recording
-        Its first value of a signal counts [SI]; the nominal value stays where it lacks the signal.
-
-    Raises
-    ------
-    RecordingError
-        The signal is blank throughout.
+    The nominal value stays for an entry "fit", and where the recording lacks the signal.
     """
     values = {}
     for name, source in binding.file.initial.items():

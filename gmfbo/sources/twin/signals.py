@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.signal import SignalSpec
-from gmfbo.recordings.columns.units import parse_unit
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.fmu_file.fmu_variable import FmuVariable
 from gmfbo.sources.twin.sampling import sample
 from gmfbo.sources.twin_file.twin_file import OutputEntry, SignalEntry
+from gmfbo.units import parse_unit
 
 
 def signal_specs(binding: Binding, override: Mapping[str, float]) -> dict[str, SignalSpec]:

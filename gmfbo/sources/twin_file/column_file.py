@@ -13,9 +13,9 @@ from pydantic import Field, ValidationError, model_validator
 from gmfbo.errors import TwinFileError
 from gmfbo.files.toml_text import parse_toml, read_toml_text
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
-from gmfbo.recordings.columns.units import parse_unit
 from gmfbo.sources.twin_file.entries import Number, Table, Text
 from gmfbo.sources.twin_file.pydantic_message import describe_problems
+from gmfbo.units import parse_unit
 
 Dialect = Literal["auto", "plain", "decimal_comma", "twincat_scope"]
 

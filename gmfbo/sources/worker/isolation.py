@@ -214,7 +214,6 @@ class Isolated:
         return [Result(outcome, y.copy()) for outcome, y in zip(outcomes, outputs, strict=False)]
 
     def _worker(self) -> WorkerProcess:
-        """Return the present worker, or a fresh one that has loaded the FMUs."""
         if self._belongings.worker is None:
             assert self._arrays is not None
             self._arrays.progress[:] = (Stage.LOAD, 0)

@@ -59,9 +59,11 @@ if sys.platform != "win32":
                 with contextlib.suppress(OSError):
                     adopt_orphans()
             self._worker = self._fork(wake)
+            import psutil  # after the fork: the worker needs none, and what it holds is counted
+
+            self._process = psutil.Process()
 
         def keep(self) -> NoReturn:
-            """Wait for the end of the worker or of gmfbo; then leave as the worker left."""
             nothing = os.open(os.devnull, os.O_RDWR)
             os.dup2(nothing, _ANSWERS)  # so that gmfbo sees the end of the pipe with the worker's
             status = None
@@ -133,7 +135,7 @@ if sys.platform != "win32":
             doomed = [self._worker] if worker_too else []
             with contextlib.suppress(ChildProcessError):
                 while True:
-                    for child in {*doomed, *_children()}:
+                    for child in {*doomed, *(child.pid for child in self._process.children())}:
                         with contextlib.suppress(ProcessLookupError):
                             os.kill(child, signal.SIGKILL)
                     gone, _ = os.waitpid(-1, 0)
@@ -147,17 +149,6 @@ if sys.platform != "win32":
                 end_with_parent(signal.SIGKILL)
         if os.getppid() != keeper:
             os._exit(0)
-
-    def _children() -> list[int]:
-        """Processes whose parent is this one, as far as /proc tells."""
-        found = []
-        me = str(os.getpid())
-        for entry in Path("/proc").iterdir() if Path("/proc").is_dir() else ():
-            if entry.name.isdigit():
-                with contextlib.suppress(OSError, IndexError):
-                    if (entry / "stat").read_text().rpartition(")")[2].split()[1] == me:
-                        found.append(int(entry.name))
-        return found
 
     def _leave_as(status: int | None) -> NoReturn:
         """End as the worker ended, so that gmfbo sees how."""

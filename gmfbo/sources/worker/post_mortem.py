@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gmfbo.interrupt import signal_name
 from gmfbo.sources.fmu_file.job import Stage
 from gmfbo.sources.sandbox.policy import VARIABLE, Policy
 
@@ -90,9 +90,9 @@ def crash_message(where: WhereItStood, exit_code: int) -> str:
             f"it held {where.held / 1e9:.3g} GB and may hold {where.policy.memory_limit / 1e9:.3g} "
             f"GB: ask its vendor about a leak, or allow more by {VARIABLE}=memory=GB"
         )
-    elif _signal_name(exit_code) == "SIGKILL":
+    elif signal_name(exit_code) == "SIGKILL":
         cure = "somebody killed it, or the system did for want of memory"
-    elif _signal_name(exit_code) == "SIGXCPU":
+    elif signal_name(exit_code) == "SIGXCPU":
         cure = "it used more processor time than time_limit_s on all cores; raise it if it is slow"
     elif where.stage in _CURES and where.policy.enclosed:
         cure += f"; if it needs a licence server or files of yours, {VARIABLE} can let it"
@@ -152,14 +152,4 @@ def _end(exit_code: int) -> str:
         return f"crashed ({_WINDOWS_FAULTS[exit_code]})"
     if exit_code >= 0:
         return f"ended its process with exit code {exit_code}"
-    return f"crashed ({_signal_name(exit_code)})"
-
-
-def _signal_name(exit_code: int) -> str:
-    """Name of the signal that a negative exit code stands for; empty for others."""
-    if exit_code >= 0:
-        return ""
-    try:
-        return signal.Signals(-exit_code).name
-    except ValueError:
-        return f"signal {-exit_code}"
+    return f"crashed ({signal_name(exit_code)})"

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import sys
+import threading
 from pathlib import Path
 
 from gmfbo.sources.sandbox.enclosure import enclose
@@ -23,9 +25,7 @@ def serve(folder: Path) -> None:
     # What the FMU prints must not get between the answers.
     commands = os.fdopen(os.dup(0), "r", encoding="utf-8")
     if sys.platform == "win32":
-        from gmfbo.sources.worker.parent_watch import remove_when_parent_is_gone
-
-        remove_when_parent_is_gone(folder)
+        _remove_when_parent_is_gone(folder)
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
@@ -45,3 +45,21 @@ def serve(folder: Path) -> None:
         with contextlib.suppress(BrokenPipeError):
             Worker(first, commands, answers, work).serve(enclosure.missing)
     os._exit(0)  # past the FMU's own clean-up, which may hang
+
+
+if sys.platform == "win32":
+
+    def _remove_when_parent_is_gone(folder: Path) -> None:
+        """Remove the folder and end this process, even while a native call hangs: from a thread."""
+        import psutil
+
+        parent = os.getppid()
+
+        def watch() -> None:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                psutil.Process(parent).wait()
+            os.chdir(folder.parent)  # Windows removes no folder that a process works in
+            shutil.rmtree(folder, ignore_errors=True)
+            os._exit(0)
+
+        threading.Thread(target=watch, daemon=True).start()

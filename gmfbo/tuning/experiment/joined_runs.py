@@ -87,7 +87,6 @@ def ended_by(run: Recording, status: Status, message: str) -> Trajectory:
 
 
 def _ending(runs: Sequence[Recording], offsets: Sequence[float] | NDArray[np.float64]) -> Any:
-    """How the runs ended, and how long they took."""
     seconds = sum(run.seconds if isinstance(run, Trajectory) else run.duration for run in runs)
     for number, run in enumerate(runs):
         if isinstance(run, Trajectory) and run.status != "ok":

@@ -177,7 +177,6 @@ class _Opener:
         return None
 
     def plant_parameters(self, section: PlantSection) -> dict[str, float | Literal["seed"]]:
-        """Parameters of the FMU that plays the plant, with what is hidden in it."""
         hidden = section.hidden.drawn(self.seed) if section.hidden is not None else {}
         return {**section.parameters, **hidden}
 

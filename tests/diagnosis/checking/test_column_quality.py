@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.checking.clock_quality import clock_quality
 from gmfbo.diagnosis.checking.column_quality import (
     clipped_rows,
+    clock_quality,
     is_latched,
     lost_rows,
     refresh_rows,

@@ -8,7 +8,8 @@ import pytest
 
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
-from gmfbo.plain_words import interval, number, percent, quantity, unit_words
+from gmfbo.plain_words import interval, number, percent, quantity
+from gmfbo.units import unit_words
 from tests.diagnosis.example_diagnoses import (
     FIT,
     friction,

@@ -1,4 +1,4 @@
-"""Units as people write them, and what they are in SI.
+"""Units as people write them, what they are in SI, and numbers with their unit for a sentence.
 
 `Nm`, `N m`, `N.m` and `N·m` are one unit; `rpm`, `deg/s` and `mm` are converted; angles count as
 a quantity of their own, so that a column in `1/s` or `Hz` is never taken for `rad/s`.
@@ -11,9 +11,11 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 # Exponents of kg, m, s, A, K, rad and counts.
 Dimension = tuple[int, int, int, int, int, int, int]
@@ -84,6 +86,9 @@ _PREFIXES: dict[str, Fraction] = {
     "p": Fraction(1, 10**12),
     "f": Fraction(1, 10**15),
 }
+
+SMALL = ("m", "rad", "s")
+"""Units in which small numbers are the rule; a torque of 0.05 N m needs no prefix."""
 
 _ALIASES: dict[str, str] = {
     "-": "1", "one": "1", "pu": "1", "ratio": "1",
@@ -279,3 +284,46 @@ def _read_product(tokens: list[str], sign: int, product: _Product) -> list[str] 
                 return None
             direction, expect_factor = sign, False
     return None if expect_factor else tokens
+
+
+def unit_words(unit: str) -> str:
+    """Unit as it is read: `N.m` is "N m", `kg.m2` is "kg m2"; none for a plain number."""
+    return "" if unit in ("", "1") else unit.replace(".", " ")
+
+
+def quantity(value: float, unit: str) -> str:
+    """Write a number with its unit for a sentence: `0.52 N m`, `1.3 ms`.
+
+    Parameters
+    ----------
+    value : float
+        In `unit`.
+    unit : str
+        As `Units.resolve` gives it; dots become blanks.
+
+    Returns
+    -------
+    str
+        Two or three significant digits, with a prefix where the number is small.
+    """
+    factor, prefix = 1.0, ""
+    if unit in SMALL and abs(value) < 0.1 and value != 0.0:
+        factor, prefix = (1e-3, "m") if abs(value) >= 1e-4 else (1e-6, "u")
+    words = "" if unit == "1" else f" {prefix}{unit_words(unit)}"
+    return f"{number(value / factor)}{words}"
+
+
+def percent(share: float) -> str:
+    """Write a share as a percentage: `4.2 %`."""
+    return f"{number(100.0 * share)} %"
+
+
+def number(value: float) -> str:
+    """Write a number as a person would: three digits at most, no exponent unless it is needed."""
+    if value == 0.0:
+        return "0"
+    digits = 3 if f"{abs(value):.0e}"[0] == "1" else 2
+    rounded = float(f"{value:.{digits - 1}e}")
+    if 1e-4 <= abs(rounded) < 1e6:
+        return f"{rounded:.12f}".rstrip("0").rstrip(".")
+    return f"{rounded:.{digits}g}"

@@ -1,4 +1,4 @@
-"""Units as people write them become SI."""
+"""Units as people write them become SI, and numbers with a unit are short."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.recordings.columns.units import parse_unit
+from gmfbo.units import number, parse_unit, percent, quantity
 
 # Values of one unit in SI, from the SI brochure and the definitions of rpm, inch and pound-force.
 KNOWN = [
@@ -129,3 +129,29 @@ def test_the_si_spelling_is_understood_as_itself(text: str) -> None:
 def test_any_text_is_a_unit_or_none(text: str) -> None:
     unit = parse_unit(text)
     assert unit is None or math.isfinite(float(unit.factor))
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "words"),
+    [
+        (0.5193, "N.m", "0.52 N m"),
+        (0.0021, "s", "2.1 ms"),
+        (8e-4, "rad", "0.8 mrad"),
+        (-0.0421, "N.m", "-0.042 N m"),
+        (20.4, "N", "20 N"),
+        (0.031, "N.m/(rad/s)", "0.031 N m/(rad/s)"),
+        (12.3, "1", "12.3"),
+        (0.0, "s", "0 s"),
+    ],
+)
+def test_quantities_are_short(value: float, unit: str, words: str) -> None:
+    assert quantity(value, unit) == words
+
+
+def test_shares_are_percentages() -> None:
+    assert percent(0.0423) == "4.2 %"
+
+
+@given(st.floats(1e-12, 1e12))
+def test_numbers_keep_their_first_digits(value: float) -> None:
+    assert float(number(value)) == pytest.approx(value, rel=0.06)
