@@ -43,6 +43,7 @@ def test_documented_effect_is_one() -> None:
     assert said == "A spring of about 2 N m/rad3 at the motor shaft is missing from the twin."
 
 
+@pytest.mark.slow
 def test_example_of_the_readme_finds_what_it_prints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,6 +12,7 @@ NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03c_bam_servo.py"
 FOLDER = Path(os.environ.get("GMFBO_DATA", "")) / "bam_xl330" / "raw"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     "GMFBO_DATA" not in os.environ or not any(FOLDER.glob("*.json")),
     reason="needs the logs of github Rhoban/bam, branch xl330, in bam_xl330/raw of $GMFBO_DATA",

@@ -12,6 +12,7 @@ NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03_find_the_missing_
 FILE = Path(os.environ.get("GMFBO_DATA", "")) / "emps" / "DATA_EMPS.mat"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     "GMFBO_DATA" not in os.environ or not FILE.exists(),
     reason="needs DATA_EMPS.mat of nonlinearbenchmark.org in the folder emps of $GMFBO_DATA",

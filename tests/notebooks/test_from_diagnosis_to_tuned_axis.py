@@ -12,6 +12,7 @@ import pytest
 NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/08_from_diagnosis_to_tuned_axis.py"
 
 
+@pytest.mark.slow
 def test_the_corrected_twin_saves_real_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

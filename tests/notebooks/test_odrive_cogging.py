@@ -12,6 +12,7 @@ NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03b_odrive_cogging.p
 FOLDER = Path(os.environ.get("GMFBO_DATA", "")) / "odrive_cogging"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     "GMFBO_DATA" not in os.environ or not (FOLDER / "coggingmap_0").is_dir(),
     reason="needs analysis/cogging_torque of github gchenfc/ODrive as $GMFBO_DATA/odrive_cogging",

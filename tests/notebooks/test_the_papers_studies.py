@@ -11,6 +11,7 @@ import pytest
 NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/04_the_papers_studies.py"
 
 
+@pytest.mark.slow
 def test_the_papers_studies_run_small(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

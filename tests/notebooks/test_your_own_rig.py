@@ -12,6 +12,7 @@ import pytest
 NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/05_your_own_rig.py"
 
 
+@pytest.mark.slow
 def test_every_kind_of_plant_tunes_the_same_drive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
