@@ -1,8 +1,8 @@
-"""The torque at a port that would remove what a fitted model leaves: regularised deconvolution.
+"""Latent torque: the torque at a port that would explain a residual, by deconvolution.
 
 D = (G^H S^-1 G + 1/P)^-1 G^H S^-1 E, the Wiener estimate (Wiener 1949) of a signal with power P
-seen through G in noise of covariance S. P is what the residual has at each frequency beyond the
-noise, so that nothing above the noise is invented and the band ends by itself.
+seen through G in noise of covariance S. P is the residual's power beyond the noise at each
+frequency, so that the estimate vanishes where the residual is noise.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ _SIGNIFICANT = 2.0  # standard deviations of smoothed noise power that do not co
 
 @dataclass(frozen=True, eq=False)
 class Latent:
-    """Torque at the port that one recording asks for.
+    """Latent torque of one recording.
 
     Attributes
     ----------
     time : ndarray, shape (rows,)
         [s] Communication points.
     torque : ndarray, shape (rows,)
-        [port's unit] From each communication point to the next; 0 outside what is scored.
+        [port's unit] From each communication point to the next; 0 outside the scored stretch.
     standard_error : ndarray, shape (rows,)
-        [port's unit] By the noise alone; infinite where nothing is scored or answered yet.
+        [port's unit] From noise alone; infinite where nothing is scored or answered yet.
     """
 
     time: Array
@@ -48,14 +48,14 @@ class Latent:
 
 
 def latent_torque(case: Case, base: Fitted, response: PortResponse) -> list[Latent]:
-    """Deconvolve what a fitted model leaves of each recording.
+    """Deconvolve the residual of a fitted model in each recording.
 
     Parameters
     ----------
     case : Case
         With the covariances of the noise.
     base : Fitted
-        What is already explained.
+        The fitted model.
     response : PortResponse
         From the port to the signals.
     """
@@ -92,13 +92,13 @@ def _of_record(case: Case, base: Fitted, response: PortResponse, k: int) -> Late
     torque[rows] = np.fft.irfft(spectrum, length)[: rows.size]
     variance = 2.0 * float(np.sum(wiener**2 / information)) / length**2
     error = np.full(grid.size, np.inf)
-    # What acts just before the end has not yet reached the outputs.
+    # A torque just before the end has not yet reached the outputs.
     error[rows[: -_delay(response, k)]] = np.sqrt(variance)
     return Latent(grid, torque, error)
 
 
 def _delay(response: PortResponse, k: int) -> int:
-    """Steps in which most of a push has been answered."""
+    """Steps until most of the answer to a push has come."""
     energies = [np.cumsum(kernel**2) / np.sum(kernel**2) for kernel in response.kernels[k]]
     return max(1, *(int(np.count_nonzero(energy < _ANSWERED)) for energy in energies))
 
@@ -109,7 +109,7 @@ def _gridded(signal: ScoredSignal, values: Array, grid: Array) -> Array:
 
 
 def _closed(column: Array, length: int) -> Array:
-    """Lead the end smoothly back to the beginning, shape (length,): a jump there is no torque."""
+    """Join the end smoothly to the beginning, shape (length,), so that no jump acts as torque."""
     n = length - column.size
     way = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, n + 1) / (n + 1))
     few = max(1, column.size // 200)
@@ -151,7 +151,7 @@ def _interpolated(
 
 
 def _share_kept(power: Array, noise: Array) -> Array:
-    """Wiener gain P / (P + noise) with P what the smoothed power has beyond the noise's own."""
+    """Wiener gain P / (P + noise), where P is the smoothed power beyond the noise."""
     ratio = uniform_filter1d(power / noise, _SMOOTHED, mode="nearest")
     # Power of noise is exponential: a mean over n bins varies by 1/sqrt(n) of itself.
     beyond = ratio - 1.0

@@ -9,7 +9,7 @@ from gmfbo.diagnosis.checking.result import ClockQuality
 
 
 def clock_quality(time: NDArray[np.float64], lost: NDArray[np.int64]) -> ClockQuality:
-    """Judge the times of the rows.
+    """Judge how evenly rows were sampled.
 
     Parameters
     ----------

@@ -12,14 +12,14 @@ _CALLED = re.compile(r"(limit|max|saturation)", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class KnownLimit:
-    """Size that a signal does not exceed in the twin.
+    """Limit of a signal's size, as the twin states it.
 
     Attributes
     ----------
     size : float
         [SI]
     source : str
-        Variable or parameter that says so.
+        Variable or parameter that states it.
     """
 
     size: float
@@ -27,7 +27,7 @@ class KnownLimit:
 
 
 def known_limit(twin: FmuTwin, signal: str, *, is_command: bool) -> KnownLimit | None:
-    """Find the limit of a signal that the twin is compared with; None where none is stated.
+    """Find the stated limit of a compared signal; None where the twin states none.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def known_limit(twin: FmuTwin, signal: str, *, is_command: bool) -> KnownLimit |
     signal : str
         In its [outputs].
     is_command : bool
-        The controller's command: a parameter called a limit, in the same unit, is taken for its.
+        Whether the signal is the command: then a parameter named a limit, in its unit, counts.
     """
     binding = twin.binding
     name = twin.file.outputs[signal].variable

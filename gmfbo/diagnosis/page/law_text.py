@@ -19,7 +19,7 @@ def law_html(equation: str) -> str:
     Returns
     -------
     str
-        HTML; what is not understood stays as it is.
+        HTML; unknown parts stay as they are.
     """
     text = escape(equation)
     text = re.sub(
