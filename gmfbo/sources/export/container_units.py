@@ -13,7 +13,7 @@ _BASE = ("kg", "m", "s", "A", "K", "rad")
 
 
 def merge_units(descriptions: Iterable[ET.Element]) -> dict[str, ET.Element]:
-    """Gather the units of several FMUs; the first to say what a unit is in SI is believed.
+    """Gather the units of several FMUs; the first definition in SI counts.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ def contradicting_units(descriptions: Iterable[ET.Element]) -> list[str]:
             base = unit.find("BaseUnit")
             if base is not None:
                 values = {**{"factor": 1.0}, **{k: float(v) for k, v in base.attrib.items()}}
-                # An exponent of 0 is what is meant where none is written.
+                # A missing exponent means 0.
                 meaning = tuple(sorted((k, v) for k, v in values.items() if v != 0.0))
                 meanings.setdefault(unit.get("name", ""), set()).add(meaning)
     return sorted(name for name, found in meanings.items() if len(found) > 1)
 
 
 def unit_definition(name: str) -> ET.Element:
-    """Define a unit such as `N.m/(rad/s)`; without base unit where it is not understood.
+    """Define a unit such as `N.m/(rad/s)`; an unknown unit gets no base unit.
 
     Parameters
     ----------

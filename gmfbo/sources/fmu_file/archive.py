@@ -6,7 +6,7 @@ import io
 import zipfile
 from collections.abc import Mapping
 
-_EARLIEST = (1980, 1, 1, 0, 0, 0)  # that the format can hold
+_EARLIEST = (1980, 1, 1, 0, 0, 0)  # earliest date of the format
 _UNIX = 3
 
 

@@ -1,4 +1,4 @@
-"""Noticing that the parent process is gone, even while a native call hangs: on Windows."""
+"""On Windows, notice the end of the parent process even while a native call hangs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if sys.platform == "win32":
 
         def watch() -> None:
             _wait_for_end(parent)
-            os.chdir(folder.parent)  # Windows removes no folder that a process works in
+            os.chdir(folder.parent)  # Windows cannot remove the working folder of a process
             shutil.rmtree(folder, ignore_errors=True)
             os._exit(0)
 
