@@ -1,4 +1,4 @@
-"""Names of the tuning methods for whoever needs nothing but these: the methods load torch."""
+"""Names of the tuning methods, without loading the methods and torch."""
 
 METHOD_NAMES = (
     "gmfbo",
