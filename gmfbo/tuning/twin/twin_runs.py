@@ -70,7 +70,7 @@ class TwinRuns:
             self.announce("initial", history.write(history.priced(run)))
 
     def survey(self) -> None:
-        """Run the twin over the box, once, if the method asks for it; after a kill, make the rest."""
+        """Run the twin over the box, once, if the method asks for it; after a kill, the rest."""
         history = self.history
         points = initial_points(
             history.gains.space, history.study.seed, Stream.SURVEY, history.survey
