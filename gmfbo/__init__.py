@@ -1,4 +1,4 @@
-"""Controller tuning with few runs of the real axis, and diagnosis of its digital twin.
+"""Controller tuning with few runs of a real axis, and diagnosis of its twin.
 
 The loop::
 

@@ -1,7 +1,7 @@
 """Units as people write them, what they are in SI, and numbers with their unit for a sentence.
 
-`Nm`, `N m`, `N.m` and `N·m` are one unit; `rpm`, `deg/s` and `mm` are converted; angles count as
-a quantity of their own, so that a column in `1/s` or `Hz` is never taken for `rad/s`.
+`Nm`, `N m`, `N.m` and `N·m` are one unit; `rpm`, `deg/s` and `mm` are converted. The angle has a
+dimension of its own, so that a column in `1/s` or `Hz` is never taken for `rad/s`.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ _OTHER: dict[str, tuple[Fraction, bool, str]] = {
 }
 _NO_PREFIX = {"1", "kg", "counts", "min", "h", "%", "‰", "ppm", "in", "ft", "lbf", "Ncm", "Nmm"}
 
-# No peta: `PS` is a horse power to those who would write it, not a petasiemens.
+# No peta: `PS` means horse power, not petasiemens.
 _PREFIXES: dict[str, Fraction] = {
     "T": Fraction(10**12),
     "G": Fraction(10**9),
@@ -107,7 +107,7 @@ _ALIASES: dict[str, str] = {
     "NM": "Nm", "newton": "N", "Newton": "N",
 }  # fmt: skip
 
-# Temperatures, the only units with a zero of their own: factor, and kelvins at zero.
+# Temperatures, the only units with an offset: factor, and kelvins at zero.
 _TEMPERATURES = {
     **dict.fromkeys(("degC", "°C", "celsius", "Celsius", "deg C"), (Fraction(1), 273.15)),
     **dict.fromkeys(("degF", "°F"), (Fraction(5, 9), 459.67 * 5 / 9)),
@@ -122,7 +122,7 @@ _TOKEN = re.compile(r"\s*([()./]|[+-]?\d+|[^\s()./\d+-]+|-)")
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit, and how its values become SI: value_SI = value * factor * (pi) + zero.
+    """A unit and its conversion to SI: value_SI = value * factor * (pi) + zero.
 
     Attributes
     ----------
@@ -146,12 +146,12 @@ class Unit:
 
     @property
     def is_si(self) -> bool:
-        """Values need no conversion."""
+        """Whether values need no conversion."""
         return self.factor == 1 and self.pi == 0 and self.zero == 0.0
 
     @property
     def needs_scale(self) -> bool:
-        """Counts of an encoder or converter, which have no SI value by themselves."""
+        """Whether the unit is counts of an encoder or converter, which need a scale."""
         return self.dimension[6] != 0
 
     def to_si(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -165,7 +165,7 @@ class Unit:
 
 
 def parse_unit(text: str) -> Unit | None:
-    """Understand a unit such as `mNm`, `deg/s`, `kg.m^2`, `N m/(rad/s)`, `per mille`.
+    """Parse a unit such as `mNm`, `deg/s`, `kg.m^2`, `N m/(rad/s)`, `per mille`.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def _parse_unit(text: str) -> Unit | None:
 
 
 class _Product:
-    """Powers of SI symbols with a factor, gathered while an expression is read."""
+    """Powers of SI symbols with a factor, accumulated while an expression is read."""
 
     def __init__(self) -> None:
         self.factor = Fraction(1)
@@ -241,7 +241,7 @@ def _power(symbol: str, power: int) -> str:
 
 
 def _symbol(symbol: str) -> tuple[Fraction, bool, str] | None:
-    """Find factor, whether pi multiplies it, and the SI expression of one symbol."""
+    """Factor, whether pi multiplies it, and SI expression of one symbol."""
     symbol = _ALIASES.get(symbol, symbol)
     if symbol in _SI:
         return Fraction(1), False, symbol
@@ -261,7 +261,7 @@ def _symbol(symbol: str) -> tuple[Fraction, bool, str] | None:
 
 
 def _read_product(tokens: list[str], sign: int, product: _Product) -> list[str] | None:
-    """Read factors up to a closing bracket; returns the tokens left, None where it is no unit."""
+    """Read factors up to a closing bracket; returns the remaining tokens, or None for no unit."""
     direction = sign
     expect_factor = True
     while tokens and tokens[0] != ")":

@@ -1,4 +1,7 @@
-"""Command line: one file a command, each importing what it needs only when it runs."""
+"""Command line: one file a command, which imports what it needs when it runs.
+
+`application.main` is the program; `console` and `arguments` hold what commands share.
+"""
 
 from gmfbo.cli.application import main
 

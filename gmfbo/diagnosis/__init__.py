@@ -1,4 +1,4 @@
-"""Why simulation and recordings differ: where, which physics is missing, and the fit with it.
+"""Diagnose a digital twin: where it differs from recordings, and what it lacks.
 
 `diagnose` refits what is only roughly known, locates what is left, and names left-out physics
 where recordings that had no part in the fit confirm it; `Diagnosis` is what it found. `check`

@@ -1,4 +1,4 @@
-"""From a twin and recordings to a diagnosis."""
+"""Diagnose a twin from recordings: all steps in their order."""
 
 from __future__ import annotations
 
@@ -45,20 +45,20 @@ def diagnose(
     validate : sequence of Recording, str or Path, optional
         Runs that are only scored; without them, part of `recordings` is held out.
     seed : int
-        Of all randomness.
+        Seed of all random draws.
     assume : sequence of str
         Effects that are tested even where the recordings seem not to show them.
     exclude : sequence of str
         Effects that are not considered.
     progress : callable (str, float), optional
-        Told the stage and the share that is done.
+        Called with the stage and the share done.
     jobs : int, optional
         Simulations at a time; one a processor unless given.
 
     Returns
     -------
     Diagnosis
-        What is missing, where, and how much better the fit is with it.
+        The missing physics, its place, and the fit with it.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def diagnose(
 def _aligned_case(
     twin: FmuTwin, recordings: Sequence[Recording], seed: int, jobs: int | None
 ) -> Case:
-    """Open a case, and once more where its controller says that the logger is of the other kind."""
+    """Open a case; open it anew if the controller's parity shows the other logging convention."""
     case = open_case(twin, recordings, seed=seed, jobs=jobs)
     command = twin.file.states.get("command")
     unknown = {
@@ -131,7 +131,7 @@ def _check_names(names: Sequence[str]) -> None:
 
 
 def _check_laws(added: Sequence[Effect]) -> None:
-    """An effect that is not part of gmfbo has its law in the user's physics.fmu."""
+    """Raise unless the user's physics.fmu holds the law of each added effect."""
     if not added:
         return
     path = physics_fmu()

@@ -1,4 +1,4 @@
-"""Physics that a digital twin may lack: what it does, how large it may be, how to speak of it.
+"""Physics that a digital twin may lack: its law, its size, and its words.
 
 An `Effect` acts at a port of the twin; its equations are in `physics.fmu`, all else is here::
 

@@ -1,4 +1,4 @@
-"""Read the columns of a recording: the ending of the file name decides how."""
+"""Read the columns of a recording; the ending of the file name gives the format."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _HDF5 = (".h5", ".hdf5")
 _MDF = (".mdf", ".mf4")
-_FOREIGN = (*_HDF5, *_MDF, ".mat", ".parquet", ".tdms")  # read through a library of others
+_FOREIGN = (*_HDF5, *_MDF, ".mat", ".parquet", ".tdms")  # read by other packages' libraries
 
 _TEXT = (".csv", ".txt")
 _ENDINGS = {*_TEXT, *_FOREIGN}
@@ -38,7 +38,7 @@ def read_columns(
     dialect : str
         How a text file is written: one of `gmfbo.recordings.columns.column_mapping.DIALECTS`.
     wanted : iterable of str, optional
-        Names that are needed; decides on whose clock a file of channels is read.
+        Names that are needed; a file of channels is read on their clocks.
     every : bool
         Keep all channels of such a file.
 
@@ -74,7 +74,7 @@ def _read_text(path: Path, dialect: str) -> RecordedColumns | RecordedChannels:
 
 
 def _read_foreign(path: Path, ending: str) -> RecordedColumns | RecordedChannels:
-    with path.open("rb"):  # a missing right to read is an error of its own
+    with path.open("rb"):  # a file without read permission has its own error
         pass
     return read_apart(path, _foreign_reader(ending))
 

@@ -1,4 +1,4 @@
-"""What was asked and what was measured: signals over time, frozen."""
+"""Recordings and trajectories: frozen signals over time."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Recording:
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel to another process as plain dicts: a read-only view of one cannot."""
+        """Pickle as plain dicts, since read-only views of a dict cannot be pickled."""
         values = (getattr(self, field.name) for field in fields(self))
         return type(self), tuple(
             dict(value) if isinstance(value, Mapping) else value for value in values
@@ -106,7 +106,7 @@ class Recording:
         path : str or Path
             `.csv`, `.h5` or `.mat`.
         twin : FmuTwin or TwinFile, optional
-            Says which columns are signals, with scale, offset and unit; without it each
+            Tells which columns are signals, with scale, offset and unit; without it each
             column is a signal under its own name.
 
         Raises
@@ -170,7 +170,7 @@ class Trajectory(Recording):
     status : str
         `ok`, or how the run ended early; then the rows up to that time are kept.
     message : str
-        What happened, in one line; empty when `status` is `ok`.
+        Cause of the end, in one line; empty when `status` is `ok`.
     stopped_at : float or None
         [s] Time of the communication point that failed.
     seconds : float
@@ -184,7 +184,7 @@ class Trajectory(Recording):
 
 
 def recording_of(content: Mapping[str, Any], run: Mapping[str, Any] | None) -> Recording:
-    """Return a recording with these fields; a trajectory where a run's own fields are given.
+    """Make a recording of these fields, or a trajectory if fields of a run are given.
 
     Parameters
     ----------
@@ -209,10 +209,10 @@ def read_recording(
     path : str or Path
         `.csv` (`.txt`), `.h5` (`.hdf5`), `.mat`, `.parquet`, `.mf4` (`.mdf`) or `.tdms`.
     twin : SignalReading or None
-        Says which columns are signals, with scale, offset and unit, and which names are FMU
+        Tells which columns are signals, with scale, offset and unit, and which names are FMU
         parameters. Without it each column is a signal and each single value a parameter.
     mapping : ColumnMapping or None
-        Says how this logger names the columns; that of the twin unless given.
+        Names of this logger's columns; the twin's mapping unless given.
 
     Returns
     -------
@@ -236,7 +236,7 @@ def read_recording(
 
 @dataclass(frozen=True)
 class _Words:
-    """What a reader asks of a twin, after its column mapping."""
+    """Names and signals of a twin, with its column mapping applied."""
 
     specs: Mapping[str, SignalSpec] = field(default_factory=dict)
     tunable: Mapping[str, bool] = field(default_factory=dict)

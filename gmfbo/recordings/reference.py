@@ -1,4 +1,4 @@
-"""References: what a drive is asked to follow."""
+"""References that a drive follows."""
 
 from __future__ import annotations
 

@@ -1,1 +1,5 @@
-"""Pages and figures of what gmfbo found."""
+"""Pages and figures of studies and comparisons.
+
+`study.page` and `comparison.page` write pages that need no network; `figures.study_figures` and
+`figures.comparison_figures` draw the same for a notebook or a paper.
+"""

@@ -1,4 +1,4 @@
-"""Methods compared on the same seeds: many studies at once, kept run by run, told as tables.
+"""Compare tuning methods on the same seeds: run by run, over many studies.
 
 `compare` runs each method on each seed, judges every run against the true optimum of the plant
 (`PlantGrid`, `Goal`), keeps one small text a run (`Outcome`), and writes the tables; `campaign`

@@ -1,0 +1,5 @@
+"""The tuning loop: ask for gains, tell what came of them, or run it all.
+
+`tuner.Tuner` is the loop over a `study` with its `study_file`; `methods` holds the tuning
+methods, `method` what one of your own has to have, and `watch` reports progress.
+"""

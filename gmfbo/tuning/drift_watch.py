@@ -1,4 +1,4 @@
-"""Looks for a change of the plant after each real run, and asks for runs that would show one."""
+"""Look for a change of the plant after each real run, and ask for runs that would show it."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ NEXT_TO = 0.02
 
 @dataclass(frozen=True)
 class Repeat:
-    """Gains that are run again.
+    """Gains to run again.
 
     Attributes
     ----------
     gains : mapping of str to float
         All gains by name [unit of the FMU parameter].
     why : str
-        For the user.
+        Reason, for the user.
     """
 
     gains: Mapping[str, float]
@@ -42,19 +42,19 @@ class DriftWatch:
     Attributes
     ----------
     history : History
-        Holds the runs, and takes the changes.
+        Runs of the study; found changes are added.
     section : DriftSection
-        What the study file wants.
+        Section of the study file.
     """
 
     history: History
     section: DriftSection
 
     def look(self) -> Drift | None:
-        """Weigh the real runs that were not weighed yet; log and return what is found.
+        """Look for changes in the real runs not weighed yet; log and return those found.
 
-        To be called when the twin's run beside the last real run is on disk. Runs before the
-        last request that was logged have been weighed, by whoever logged it.
+        Call it when the twin's run beside the last real run is on disk. Runs before the last
+        logged request have been weighed already.
         """
         history, found = self.history, None
         real = history.of("IS1")
@@ -77,15 +77,15 @@ class DriftWatch:
         return found
 
     def former_best(self, state: TuningState) -> Repeat | None:
-        """The best run from before a change that was just found, to be run once more.
+        """Repeat of the best run before a change that was just found.
 
-        Whether its gains are still good decides what the search starts from. None without such a
-        change, or where a run since was next to it.
+        The repeat shows whether these gains are still good, and so where the search starts. None
+        without a new change, or where a later run was next to these gains.
 
         Parameters
         ----------
         state : TuningState
-            Knows the gains that the axis must not be run at; they are not repeated.
+            State of the study; gains that are kept out are not repeated.
         """
         newest = self.history.drifts[-1] if self.history.drifts else None
         if newest is None or newest.found_at != len(self.history.of("IS1")):
@@ -94,15 +94,15 @@ class DriftWatch:
         return self._again(self._best_before(newest), why, state)
 
     def regular(self, state: TuningState) -> Repeat | None:
-        """The best of the first runs, where it is its turn.
+        """Repeat of the best of the first runs, where one is due.
 
-        Where the study wants it, every n-th real run repeats it, always the same: the same gains
-        with another result are the surest sign of a change.
+        If the study asks for it, every n-th real run repeats this same run: another result at the
+        same gains is the surest sign of a change.
 
         Parameters
         ----------
         state : TuningState
-            Knows the gains that the axis must not be run at; they are not repeated.
+            State of the study; gains that are kept out are not repeated.
         """
         history, every = self.history, self.section.repeat_every
         real = history.of("IS1")
@@ -120,7 +120,7 @@ class DriftWatch:
         return Repeat(dict(trial.gains), why) if admitted else None
 
     def _best_before(self, drift: Drift) -> Trial | None:
-        """Best run from before a change; None where a run since was made next to it already."""
+        """Best run before a change; None where a later run was made next to its gains."""
         history = self.history
         before = [trial for trial in history.trials if trial.number <= drift.last_before]
         best = best_run(before, history.limits)

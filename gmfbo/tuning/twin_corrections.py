@@ -1,4 +1,4 @@
-"""Keeps the twin of a study up to date where its method has somebody who corrects it."""
+"""Keep a study's twin corrected, where its method has a refiner."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class TwinCorrections:
     Attributes
     ----------
     runs : TwinRuns
-        With the twin as it is now.
+        Runs of the present twin.
     refiner : TwinRefiner or None
         None where the twin stays as the study file names it.
     seen : int
@@ -34,14 +34,14 @@ class TwinCorrections:
 
     @classmethod
     def begin(cls, method: Method, runs: TwinRuns) -> Self:
-        """Bring back the version that a study has come to.
+        """Restore the latest version of a study's twin.
 
         Parameters
         ----------
         method : Method
-            May have somebody who corrects the twin.
+            May have a refiner of the twin.
         runs : TwinRuns
-            With the twin as the study file names it.
+            Runs of the twin that the study file names.
         """
         if not isinstance(method, RefiningMethod):
             return cls(runs, None)
@@ -55,17 +55,17 @@ class TwinCorrections:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Why the twin was corrected, each time."""
+        """Reasons of the corrections, in order."""
         return tuple(event["reason"] for event in self._logged())
 
     @property
     def just_made(self) -> bool:
-        """Whether the newest real run led to a version of the twin."""
+        """Whether the newest real run led to a new version of the twin."""
         logged, real = self._logged(), self.runs.history.of("IS1")
         return bool(logged and real and logged[-1]["after"] == real[-1].number)
 
     def follow(self, watch: Watch) -> TwinRuns:
-        """Show the newest real run to the refiner; after a correction make the runs again.
+        """Show the newest real run to the refiner; after a correction repeat the twin's runs.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Turns finished runs into `Progress` for whoever watches."""
+"""Report finished runs as `Progress` to a callback."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ class Watch:
     def tell(
         self, phase: Phase, trial: Trial, request: TrialRequest | None, news: str = ""
     ) -> None:
-        """Tell of a finished run.
+        """Report a finished run.
 
         Parameters
         ----------
         phase : str
-            What it was for.
+            Purpose of the run.
         trial : Trial
             The run.
         request : TrialRequest or None
             The newest query; its mismatch and note are passed on.
         news : str
-            What the user must be told now, instead of the note.
+            News for the user, in place of the note.
         """
         if self._callback is None:
             return
@@ -70,7 +70,7 @@ class Watch:
         )
 
     def _seconds_left(self) -> float | None:
-        """[s] Expected from the mean time of a query; whichever budget ends first counts."""
+        """[s] Expected time left, by the mean time of a query and the budget that ends first."""
         history = self._history
         budget, done = history.study.budget, history.queries - self._queries_before
         if done <= 0:

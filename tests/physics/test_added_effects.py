@@ -11,8 +11,7 @@ import pytest
 
 from gmfbo.diagnosis.engine import diagnose
 from gmfbo.errors import InputError
-from gmfbo.physics import CATALOGUE, Effect, add_effect
-from gmfbo.physics import catalogue as catalogue_module
+from gmfbo.physics import CATALOGUE, Effect, add_effect, catalogue
 from gmfbo.sources.fmu_file.models import models_folder, physics_fmu
 
 OTHER = replace(CATALOGUE["elastic_return"], name="rubber_bellows", contains=(), vanishing={})
@@ -87,7 +86,7 @@ def names_with(folder: Path, entry: str) -> subprocess.CompletedProcess[str]:
     (about / "entry_points.txt").write_text(f"[gmfbo.effects]\n{entry}\n")
     code = (
         f"import sys; sys.path[:0] = [{str(folder)!r}, "
-        f"{str(Path(catalogue_module.__file__).parents[2])!r}]\n"
+        f"{str(Path(catalogue.__file__).parents[2])!r}]\n"
         "from gmfbo.errors import InputError\n"
         "from gmfbo.physics import CATALOGUE\n"
         "for attempt in range(2):\n"

@@ -1,4 +1,6 @@
-"""What `gmfbo demo` hides in a plant, seals, records and, after the diagnosis, reveals.
+"""The demo's hidden physics: drawn, sealed, recorded and, at the end, revealed.
 
-The diagnosis gets the recordings and a twin; nothing of the draw is in their names or contents.
+`draw.draw` chooses the effects, `recordings.record` runs the plant that has them, `sealed.seal`
+and `sealed.unseal` keep the answer, and `reveal.answer_lines` shows it beside the diagnosis.
+The names and contents of the recordings say nothing of the draw.
 """

@@ -1,0 +1,7 @@
+"""Open a case: a twin and its recordings, measured, aligned and refitted.
+
+`open_case.open_case` makes the `case.Case` that all later steps share, and
+`open_case.open_unseen` one of other recordings. `held_out_split.split_of` sets the held-out
+recordings apart, `command_signal.command_of` finds the controller's command, and
+`tracking.tracking_loop` keeps an open-loop twin near its recordings.
+"""

@@ -1,4 +1,4 @@
-"""What the steps of a diagnosis share: a twin, its recordings, and what is not physics."""
+"""Data shared by the steps of a diagnosis: twin, recordings and error budget."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ _MORE_THAN_NOISE = 1.06
 
 @dataclass(frozen=True, eq=False)
 class Budget:
-    """Windows, their covariances and the nuisances, from which whiteners are made.
+    """Error budget: windows, their covariances and the nuisances, from which whiteners are made.
 
     Attributes
     ----------
     windows : tuple of Window
-        What is scored.
+        Stretches that are scored.
     covariances : tuple of ndarray
         S(f) of each window.
     directions : tuple of lists of Direction
         Nuisances of each recording.
     loop_noise : tuple of lists of Direction
-        Changes of each recording's signals under the sensor's noise.
+        How the sensor's noise, carried by the loop, changes each recording's signals.
     own_variances : tuple of lists of float
-        [SI unit squared] Noise of each signal beyond that.
+        [SI unit squared] Noise of each signal beyond the noise carried by the loop.
     noise_squares : tuple of float
-        chi2 of each window that noise alone gives: less than its degrees of freedom, as S(f)
-        holds a tolerance too.
+        chi2 of each window by noise alone: less than its degrees of freedom, since S(f) also
+        holds a tolerance.
     """
 
     windows: tuple[Window, ...]
@@ -60,38 +60,38 @@ class Budget:
 
     @cached_property
     def plain(self) -> tuple[Whitener, ...]:
-        """Whiteners that know of noise alone."""
+        """Whiteners by noise and tolerance, with no dispersion."""
         return self.whiteners()
 
     def whiteners(
         self, dispersion: Sequence[NDArray[np.float64]] | None = None
     ) -> tuple[Whitener, ...]:
-        """Whiteners of all windows, less sure of themselves where a dispersion exceeds one."""
+        """Whiteners of all windows; a dispersion above one widens the budget."""
         return whiteners(self.windows, self.covariances, self.directions, dispersion)
 
 
 @dataclass(eq=False)
 class Case:
-    """Everything that the steps of a diagnosis share.
+    """State shared by the steps of a diagnosis.
 
     Attributes
     ----------
     twin : FmuTwin
-        The user's.
+        The user's twin.
     simulations : Simulations
-        Who runs it with physics at its ports.
+        Simulators that run the twin with physics at its ports.
     substeps : int
         Steps of physics in a communication step.
     rig : Rig
-        Which signal is what.
+        Role of each signal.
     nominal : list of Simulated
         The recordings, simulated by the twin as it is.
     noise : dict of str to NoiseLevel
-        Of each signal, over all recordings.
+        Noise of each signal, over all recordings.
     budget : Budget
-        What is not physics.
+        Size of residuals that need no missing physics.
     misfit : Misfit
-        Residuals by that budget.
+        Residuals whitened by that budget.
     setting : Setting
         Free parameters, and what the recordings show.
     base : Fitted
@@ -114,33 +114,33 @@ class Case:
 
     @property
     def plain(self) -> Misfit:
-        """Residuals by the budget alone, whatever the best model leaves."""
+        """Misfit whitened without dispersion, however imperfect the best model is."""
         return Misfit(self.simulations, self.budget.plain)
 
     def change_setting(self, setting: Setting) -> None:
-        """Let other lines, bounds or scales hold from here on; the refit stays as it is."""
+        """Replace searched lines, bounds or scales; the refit stays as it is."""
         self.setting = setting
         hypothesis = replace(self.base.hypothesis, setting=setting)
         self.base = replace(self.base, hypothesis=hypothesis)
 
     def use(self, misfit: Misfit) -> None:
-        """Measure everything by another budget."""
+        """Whiten all residuals by another budget from here on."""
         self.misfit = misfit
         self.base = self.base.measured_by(misfit)
 
 
 def dof(misfit: Misfit) -> int:
-    """Whitened residuals in all."""
+    """Number of whitened residuals."""
     return sum(w.n_residuals for w in misfit.whiteners)
 
 
 def chi2_per_dof(fitted: Fitted, misfit: Misfit) -> float:
-    """About one where the budget is right and nothing is missing."""
+    """chi2 per degree of freedom: about one where the budget is right and nothing is missing."""
     return chi2(fitted.residual) / max(1, dof(misfit))
 
 
 def times_noise(case: Case, model: Fitted) -> float:
-    """chi2 that a model leaves by the budget alone, over what noise gives.
+    """Ratio of a model's chi2, without dispersion, to the chi2 that noise alone gives.
 
     Parameters
     ----------
@@ -153,5 +153,5 @@ def times_noise(case: Case, model: Fitted) -> float:
 
 
 def is_more_than_noise(case: Case, model: Fitted) -> bool:
-    """Whether a model leaves more than noise does; see `times_noise`."""
+    """Whether a model's residual exceeds noise; see `times_noise`."""
     return times_noise(case, model) > _MORE_THAN_NOISE

@@ -1,4 +1,4 @@
-"""Which recorded signal is the controller's command."""
+"""Find the recorded signal that is the controller's command."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from gmfbo.diagnosis.case.case import Case
 
 
 def command_of(case: Case) -> str | None:
-    """Output that is the state `command`; None where the twin compares none.
+    """Output with the role `command`; None where the twin file compares no such output.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which stretches are fitted and which are only scored."""
+"""Split recordings into stretches that are fitted and stretches that are only scored."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _LESS_SURE = 3.0  # times the standard deviation that all recordings leave of a 
 
 @dataclass(frozen=True)
 class Split:
-    """Windows of a case, in two.
+    """Windows of a case, split into fitted and held-out ones.
 
     Attributes
     ----------
     fitted, held_out : tuple of int
-        Windows.
+        Indices of windows.
     names_fitted, names_held_out : tuple of str
         Recordings, with the stretch of time where one is cut.
     """
@@ -39,19 +39,19 @@ class Split:
 def split_of(case: Case, changes: Sequence[Blocks], model: Fitted) -> Split:
     """Hold out whole recordings where there are three, else the last stretch of each.
 
-    Recordings that show the named physics well are held out, so that the score says something,
-    though not the one that shows an effect best: it may be the only one that tells its size. Nor
-    one without which a value would be open: a limit that falls with speed is told by two of them,
-    each at one speed, and the one would foretell nothing of the other.
+    Held-out recordings show the named physics well, so that their score means something. The
+    recording that shows an effect best stays in the fit: it may be the only one that tells the
+    size. So does a recording without which a parameter would be undetermined, such as one of two
+    speeds that together determine a speed-dependent limit.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
     changes : sequence of Blocks
-        What each named effect changes, the first one first.
+        Whitened change of the signals by each named effect, in the order of naming.
     model : Fitted
-        The twin with all of them, fitted to all recordings.
+        The twin with all named effects, fitted to all recordings.
     """
     windows, records = case.budget.windows, case.simulations.records
     count = len(records)
@@ -75,7 +75,7 @@ def split_of(case: Case, changes: Sequence[Blocks], model: Fitted) -> Split:
 
 
 def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> set[int]:
-    """Recordings that are held out: one in any case, of few that show several effects."""
+    """Recordings to hold out: at least one, and more while no parameter becomes uncertain."""
     records = [window.record for window in case.budget.windows]
     count = len(case.simulations.records)
     strengths = np.zeros((max(len(changes), 1), count))
@@ -89,7 +89,7 @@ def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> s
     known = _variances(matrices.sum(axis=0), model.prior)
 
     def doubt_without(out: set[int]) -> float:
-        """Times by which the value that loses most is less sure."""
+        """Largest factor by which a parameter's standard deviation grows without these."""
         kept = [k for k in range(count) if k not in out]
         lost = _variances(matrices[kept].sum(axis=0), model.prior) / known
         return float(np.sqrt(np.max(lost, initial=1.0)))
@@ -110,14 +110,14 @@ def _variances(matrix: NDArray[np.float64], prior: NDArray[np.float64]) -> NDArr
 
 
 def restricted(misfit: Misfit, chosen: Sequence[int]) -> Misfit:
-    """Return the misfit of some of the windows.
+    """Misfit of some of the windows.
 
     Parameters
     ----------
     misfit : Misfit
         Of all windows.
     chosen : sequence of int
-        Which.
+        Windows to keep.
     """
     return replace(misfit, whiteners=tuple(misfit.whiteners[i] for i in chosen))
 

@@ -1,4 +1,4 @@
-"""The twin's parameters fitted from another start, where the first one led nowhere."""
+"""Refit the twin's parameters from other starts where the first fit failed."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from gmfbo.diagnosis.fitting.fit import Fitted, fit
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.runs.simulated import Simulated
 
-_FAR = 30.0  # chi2 per degree of freedom, from which it is looked elsewhere
+_FAR = 30.0  # chi2 per degree of freedom above which other starts are tried
 _STARTS = 16
-_SPREAD = 0.3  # of a parameter's size, by which starts lie on either side
+_SPREAD = 0.3  # of a parameter's size: distance of starts on either side
 _FIRST_STEP = 0.05  # of a parameter's size
 _STEPS = 60  # points of the search that uses no slopes
-_MUCH_LESS = 0.9  # times what was left
+_MUCH_LESS = 0.9  # of the chi2 before: an improvement counts only below it
 
 
 def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
     """Fit the twin without names from where the fit with them ended.
 
-    A fit that stays behind a limit is led out of there by nearly any effect, which then seems to
-    explain what the parameters do.
+    A fit of the parameters may stop at a saturated twin. Nearly any added effect frees it from
+    there, and then seems to explain what better parameters would.
 
     Parameters
     ----------
@@ -47,25 +47,25 @@ def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
 
 
 def fitted_without_last(misfit: Misfit, fitted: Fitted) -> Fitted | None:
-    """Fit a model without its last effect from where the fit with it ended.
+    """Refit a model without its last effect, from the parameters fitted with that effect.
 
     Parameters
     ----------
     misfit : Misfit
         Recordings and budget.
     fitted : Fitted
-        With the effect.
+        Fit with the effect.
     """
     hypothesis = replace(fitted.hypothesis, effects=fitted.hypothesis.effects[:-1])
     return fit(misfit, hypothesis, fitted.parameters, near=fitted, parallel=True)
 
 
 def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
-    """Look for a better start where a fit leaves much, by points around it.
+    """Search points around a fit with large chi2 for a better start.
 
-    An axis that lives at its limit switches between both ends of it. Slopes are steep there and
-    mean little, so that a fit by them may stay where it begins, however far off that is. The search
-    from the best point is that of Nelder and Mead (1965).
+    A saturated axis switches between both ends of its limit. Derivatives are steep and unreliable
+    there, so a fit that uses them may stay at a bad start. The search from the best point uses
+    none (Nelder, Mead 1965).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A loop through the torque port that keeps an open-loop twin near its recordings."""
+"""A feedback loop through the torque port that keeps an open-loop twin near its recordings."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def tracking_loop(
     measured: Sequence[NDArray[np.float64]],
     bandwidth: float = TRACKING_RAD_S,
 ) -> Tracking:
-    """Design a loop that holds a shaft of this inertia on its recordings.
+    """Design the loop that makes a shaft of this inertia follow its recordings.
 
     Parameters
     ----------
@@ -50,12 +50,12 @@ def tracking_loop(
 
 
 def track_recordings(simulations: Simulations, rig: Rig, inertia: float) -> None:
-    """Keep an open-loop twin near its recordings, and score what the loop leaves.
+    """Keep an open-loop twin near its recordings, and score the position error that remains.
 
     Parameters
     ----------
     simulations : Simulations
-        Gets the loop, and recordings whose positions are what the loop leaves.
+        Changed in place: gets the loop, and recordings whose positions are the loop's error.
     rig : Rig
         Where the recorded position is.
     inertia : float
@@ -80,7 +80,7 @@ def track_recordings(simulations: Simulations, rig: Rig, inertia: float) -> None
 
 
 def _untracked(column: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Faster part of a position on the communication grid: what the loop leaves to be scored."""
+    """Part of a position too fast for the loop, on the communication grid; it is scored."""
     w = TRACKING_RAD_S
     closed = [1.0, 2.0 * _TRACKING_DAMPING * w, w**2]
     b, a = bilinear([1.0, 0.0, 0.0], closed, fs=1.0 / float(grid[1] - grid[0]))

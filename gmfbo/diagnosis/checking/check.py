@@ -1,4 +1,4 @@
-"""A look at recordings before any diagnosis: what is wrong with them, and what they can show."""
+"""Check recordings before any diagnosis: faults of logging, and effects that would show."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from gmfbo.sources.twin.twin import FmuTwin
 Progress = Callable[[str, float], None]
 Array = NDArray[np.float64]
 
-_RUNS_A_RECORDING = 22  # that opening a case takes about, for the progress alone
-_OPENED = 0.3  # share of the time
-_ERRORS = 4.0  # standard deviations of a response, above which the twin is apart from it
+_RUNS_A_RECORDING = 22  # estimate of the runs that opening a case takes, for progress only
+_OPENED = 0.3  # share of the progress when the case is open
+_ERRORS = 4.0  # standard deviations of a response above which the twin differs from it
 
 
 def check(
@@ -40,7 +40,7 @@ def check(
     progress: Progress | None = None,
     jobs: int | None = None,
 ) -> Check:
-    """See in seconds what is wrong with recordings and what they can show; nothing is fitted.
+    """Find faults of recordings and the effects they can show, in seconds and without a fit.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def check(
     seed : int
         Of the noise that is sent through the loop.
     progress : callable (str, float), optional
-        Told the stage and the share that is done.
+        Called with the stage and the share done.
     jobs : int, optional
         Simulations at a time; one a processor unless given.
 
@@ -85,7 +85,7 @@ def check(
 
 
 class _Counted:
-    """Progress by the runs that were made, while a case is opened."""
+    """Counts runs while a case is opened, and reports them as progress."""
 
     def __init__(self, told: Progress, expected: int) -> None:
         self._told, self._expected, self._runs = told, expected, 0
@@ -131,7 +131,7 @@ def _names(case: Case) -> list[str]:
 
 
 def _logged(nominal: NominalCase) -> dict[str, str]:
-    """Conventions that could be told: the command's by parity, others' as they were read."""
+    """Logging convention by signal: the command's by parity, the others' as they were read."""
     case = nominal.case
     told = dict.fromkeys(case.simulations.new_rows, "new")
     command = command_of(case)
@@ -141,7 +141,7 @@ def _logged(nominal: NominalCase) -> dict[str, str]:
 
 
 def _source(case: Case) -> str | None:
-    """Input that the recordings were driven by: the reference, or the one that moves most."""
+    """Input that drove the recordings: the reference, or else the input that moves most."""
     inputs = [
         name
         for name in case.twin.file.inputs
@@ -160,7 +160,7 @@ def _driven(case: Case, name: str) -> list[Array]:
 def _response(
     case: Case, source: str, signal: str, chosen: Sequence[int], *, simulated: bool
 ) -> Response | None:
-    """Estimate on each recording's own grid, on which the twin's inputs are held."""
+    """Estimate a response on each recording's own grid, on which the twin's inputs are held."""
     xs, ys = [], []
     for k in chosen:
         record = case.simulations.records[k]
@@ -204,7 +204,7 @@ def _responses(case: Case) -> tuple[ResponseSeen, ...]:
 
 
 def _alike(case: Case) -> list[int]:
-    """Recordings under the parameters of the first one: only those have one response."""
+    """Recordings with the parameters of the first one: only these share one response."""
     records = case.simulations.records
     first = records[0].plan.experiment.parameters.in_force
     return [k for k, r in enumerate(records) if r.plan.experiment.parameters.in_force == first]

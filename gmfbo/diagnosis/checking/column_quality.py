@@ -14,7 +14,7 @@ from gmfbo.diagnosis.runs.scored_record import resolution
 
 Array = NDArray[np.float64]
 
-_AROUND = 11  # rows by which the usual step beside a row is told
+_AROUND = 11  # rows whose median gives the usual step around a row
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
 _CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
 _LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
@@ -24,7 +24,7 @@ _CLIPPED_ENTRY = 1e-3  # of the range, by which a signal runs into its limit in 
 _JUMP = (1.5, 20.0)  # step over its neighbours' where rows are lost
 _JUMP_SPREADS = 6.0  # of all steps beside their neighbours'
 _JUMP_SHARE = 0.2  # of the fastest step: a lost row at standstill shows nothing
-_MOVING = 0.1  # of that share, above which another signal would have to jump too
+_MOVING = 0.1  # of that share: a signal that moves faster would have to jump too
 _ALIKE = 0.3  # by which two columns may differ in how many rows they miss
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with recordings, in words, and what to do about each."""
+"""Faults of recordings in words, each with its cure."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _BLANK_SHARE = 1e-3
 _CLIPPED_SHARE = 3e-3
 _JITTER = 0.05  # of a step; recordings that jitter by more than twice that are not read
 _COARSE = 3.0 * math.sqrt(12.0)  # quanta: rounding is three times what the diagnosis tolerates
-_FARTHEST = 1.5  # standard deviations of a nuisance's prior, above which an error is told
-_SHIFT = 0.5  # of a sample, and
-_BY_CONTROLLER = (0.9, 0.95)  # of the residual, explained by a single error: down to noise, or not
+_FARTHEST = 1.5  # standard deviations of a nuisance's prior above which an error is reported
+_SHIFT = 0.5  # of a sample
+_BY_CONTROLLER = (0.9, 0.95)  # of the residual by one error, if the rest is noise or not
 _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
 _SHIFT_BY_TWIN = 2.0  # samples
 _SCALE_BY_TWIN = 0.02
@@ -61,7 +61,7 @@ def all_findings(
     views: Sequence[ControllerView],
     logged: str | None,
 ) -> tuple[Finding, ...]:
-    """Say everything that is wrong, worst first.
+    """Findings of all kinds, worst first.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def all_findings(
         for signal, quality in own.columns.items():
             faults += _of_column(case, k, name, signal, quality)
         if not any(fault.kind in _SPOILING for fault in faults):
-            # Put right first: what is spoiled seems late or scaled as well.
+            # These faults come first: a spoiled column also seems late or scaled.
             faults += _of_alignment(case, name, own, views[k] if views else None)
         found += faults
     if not any(own.reversals for own in facts.values()):
@@ -224,7 +224,7 @@ def _of_alignment(
 
 
 def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]:
-    """Where the controller computes what was recorded, both columns are right."""
+    """Findings by the controller's parity; none where it computes the recorded command."""
     if view.excess <= FAILS_ABOVE:
         return []
     best = view.culprits[0]
@@ -261,7 +261,7 @@ def _of_gain(name: str, culprit: Culprit) -> Finding:
 
 
 def _by_twin(case: Case, name: str, signal: str, seen: SeenAlignment) -> list[Finding]:
-    """Without the controller's word, only what explains nearly all is told."""
+    """Findings against the twin alone: only an error that explains nearly all is reported."""
     if seen.explained < _BY_TWIN:
         return []
     sample, prior = _sample(case, signal), case.rig.alignments[signal]
@@ -291,7 +291,7 @@ def _extent(case: Case, name: str, signal: str) -> float:
 
 
 def _is_far(culprit: Culprit, prior: Alignment, sample: float) -> bool:
-    """Whether an error is larger than those that every rig has, which the diagnosis removes."""
+    """Whether an error exceeds the nuisances that a diagnosis removes anyway."""
     if culprit.kind == "shift":
         allowed = prior.shift or SHIFT_SHARE * sample
         return abs(culprit.size) > max(_FARTHEST * allowed, _SHIFT * sample)

@@ -1,4 +1,4 @@
-"""A twin and recordings measured and aligned as for a diagnosis, with nothing fitted."""
+"""Open a case as for a diagnosis, measured and aligned, with nothing fitted."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ class NominalCase:
     case : Case
         With derivatives by the uncertain parameters.
     checked : Parities
-        Of the parts of the loop.
+        Residuals of the parts of the loop.
     logged : str or None
-        Which command the logger stores by the controller's parity; None where it cannot tell.
+        Whether the logger stores the held or the new command, by the controller's parity; None
+        where that cannot tell.
     """
 
     case: Case
@@ -51,7 +52,7 @@ def open_nominal(
     Parameters
     ----------
     twin : FmuTwin
-        The user's.
+        The user's twin.
     recordings : sequence of Recording
         Runs of the real axis.
     seed : int
@@ -87,9 +88,9 @@ def open_nominal(
 
 
 def _logged_as(case: Case, checked: Parities) -> str | None:
-    """Which command the loggers store, by the recording that tells best; None where none can.
+    """Logging convention of the command, by the clearest recording; None where none is clear.
 
-    All recordings together would be misled by one whose column is shifted.
+    One recording with a shifted column would mislead a vote of all.
     """
     command = command_of(case)
     if checked.controller is None or command is None:
@@ -108,7 +109,7 @@ def _logged_as(case: Case, checked: Parities) -> str | None:
 
 
 def _rows(case: Case, logged: str | None) -> frozenset[str]:
-    """Outputs logged anew, where the controller's parity knows better than the files."""
+    """Outputs logged as new values, with the command corrected by the controller's parity."""
     rows, command = case.simulations.new_rows, command_of(case)
     if logged is None or command is None:
         return rows
@@ -116,7 +117,7 @@ def _rows(case: Case, logged: str | None) -> frozenset[str]:
 
 
 def _with_derivatives(case: Case, twin: FmuTwin) -> Case:
-    """Let the uncertain parameters vary about their values, so that no effect counts as one."""
+    """Add derivatives by the uncertain parameters, so that no effect is taken for their change."""
     setting = replace(case.setting, uncertain=uncertain_of(twin))
     # One point: the values stay, and the twin is simulated beside them for its derivatives.
     base = fit(case.misfit, Hypothesis(setting), {}, parallel=True, iterations=1)

@@ -1,4 +1,4 @@
-"""What one recording holds: its motion, its columns, its clock."""
+"""Facts of one recording: its motion, its columns and its clock."""
 
 from __future__ import annotations
 
@@ -42,16 +42,16 @@ _AT_LIMIT = 0.99  # of a limit, from which a signal counts as at it
 def recording_facts(
     case: Case, record: int, view: ControllerView | None, bandwidth: float
 ) -> RecordingFacts:
-    """Gather what is seen of one recording.
+    """Gather the facts of one recording.
 
     Parameters
     ----------
     case : Case
         At nominal parameters.
     record : int
-        Which.
+        Index of the recording.
     view : ControllerView or None
-        Of its command, where the controller could be checked.
+        The controller's residual, where it could be checked.
     bandwidth : float
         [Hz] Of its response to the reference.
     """
@@ -87,7 +87,7 @@ def recording_facts(
 def _against_twin(case: Case, record: int, place: int) -> SeenAlignment:
     name = case.simulations.records[record].signals[place].name
     if case.simulations.tracking is not None and name in case.rig.positions:
-        # A loop holds an open-loop twin on the recorded position: that is never late.
+        # A tracking loop holds an open-loop twin on the recorded position: never late.
         return SeenAlignment("twin", math.nan, math.nan, math.nan, 0.0)
     return against_twin(case, record, place)
 
@@ -118,7 +118,7 @@ def _clock(case: Case, recording: Recording) -> ClockQuality:
 
 
 def _told(recording: Recording, names: Sequence[str], rows: NDArray[np.bool_]) -> list[Array]:
-    """Columns that are fresh in every row: a latched or coarse one jumps all the time."""
+    """Columns with a new sample in every row: a latched or coarse column jumps all the time."""
     found = []
     for name in names:
         values = recording.signal(name)[rows]

@@ -1,4 +1,4 @@
-"""What was seen in recordings before any diagnosis, as values."""
+"""Result of a check of recordings, as values."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CHECK_SCHEMA = 1
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is wrong with a recording, and what to do about it.
+    """A fault of a recording, and its cure.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Finding:
     recording : str
         Its name; empty where all are meant.
     signal : str
-        Which column; empty where it is all of them or the clock.
+        Column; empty where all columns or the clock are meant.
     what : str
         What is wrong, with numbers.
     cure : str
@@ -115,21 +115,21 @@ class ClockQuality:
 
 @dataclass(frozen=True)
 class SeenAlignment:
-    """How a column sits on what it should be, in one recording; nothing was fitted.
+    """Shift, scale and offset of a column against its expected values, in one recording.
 
     Attributes
     ----------
     basis : {"controller", "twin"}
-        Against what the controller computes from the recorded measurement, or against the twin as
-        it is with what small changes of its parameters would do left out.
+        Expected values: those that the controller computes from the recorded measurement, or the
+        twin's, where changes that its parameters could make are left out.
     shift : float
-        [s] By which the column is late.
+        [s] Delay of the column.
     scale : float
         Recorded over expected.
     offset : float
         [SI] Recorded less expected.
     explained : float
-        Share of the squared difference that these three take away.
+        Share of the squared difference that shift, scale and offset remove.
     """
 
     basis: Basis
@@ -148,13 +148,13 @@ class RecordingFacts:
     duration : float
         [s]
     bandwidth : float
-        [Hz] Up to which the response to the reference can be trusted; NaN where it cannot.
+        [Hz] Highest frequency at which the response to the reference is trusted; NaN if none.
     reversals : int
         Sign changes of the velocity that last.
     position, speed : tuple of float
         [FMU's units] Lowest and highest; of the speed the 0.5 and 99.5 % quantiles.
     clock : ClockQuality
-        Of its rows.
+        How evenly its rows were sampled.
     columns : mapping of str to ColumnQuality
         By signal that the twin reads or is compared with.
     alignment : mapping of str to SeenAlignment
@@ -191,11 +191,11 @@ class ResponseSeen:
     coherence : tuple of float
         Of the recorded response, 0 to 1.
     trusted : tuple of float
-        [Hz] Lowest and highest frequency at which it is; NaN where nowhere.
+        [Hz] Lowest and highest frequency at which the response is trusted; NaN where none.
     apart : float
-        Largest `|recorded / twin - 1|` between them that noise does not explain; 0 where it does.
+        Largest `|recorded / twin - 1|` between them beyond noise; 0 where noise explains all.
     apart_at : float
-        [Hz] Where that is; NaN where nowhere.
+        [Hz] Frequency of that; NaN where noise explains all.
     """
 
     source: str
@@ -213,16 +213,16 @@ class ResponseSeen:
 
 @dataclass(frozen=True)
 class Showable:
-    """Smallest size of an effect that would have shown.
+    """Smallest size at which an effect would have been named.
 
     Attributes
     ----------
     parameter, unit : str
-        What says its size.
+        Parameter that is the size, and its unit.
     together : float
         [unit] In all recordings together.
     alone : mapping of str to float
-        [unit] In each recording by itself; infinite where it never would.
+        [unit] In each recording by itself; infinite where no size would show.
     floor : float
         [unit] Below which the effect is never claimed; no size is smaller.
     """
@@ -236,14 +236,14 @@ class Showable:
 
 @dataclass(frozen=True)
 class Check:
-    """What recordings are good for, seen in seconds and without a fit.
+    """Faults of recordings, and the effects that they can show; found without a fit.
 
     Attributes
     ----------
     twin : str
         Its name.
     findings : tuple of Finding
-        What is wrong, worst first; empty where nothing is.
+        Faults, worst first.
     recordings : mapping of str to RecordingFacts
         By name.
     logged : mapping of str to str
@@ -255,7 +255,7 @@ class Check:
     showable : mapping of str to Showable
         By effect.
     not_testable : tuple of NotTestable
-        Effects on which these recordings are silent, and why.
+        Effects that these recordings cannot show, and why.
     notes : tuple of str
         Remarks.
     units : mapping of str to str

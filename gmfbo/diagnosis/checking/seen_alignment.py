@@ -1,8 +1,8 @@
-"""Time shift, scale and offset of columns as they are seen against the twin, without a fit.
+"""Time shift, scale and offset of columns against the twin or its controller.
 
-The command is held against what the twin's controller computes from the recorded measurement: no
-plant is in that comparison, so no missing physics misleads it. It also tells whether instead the
-measurement is the column that is off, for the controller answers to that in another way.
+The command is compared with the one that the twin's controller computes from the recorded
+measurement. No plant takes part, so missing physics cannot mislead this comparison. An error of
+the measurement changes the computed command in another way than an error of the command column.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ KINDS = ("shift", "scale", "offset")
 LEAST_GAIN = 0.02
 """Share of a gain, above which another one is told from the one that was stated."""
 
-_ROUNDS = 4  # of linear steps, in which a shift of many samples is found
-_SMALL = 0.01  # change of scale, and of the range, by which the controller's answer is measured
+_ROUNDS = 4  # linear steps, enough to find a shift of many samples
+_SMALL = 0.01  # change of scale, and of the range, for the controller's derivatives
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,11 @@ class Culprit:
     Attributes
     ----------
     signal, kind : str
-        Which column, and one of `shift`, `scale`, `offset`; or which gain, and `gain`.
+        Column with `shift`, `scale` or `offset`; or gain with `gain`.
     size : float
-        [s], share of the values, or [SI]; of a gain the share of it.
+        Shift [s], share of the values, offset [SI], or share of the gain.
     explained : float
-        Share of the squared residual that it takes away.
+        Share of the squared residual that this error explains.
     """
 
     signal: str
@@ -55,14 +55,14 @@ class Culprit:
 
 @dataclass(frozen=True, eq=False)
 class ControllerView:
-    """The controller's residual of one recording before anything is taken out of it.
+    """The controller's residual in one recording, with nothing removed, and its causes.
 
     Attributes
     ----------
     excess : float
         Mean square of its block means, 1 where the controller is right.
     command, position : SeenAlignment
-        Of the command's column, and of the measurement's, each as if the other were right.
+        Alignment of the command's and of the measurement's column, each as if the other were right.
     culprits : tuple of Culprit
         Single errors of single columns, the one that explains most first.
     """
@@ -74,14 +74,14 @@ class ControllerView:
 
 
 def against_twin(case: Case, record: int, place: int) -> SeenAlignment:
-    """Alignment of a column against the twin; what its parameters could change is left out.
+    """Align a column with the twin, without changes that the twin's parameters could make.
 
     Parameters
     ----------
     case : Case
         At nominal parameters.
     record, place : int
-        Which recording, and which of its signals.
+        Indices of the recording and of its signal.
     """
     signal = case.simulations.records[record].signals[place]
     rows = rows_of(case, range(len(case.budget.windows)), record, place)
@@ -122,14 +122,14 @@ def _left(target: Array, free: Sequence[Array]) -> float:
 
 
 def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
-    """Look at each recording's command; empty where the controller could not be checked.
+    """Align each recording's command; empty where the controller could not be checked.
 
     Parameters
     ----------
     case : Case
         At nominal parameters.
     checked : Parities
-        Of its parts.
+        Residuals of the parts of the loop.
     """
     command = command_of(case)
     if checked.controller is None or command is None or case.rig.position is None:
@@ -152,7 +152,7 @@ def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
 def _with_gains(
     case: Case, twin: HeldTwin, k: int, told: tuple[str, str, Array], view: ControllerView
 ) -> ControllerView:
-    """Add each gain of the controller to what may be wrong: its file may state another one."""
+    """Add each controller gain as a possible cause: the drive may have had another value."""
     command, which, expected = told
     residual, means = _residual(case, k, command, expected)
     before = float(np.mean(residual**2))
@@ -181,7 +181,7 @@ def _ordered(culprits: Sequence[Culprit]) -> tuple[Culprit, ...]:
 def _answers(
     case: Case, twin: HeldTwin, k: int, expected: Array, which: str, command: str
 ) -> dict[str, tuple[float, Array]]:
-    """Change of the computed command by each small error of the measurement, and its size."""
+    """Changes of the computed command by small errors of the measurement, and their sizes."""
     measured = twin.recorded(k)
     step = case.twin.step
     size = _SMALL * float(np.ptp(measured))
@@ -239,7 +239,7 @@ def _recorded(case: Case, k: int, command: str) -> Array:
 def _residual(
     case: Case, k: int, command: str, expected: Array
 ) -> tuple[Array, Callable[[Array], Array]]:
-    """Means of blocks of what was recorded less what was computed, and who takes such means."""
+    """Block means of recorded minus computed command, and the function that takes such means."""
     record = case.simulations.records[k]
     grid = record.plan.grid
     inside = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
@@ -255,7 +255,7 @@ def _measured(
     answers: dict[str, tuple[float, Array]],
     means: Callable[[Array], Array],
 ) -> SeenAlignment:
-    """Errors of the measurement together that come nearest to the controller's residual."""
+    """Least-squares shift, scale and offset of the measurement for the controller's residual."""
     if len(answers) < len(KINDS):
         return SeenAlignment("controller", float("nan"), float("nan"), float("nan"), 0.0)
     columns = np.column_stack([-means(answers[kind][1]) for kind in KINDS])
@@ -273,7 +273,7 @@ def _measured(
 
 @dataclass(frozen=True)
 class _Aligned:
-    """The command's own errors together, and each as the only one: (size, mean square left)."""
+    """Errors of the command column, fitted together and alone as (size, mean square left)."""
 
     shift: float
     scale: float
@@ -313,7 +313,7 @@ def _aligned(
 
 
 def _alone(target: Array, column: Array) -> tuple[float, float]:
-    """Multiple of one column that comes nearest, and the mean square that is left."""
+    """Least-squares factor of one column, and the mean square left."""
     square = float(column @ column)
     size = float(column @ target) / square if square else 0.0
     return size, float(np.mean((target - size * column) ** 2))

@@ -1,4 +1,4 @@
-"""Which effects recordings could show, each recording by itself and all together, and how small."""
+"""Smallest size of each effect that recordings could show, alone and all together."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from gmfbo.diagnosis.screening.probes import Probe, probes, screen
 from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
 from gmfbo.physics import CATALOGUE
 
-_CHUNK = 6  # effects' starts that are simulated between two words to the user
-_LEAST_UNLIKE = 0.03  # of an effect's change that no parameter makes; below it, it is not tested
+_CHUNK = 6  # starts simulated between two reports of progress
+_LEAST_UNLIKE = 0.03  # share of an effect's change that no parameter can make; less is not testable
 
 
 @dataclass(frozen=True)
 class Excited:
-    """What recordings show.
+    """Effects that recordings can show, and those that they cannot.
 
     Attributes
     ----------
     showable : mapping of str to Showable
-        By effect.
+        Smallest sizes by effect.
     not_testable : tuple of NotTestable
-        The others.
+        The other effects, each with its reason.
     """
 
     showable: Mapping[str, Showable]
@@ -38,14 +38,14 @@ class Excited:
 
 
 def showable_sizes(case: Case, progress: Callable[[float], None]) -> Excited:
-    """Simulate every effect at its probing size, and scale it to what would have been named.
+    """Simulate every effect at its probing size, and scale it to the size that would be named.
 
     Parameters
     ----------
     case : Case
         At nominal parameters.
     progress : callable (float)
-        Told the share that is done.
+        Called with the share done.
     """
     reasons = untestable(
         case.twin.file,
@@ -67,7 +67,7 @@ def showable_sizes(case: Case, progress: Callable[[float], None]) -> Excited:
         if name in reasons:
             continue
         by_one = {k: own[name].size if name in own else math.inf for k, own in alone.items()}
-        # What one recording shows, it shows among others too.
+        # A size that one recording shows also shows in all together.
         least = min(size.size, *by_one.values())
         floor = CATALOGUE[name].floor(case.setting.excitation)
         showable[name] = Showable(size.parameter, size.unit, least, by_one, floor)
@@ -90,7 +90,7 @@ def _probed(
 def _sizes(
     case: Case, tried: Sequence[Probe], record: int | None
 ) -> tuple[dict[str, DetectableSize], dict[str, str]]:
-    """Sizes by effect that one recording or all would show; which effects do not, and why."""
+    """Smallest sizes by effect in one recording or in all, and effects that do not show."""
     whiteners = case.misfit.whiteners
     if record is not None:
         whiteners = tuple(w for w in whiteners if w.window.record == record)

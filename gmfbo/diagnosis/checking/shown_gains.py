@@ -1,4 +1,4 @@
-"""Gains that the drive had, where the recorded command shows others than were stated."""
+"""Gains that the drive really had, where the recorded command contradicts the stated ones."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
-_EXPLAINED = 0.9  # of the controller's residual, by one gain
-_OTHERS_LEAVE = 2.0  # times what the gain leaves, by any error of a column
-_ALIKE = 0.01  # share of a gain, by which recordings may differ
+_EXPLAINED = 0.9  # share of the controller's residual that one gain explains
+_OTHERS_LEAVE = 2.0  # times the residual left by the gain: any column error leaves more
+_ALIKE = 0.01  # relative difference of the gain allowed between recordings
 
 
 @dataclass(frozen=True)
 class ShownGain:
-    """One gain of the controller that was another one in all recordings.
+    """A controller gain whose value in all recordings was another than stated.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class ShownGain:
     nominal : float
         [FMU's unit] In force where a recording states none.
     ratio : float
-        What the command shows over what was stated, dimensionless.
+        Gain shown by the command over the stated gain [1].
     """
 
     name: str
@@ -37,7 +37,7 @@ class ShownGain:
     ratio: float
 
     def put_in(self, recordings: Sequence[Recording]) -> list[Recording]:
-        """Let recordings state the gain that was shown."""
+        """Recordings with the shown gain stated in them."""
         changed = []
         for recording in recordings:
             stated = recording.parameters.get(self.name, self.nominal)
@@ -47,7 +47,7 @@ class ShownGain:
 
     @property
     def note(self) -> str:
-        """What the user is told."""
+        """Message for the user."""
         return (
             f"the controller's command shows that {self.name} was {self.ratio:.3f} times what the "
             "recordings state or the twin has: the diagnosis uses what the command shows; state "
@@ -58,15 +58,15 @@ class ShownGain:
 def find_shown_gain(
     twin: FmuTwin, recordings: Sequence[Recording], *, seed: int, jobs: int | None
 ) -> ShownGain | None:
-    """Find the gain that the drive had, by the controller's parity; None where all are as stated.
+    """Find a wrongly stated gain by the controller's parity; None where all are as stated.
 
-    Most recordings have to show the same gain to be wrong by the same share, and no shift, scale
-    or offset of a column may explain the command as well.
+    Most recordings have to show the same gain with the same ratio, and no shift, scale or offset
+    of a column may explain the command as well.
 
     Parameters
     ----------
     twin : FmuTwin
-        The user's.
+        The user's twin.
     recordings : sequence of Recording
         Runs of the real axis.
     seed : int
@@ -82,7 +82,7 @@ def find_shown_gain(
         The twin as it is cannot follow a recording.
     """
     if not twin.file.gains or "command" not in twin.file.states:
-        # Nothing could show one: do not pay for the look.
+        # Without a recorded command or a gain nothing can be shown: save the simulations.
         return None
     nominal = open_nominal(twin, recordings, seed=seed, jobs=jobs, on_run=lambda: None)
     case = nominal.case
@@ -102,12 +102,12 @@ def find_shown_gain(
 
 
 def _scheduled(recordings: Sequence[Recording]) -> set[str]:
-    """Gains that changed during a run; these are not touched."""
+    """Gains that changed during a run; they are left as stated."""
     return {name for recording in recordings for name in recording.schedules}
 
 
 def _told_by(view: ControllerView) -> tuple[str, float] | None:
-    """Gain and share of it by which one recording's command says that it was another."""
+    """Gain, and its ratio to the stated one, that one recording's command shows."""
     if view.excess <= FAILS_ABOVE:
         return None
     best = view.culprits[0]

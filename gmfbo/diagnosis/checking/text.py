@@ -1,4 +1,4 @@
-"""A check in a few lines: what is wrong first, then what these recordings can show."""
+"""A check as a few lines of text: faults first, then the effects that could show."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _USUAL = (
 )
 _MOST_ALONE = 6  # recordings that have a column of their own
 _MOST_FINDINGS = 8
-_FAR = 20.0  # times the size that all together show: as good as never
+_FAR = 20.0  # times the size shown by all recordings together: as good as never
 
 
 def check_lines(check: Check, *, every: bool = False) -> list[str]:
@@ -82,7 +82,7 @@ def _findings(check: Check, every: bool) -> list[str]:
 
 
 def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
-    """Findings of one kind and column, over the recordings."""
+    """Findings grouped by kind and column over the recordings."""
     groups: dict[tuple[str, str], list[Finding]] = {}
     for finding in findings:
         groups.setdefault((finding.kind, finding.signal), []).append(finding)
@@ -90,7 +90,7 @@ def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
 
 
 def _title(group: Sequence[Finding]) -> str:
-    """Where it is wrong: "run0.csv and 2 more, torque command"."""
+    """Place of a finding: "run0.csv and 2 more, torque command"."""
     first = group[0]
     others = len({finding.recording for finding in group}) - 1
     place = f"{first.recording} and {others} more" if others else first.recording
@@ -99,7 +99,7 @@ def _title(group: Sequence[Finding]) -> str:
 
 
 def _table(told: Sequence[tuple[str, ...]]) -> list[str]:
-    """First column to the left, the others to the right; long first ones are cut."""
+    """Align the first column left, the others right; a long first column is cut."""
     rows = [(_cut(first, 30), *rest) for first, *rest in told]
     wide = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return ["  ".join([row[0].ljust(wide[0]), *map(str.rjust, row[1:], wide[1:])]) for row in rows]
@@ -151,7 +151,7 @@ def _rows(facts: RecordingFacts) -> str:
 
 
 def _columns(check: Check) -> list[str]:
-    """Columns that the twin is compared with: the coarsest, and the farthest off, of all files."""
+    """Table of the compared columns: coarsest resolution and largest misalignment of all files."""
     rows = [("column", "resolution", "noise", "peak", "late ms", "scale", "logged")]
     names = dict.fromkeys(n for f in check.recordings.values() for n in f.alignment)
     for name in names:
@@ -236,7 +236,7 @@ def _sizes(check: Check, every: bool) -> list[str]:
 
 
 def _times(size: Showable, recording: str) -> str:
-    """How many times as large it would have to be for one recording alone to show it."""
+    """Ratio of the size that one recording alone shows to that of all together, as text."""
     ratio = size.alone.get(recording, math.inf) / size.together
     return f"x{ratio:.1f}" if ratio < _FAR else "-"
 

@@ -1,4 +1,4 @@
-"""From a diagnosis to what a drive can add so that the left-out physics is cancelled."""
+"""Make a drive's feed-forward from a diagnosis, to cancel the left-out physics."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from gmfbo.plain_words import words
 def compensation_of(
     diagnosis: Diagnosis, name: str, smoothing: float | None = None
 ) -> Compensation:
-    """Turn what a diagnosis named into tables that a drive can look up.
+    """Turn the named effects of a diagnosis into tables that a drive can look up.
 
     Parameters
     ----------
     diagnosis : Diagnosis
-        What is missing from the twin, and so what the axis has beyond it.
+        Its effects are missing from the twin, so the axis has them.
     name : str
-        Of the diagnosis, for the header: its folder.
+        Folder of the diagnosis, for the header.
     smoothing : float, optional
-        [velocity] Within which the sign of the velocity rises from -1 to 1; 1 % of the fastest
-        recorded motion unless given.
+        [velocity] Half width over which the sign of the velocity rises from -1 to 1; 1 % of the
+        fastest recorded motion unless given.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def compensation_of(
     Raises
     ------
     InputError
-        Nothing was found that a feed-forward cancels, or the diagnosis is of an older version.
+        No named effect can be cancelled, or the diagnosis is of an older version.
     """
     told = diagnosis.predictions
     if told is None:
@@ -71,7 +71,7 @@ def _ground(spans: Mapping[str, Span], smoothing: float | None) -> Ground:
 
 
 def _values(effect: NamedEffect, told: Predictions) -> dict[str, float]:
-    """Identified values, and those that were fixed beside them."""
+    """Identified parameter values, with the fixed ones."""
     head = f"{effect.name}."
     fixed = {
         name.removeprefix(head): value

@@ -1,4 +1,4 @@
-"""What cancels each effect: the law of the catalogue with its sign turned, laid on a table."""
+"""Tables that cancel each effect: its catalogue law with the opposite sign."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ Values = Mapping[str, float]
 REST_SHARE = 0.01
 """Of the fastest recorded motion: within it the sign of the velocity is smoothed."""
 
-_BEYOND = 1.25  # of what was recorded, up to which a law is tabulated
-_STRIBECK_SHARE = 0.1  # of the Stribeck velocity, which the smoothing must leave alone
+_BEYOND = 1.25  # of the recorded range, up to which a law is tabulated
+_STRIBECK_SHARE = 0.1  # of the Stribeck velocity: widest smoothing allowed
 _CURVE_NODES = 40  # of each direction, over the logarithm of the speed
 _CYCLE_NODES = 256  # straight lines between them are 0.008 % of the amplitude off a sine
-_FINEST_CYCLE = 64  # nodes a cycle where a table spans what was recorded: 0.12 % off
+_FINEST_CYCLE = 64  # nodes a cycle where a table spans the recorded range: 0.12 % off
 
 
 @dataclass(frozen=True)
 class Ground:
-    """What laws are tabulated over.
+    """Ranges and units over which laws are tabulated.
 
     Attributes
     ----------
     spans : mapping of str to Span
-        What the recordings covered.
+        Recorded range of each state.
     rest : float
-        [velocity] Within which the sign of the velocity is smoothed.
+        [velocity] Half width over which the sign of the velocity is smoothed.
     units : mapping of str to str
         Of each state and target.
     """
@@ -44,14 +44,14 @@ class Ground:
     units: Mapping[str, str] = field(default_factory=dict)
 
     def largest(self, state: str) -> float:
-        """Largest amount of a state that a table covers."""
+        """Largest magnitude of a state that a table covers."""
         span = self.spans[state]
         return _BEYOND * max(abs(span.low), abs(span.high), 1e-12)
 
     def table(
         self, effect: str, target: str, over: str, x: Column, y: Column, **more: str | float
     ) -> CompensationTable:
-        """Table with the units of this twin; `unit_y` may be given where a factor changes it."""
+        """Table in the units of this twin; `unit_y` is given where a factor changes it."""
         units = {"unit_x": self.units[over], "unit_y": self.units[target]}
         return CompensationTable(effect, target, over, x, y, **{**units, **more})  # type: ignore[arg-type]
 
@@ -69,14 +69,14 @@ def compensating_tables(effect: str, values: Values, ground: Ground) -> list[Com
     values : mapping of str to float
         Its parameters.
     ground : Ground
-        What to tabulate over.
+        Ranges and units of the tables.
     """
     law = _LAWS.get(effect)
     return [] if law is None else law(effect, values, ground)
 
 
 def _added(effect: str, values: Values, count: int, **columns: Column | float) -> Column:
-    """What an effect adds to its port at `count` made-up instants."""
+    """Signal that an effect adds to its port at `count` given instants."""
     made = {
         name: np.full(count, 0.0) + columns.get(name, 0.0)
         for name in ("position", "velocity", "command", "current", "load_torque")
@@ -102,7 +102,7 @@ def _curve(rest: float, ground: Ground) -> Column:
 
 
 def _straight(effect: str, values: Values, ground: Ground) -> list[CompensationTable]:
-    """Coulomb friction by direction, with whatever is linear in the speed of each."""
+    """Friction by direction of motion: a constant and a term linear in speed."""
     x = np.sort(np.append(_jump(ground.rest, ground), 0.0))
     y = -_added(effect, values, x.size, velocity=x, rest=ground.rest)
     return [ground.table(effect, "torque", "velocity", x, y)]
@@ -141,7 +141,7 @@ def _constant(effect: str, values: Values, ground: Ground) -> list[CompensationT
 
 
 def _gap(effect: str, values: Values, ground: Ground) -> list[CompensationTable]:
-    """The motor has to be half the gap ahead of the load in the direction in which it pushes."""
+    """Backlash: the motor leads the load by half the gap in the direction of its push."""
     x = _jump(ground.rest, ground)
     remark = (
         "the load crosses the gap in its own time: move slowly through reversals, or let the "
@@ -168,7 +168,7 @@ def _has_size(values: Values, wavenumber: str) -> bool:
 
 
 def _places(lines: list[float], ground: Ground) -> tuple[Column, float]:
-    """Nodes over one period where one line repeats, else over what was recorded."""
+    """Nodes over one period of a single line, else over the recorded range."""
     if len(lines) == 1:
         period = 2.0 * np.pi / lines[0]
         return np.linspace(0.0, period, _CYCLE_NODES + 1), period

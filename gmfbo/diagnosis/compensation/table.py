@@ -16,14 +16,14 @@ TARGETS = ("torque", "command", "reference")
 
 @dataclass(frozen=True, eq=False)
 class CompensationTable:
-    """Straight lines between nodes; beyond the ends the value stays, or begins anew.
+    """Straight lines between nodes; beyond the ends the value stays constant or repeats.
 
     Attributes
     ----------
     effect : str
-        What it cancels.
+        Effect that it cancels.
     target : str
-        One of TARGETS: to what the value is added.
+        One of TARGETS: the signal to which the value is added.
     over : str
         State that is looked up: velocity, position, acceleration or command.
     x, y : ndarray, shape (n,)
@@ -34,11 +34,11 @@ class CompensationTable:
         What its value is multiplied by: nothing where empty, the smoothed sign of the velocity
         (`direction`), the `current` with its sign, or the amount of `load`.
     rest : float
-        [velocity] Within which the sign of the velocity rises from -1 to 1.
+        [velocity] Half width over which the sign of the velocity rises from -1 to 1.
     period : float
         [unit_x] After which the table repeats; 0 where it does not.
     remark : str
-        What the table leaves out, one sentence; empty where nothing.
+        Part of the effect that the table cannot cancel, one sentence; else empty.
     """
 
     effect: str
@@ -55,7 +55,7 @@ class CompensationTable:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """States that it needs, the one that is looked up first."""
+        """States that it needs; the state that is looked up comes first."""
         more = {"": (), "direction": ("velocity",), "current": ("current",), "load": ("load",)}
         return (self.over, *more[self.factor])
 
@@ -104,7 +104,7 @@ class NotCompensated:
 
 @dataclass(frozen=True, eq=False)
 class Compensation:
-    """The diagnosed correction for the drive.
+    """Feed-forward for the drive, from a diagnosis.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class Compensation:
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """What is corrected."""
+        """Signals to which compensating values are added."""
         return tuple(t for t in TARGETS if any(table.target == t for table in self.tables))
 
     def of(self, target: str) -> tuple[CompensationTable, ...]:

@@ -25,7 +25,7 @@ _STATES = {
 
 
 def target_words(compensation: Compensation, target: str) -> str:
-    """What a value is added to: `torque at the motor shaft [N.m]`.
+    """Words for the signal to which a value is added: `torque at the motor shaft [N.m]`.
 
     Parameters
     ----------

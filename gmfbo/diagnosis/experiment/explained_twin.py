@@ -1,4 +1,4 @@
-"""Explanations of an earlier diagnosis, to be simulated along other recordings."""
+"""Simulate explanations of an earlier diagnosis along other recordings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from gmfbo.sources.twin.uncertain import uncertain_of
 
 
 def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -> Fitted:
-    """Return a hypothesis at exactly the values of an explanation; nothing is simulated.
+    """Hypothesis at exactly the values of an explanation; nothing is simulated.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -
 
 
 def check_known(explanation: Explanation, twin: FmuTwin) -> None:
-    """Refuse an explanation that this twin cannot be simulated with.
+    """Raise unless this twin can be simulated under an explanation.
 
     Parameters
     ----------

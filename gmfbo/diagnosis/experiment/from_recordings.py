@@ -1,4 +1,4 @@
-"""The recording that would tell rivals apart, or show what was not excited."""
+"""Propose a recording that tells rivals apart, or excites effects not excited so far."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FILE_NAME = "next.csv"
 def propose(
     case: Case, rivals: Sequence[Fitted], threshold: float, folder: Path | None = None
 ) -> NextExperiment | None:
-    """Choose the reference on which rivals differ most after each is refitted.
+    """Choose the reference on which refitted rivals differ most.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def propose(
     rivals : sequence of Fitted
         Hypotheses that the recordings cannot tell apart, likeliest first.
     threshold : float
-        Distance above which two are told apart.
+        Distance above which two rivals are told apart.
     folder : Path or None
         Where `next.csv` is written; None writes nothing.
 
@@ -132,7 +132,7 @@ def rival_names(rivals: Sequence[Fitted]) -> list[str]:
 def _distances(
     case: Case, menu: Menu, entry: int, runs: Mapping[str, Played]
 ) -> dict[tuple[str, str], float]:
-    """Smaller of the two distances of each pair: either may be the truth."""
+    """Smaller of the two distances of each pair, since either rival may be true."""
     first = next(iter(runs.values()))
     whitener = whitener_of(case, menu, entry, first.simulated[entry])
     return {
@@ -145,13 +145,13 @@ def _distances(
 
 
 def _worth(distances: Mapping[tuple[str, str], float], threshold: float) -> tuple[int, float]:
-    """More pairs told apart first, then the surest margin among them, or the largest at all."""
+    """Sort key: number of pairs told apart, then their smallest margin, or the largest of all."""
     enough = [d for d in distances.values() if d >= threshold]
     return len(enough), min(enough) if enough else max(distances.values())
 
 
 def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Excitation:
-    """What the recordings would show together with one entry of the menu."""
+    """Excitation by the recordings and one entry of the menu together."""
     if not finite:
         return excitation
     speed = float(np.quantile(np.abs(states.velocity), 0.995))
@@ -168,7 +168,7 @@ def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Exci
 
 @dataclass(frozen=True, eq=False)
 class _Choice:
-    """The best entry of a menu, and what it does to the rivals."""
+    """The best entry of a menu, and the distances of the rivals on it."""
 
     menu: Menu
     entry: int

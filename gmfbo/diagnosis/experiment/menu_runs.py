@@ -1,4 +1,4 @@
-"""References of the menu made ready to be simulated and compared, in place of the recordings."""
+"""Simulate the menu's references in place of the recordings, and compare rivals on them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 _MOVES = 0.99  # of a reference's power lies below its bandwidth
-_JUMP = 20.0  # times the fastest motion: what moves faster in one sample is a step
+_JUMP = 20.0  # times the fastest motion: a faster change in one sample is a step
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +33,11 @@ class Menu:
     Attributes
     ----------
     entries : tuple of MenuEntry
-        What is on it.
+        The references' patterns.
     references : tuple of Recording
-        The same as files would hold them.
+        The patterns as recordings.
     records : tuple of Record
-        With the signals that recordings hold.
+        The recordings as they are scored, with the signals of the real recordings.
     """
 
     entries: tuple[MenuEntry, ...]
@@ -69,7 +69,7 @@ def recorded_limits(case: Case, base: Fitted, reference: str) -> RecordedLimits:
     case : Case
         Twin and recordings.
     base : Fitted
-        The model that moves as they do; without the encoder's noise.
+        The model that moves as they do, without encoder noise.
     reference : str
         Input that the controller follows.
     """
@@ -124,7 +124,7 @@ def make_menu(case: Case, base: Fitted, reference: str) -> Menu:
     case : Case
         Twin and recordings.
     base : Fitted
-        About which limits are read.
+        The model that moves like the recordings; limits are read from it.
     reference : str
         Input that the controller follows.
     """
@@ -190,9 +190,9 @@ class Played:
     Attributes
     ----------
     simulated : list of Simulated
-        Each entry.
+        One an entry.
     columns : list
-        Change of the signals per unit of each free parameter, as in Fitted.
+        Change of the signals per unit of each free parameter, as in `Fitted`.
     """
 
     simulated: list[Simulated]
@@ -200,7 +200,7 @@ class Played:
 
 
 def play(case: Case, rival: Fitted) -> Played | None:
-    """Simulate the menu under a rival and its neighbours; None where a run ends early.
+    """Simulate the menu under a rival, with derivatives; None where a run ends early.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def play(case: Case, rival: Fitted) -> Played | None:
 
 
 def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whitener:
-    """Measure differences on one entry in noise, tolerance and the nuisances of every rig.
+    """Whitener of one entry, by noise, tolerance and the nuisances of every rig.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whi
     entry : int
         Which reference.
     simulated : Simulated
-        The same, simulated.
+        The entry, simulated.
     """
     record = menu.records[entry]
     rows = [slice(0, s.values.size) for s in record.signals]
@@ -247,14 +247,14 @@ def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whi
 
 
 def distance(whitener: Whitener, true: Played, other: Played, entry: int) -> float:
-    """Square of what the other rival cannot follow, however its parameters are refitted.
+    """chi2 that remains when another rival is refitted to one that is taken for true.
 
     Parameters
     ----------
     whitener : Whitener
         Of the entry.
     true, other : Played
-        What happens, and what is fitted to it.
+        The rival taken for true, and the rival fitted to it.
     entry : int
         Which reference.
     """

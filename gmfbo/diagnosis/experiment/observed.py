@@ -1,4 +1,4 @@
-"""A confirmation run: what each explanation predicted, and what was observed."""
+"""A confirmation run: predictions of the explanations against the observation."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ FILE_NAME = "confirmation.json"
 SCHEMA = 1
 
 FAR = 4.0
-"""Times the misfit that was left at the diagnosis: an error twice as large is no confirmation."""
+"""Largest error that confirms, over the misfit at the diagnosis [1]."""
 
 MOST_REMOVED = 0.8
-"""Of what the parameters alone leave: an explanation that removes it is right in kind."""
+"""Share of the parameters-only error that an explanation right in kind removes."""
 
-_CLEAR, _STRONG = 3.0, 10.0  # thresholds by which the next best is farther away
+_CLEAR, _STRONG = 3.0, 10.0  # thresholds by which the next best explanation is farther away
 
 Outcome = Literal["supports", "supports_in_kind", "cannot_tell", "none"]
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """One explanation against what was observed.
+    """Error of one explanation's prediction of a confirmation run.
 
     Attributes
     ----------
@@ -40,12 +40,11 @@ class Prediction:
         Whitened sum of squares of the part that no nuisance was fitted to, and of the nuisances
         in standard deviations of their priors, dimensionless.
     per_residual : float
-        The same for each whitened residual: about one where the prediction is right.
+        chi2 per whitened residual: about one where the prediction is right.
     fitted : float
-        The same on the recordings that it was fitted to.
+        chi2 per whitened residual on the recordings that it was fitted to.
     nrmse : mapping of str to float
-        By signal: RMS error over the range of what was observed, on the same part; nothing is
-        aligned in it.
+        By signal: RMS error over the observed range, on the same part and without alignment.
     """
 
     name: str
@@ -57,7 +56,7 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Confirmation:
-    """What one recording says of the explanations that a diagnosis left.
+    """Judgement of a diagnosis' explanations by one later recording.
 
     Attributes
     ----------
@@ -68,7 +67,7 @@ class Confirmation:
     predictions : tuple of Prediction
         Nearest first.
     threshold : float
-        Difference in chi2 that tells two apart.
+        Difference in chi2 that tells two explanations apart.
     """
 
     recording: str
@@ -78,7 +77,7 @@ class Confirmation:
 
     @property
     def best(self) -> Prediction:
-        """The nearest."""
+        """Explanation with the smallest error."""
         return self.predictions[0]
 
     @property
@@ -97,9 +96,9 @@ class Confirmation:
         return prediction.per_residual <= FAR * self.expected
 
     def behind(self, other: Prediction) -> float:
-        """By how much an explanation is farther than the best, in units of what the best leaves.
+        """Excess chi2 of an explanation over the best, per unit of the best one's residual.
 
-        No law is exact: a difference counts relative to what the best prediction leaves.
+        No law is exact, so a difference counts relative to the error of the best prediction.
 
         Parameters
         ----------
@@ -110,12 +109,12 @@ class Confirmation:
 
     @property
     def alike(self) -> tuple[Prediction, ...]:
-        """Those that are as near as the best, the best first."""
+        """Explanations that cannot be told from the best one, the best first."""
         return tuple(p for p in self.predictions if self.behind(p) <= self.threshold)
 
     @property
     def removed(self) -> float:
-        """Share of what the parameters alone leave that the best explains; NaN where none is."""
+        """Share of the parameters-only error that the best explanation removes; NaN without one."""
         plain = next((p for p in self.predictions if p.name == PARAMETERS_ONLY), None)
         if plain is None or plain is self.best or plain.per_residual <= 1.0:
             return math.nan
@@ -123,7 +122,7 @@ class Confirmation:
 
     @property
     def outcome(self) -> Outcome:
-        """Whether it supports one, several, or none."""
+        """Whether the recording supports one explanation, several, or none."""
         if not self.fits(self.best):
             alone = len(self.alike) == 1 and self.best.name != PARAMETERS_ONLY
             return "supports_in_kind" if alone and self.removed >= MOST_REMOVED else "none"
@@ -131,7 +130,7 @@ class Confirmation:
 
     @property
     def strength(self) -> str:
-        """In words, by how many thresholds the next best is behind."""
+        """Words for the distance of the next best explanation, in thresholds."""
         if len(self.predictions) < 2:
             return ""
         ratio = self.behind(self.predictions[1]) / self.threshold

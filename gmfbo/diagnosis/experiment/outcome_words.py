@@ -1,4 +1,4 @@
-"""What a rival predicts of an experiment, in words and numbers."""
+"""Prediction of an experiment by a rival, in words and numbers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gmfbo.plain_words import words
 from gmfbo.units import quantity
 
 _SMOOTH_S = 0.01
-_AFTER_S = 0.15  # longer after a reversal, nobody would say so
+_AFTER_S = 0.15  # after a reversal; a later instant is not called "after a reversal"
 _FAST = 0.7  # of the highest speed
 
 Column = NDArray[np.float64]
@@ -25,7 +25,7 @@ Column = NDArray[np.float64]
 def predicted_outcome(
     case: Case, record: Record, name: str, entry: int, runs: Mapping[str, Played]
 ) -> str:
-    """Say where a rival differs most from another one: which signal, when, and by how much.
+    """Describe where a rival differs most from another: signal, time and size.
 
     Parameters
     ----------

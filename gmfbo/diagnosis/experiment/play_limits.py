@@ -23,7 +23,7 @@ _EXAMPLE = "position = [-0.5, 0.5]"
 
 @dataclass(frozen=True)
 class PlayLimits:
-    """What a motion must not exceed, in SI units.
+    """Limits of a motion, in SI units.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class PlayLimits:
         Raises
         ------
         InputError
-            It cannot be read, lacks a limit, or holds one that is none.
+            The file cannot be read, lacks a limit, or holds an invalid one.
         """
         try:
             content = parse_toml(read_toml_text(path))
@@ -95,14 +95,14 @@ class PlayLimits:
         Parameters
         ----------
         content : mapping
-            By name.
+            Limits by name.
         label : str
-            Of the file, for messages.
+            Name of the file, for messages.
 
         Raises
         ------
         InputError
-            A limit is missing, unknown, or none.
+            A limit is missing, unknown or invalid.
         """
         for name in content:
             if name not in ("position", *_RATES):

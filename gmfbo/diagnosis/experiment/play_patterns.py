@@ -20,7 +20,7 @@ PARTS = 2
 _SHARES = (0.9, 0.7, 0.5, 0.35, 0.2, 0.1)  # of the time of a part, tried one after the other
 _REST_ROWS = 8  # at each end, so that differences of any order begin and end at zero
 _TRAVEL = 0.15  # of velocity times duration: a range that slow patterns still cover in time
-_FASTEST = 3.0  # times the frequency at which limits of speed and acceleration meet
+_FASTEST = 3.0  # times the frequency at which speed and acceleration reach their limits together
 _SLOWEST_ROWS = 10.0  # rows of a chirp's fastest cycle
 _LEAST_ROWS = 200
 _ROUNDING = 1e-9  # share that numbers may be off when they are differenced
@@ -95,7 +95,7 @@ def _at_rest(values: Column, limits: PlayLimits, start: float, spacing: float) -
     width = 1
     if np.isfinite(limits.jerk):
         width = int(np.ceil(2.0 * limits.acceleration / limits.jerk / spacing)) + 1
-    # A wider mean than the pattern would leave nothing of it; then the amplitude shrinks instead.
+    # A mean wider than the pattern would erase it; then the amplitude shrinks instead.
     width = min(width, max(1, values.size // 4))
     rest = np.full(width + _REST_ROWS, start)
     padded = np.concatenate([rest, values, rest])
@@ -106,7 +106,7 @@ def _at_rest(values: Column, limits: PlayLimits, start: float, spacing: float) -
 
 
 def shrunk(values: Column, limits: PlayLimits, start: float, spacing: float) -> Column:
-    """Shrink a motion about where it starts until no sample is beyond a limit.
+    """Shrink a motion about its start until no sample is beyond a limit.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def shrunk(values: Column, limits: PlayLimits, start: float, spacing: float) -> 
     limits : PlayLimits
         Of the axis.
     start : float
-        [rad or m] About which.
+        [rad or m] Position about which it shrinks.
     spacing : float
         [s] Between rows.
     """

@@ -1,4 +1,4 @@
-"""The input of a twin that an experiment plays, and the column that makes it move."""
+"""The twin's input that an experiment plays, and the column that moves the axis by it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _EFFORTS = ("N.m", "N", "A", "V")
 
 @dataclass(frozen=True)
 class PlayedInput:
-    """What an experiment plays.
+    """Input that an experiment plays.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ def _rank(name: str, unit: str) -> int:
 
 
 def imposed_velocity(motion: Column, spacing: float) -> Column:
-    """Velocity that, held from each row to the next, gives a motion.
+    """Velocity, held from each row to the next, that yields a motion.
 
     Parameters
     ----------
@@ -101,8 +101,8 @@ def effort_for(
 ) -> Column:
     """Effort that makes a plant follow a motion: a p'' + b p' + c (p - p0).
 
-    What each of the three moves by itself is simulated, and their sum is fitted to the motion:
-    exact for a linear mass, damper and spring with any gain.
+    The motion under each of the three terms alone is simulated, and their sum is fitted to the
+    wanted motion: exact for a linear mass, damper and spring with any gain.
 
     Parameters
     ----------
@@ -111,14 +111,14 @@ def effort_for(
     spacing : float
         [s]
     moved : callable (effort) -> position
-        [rad or m] From where it stands, simulated.
+        [rad or m] Simulated, relative to the start.
     size : float
-        [unit of the effort] With which the three are tried.
+        [unit of the effort] Amplitude at which each term is simulated.
 
     Raises
     ------
     InputError
-        Nothing that is played moves the plant.
+        No term of the effort moves the plant.
     """
     shapes = [
         np.gradient(np.gradient(motion, spacing), spacing),

@@ -1,4 +1,4 @@
-"""Predictions of a diagnosis held against a recording that was made afterwards."""
+"""Compare the predictions of a diagnosis with a recording that was made afterwards."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def confirm_with(
     seed: int = 0,
     jobs: int | None = None,
 ) -> Confirmation:
-    """Hold what each explanation predicts against a recording; no physics is refitted.
+    """Compare each explanation's prediction with a recording; no physics is refitted.
 
-    Clock, scales, zeros and the actuator's small lag and gain, which every rig is off by, are
-    fitted for each explanation to stretches within the first third; the rest is scored, with the
-    uncertainty that they leave.
+    Nuisances (clock, scales, zeros, the actuator's lag and gain) are fitted for each explanation
+    to stretches within the first third. The rest is scored, with the remaining uncertainty of
+    these nuisances.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _opened(
 
 
 class _Judge:
-    """Scores explanations on one recording by one budget."""
+    """Scores explanations on one recording by one error budget."""
 
     def __init__(self, case: Case, twin: FmuTwin, told: Predictions) -> None:
         self.case, self.twin, self.told = case, twin, told
@@ -103,7 +103,7 @@ class _Judge:
     def confirmation(self, name: str) -> Confirmation:
         case = self.case
         points = points_of(self.told.explanations, case.setting, self.twin)
-        # A prediction knows nothing of the noise that came: all of it is in the budget.
+        # A prediction cannot know the noise of the recording: the budget holds all of it.
         with playing(case, Menu((), (), (self.record,))):
             return self._judged(name, points)
 
@@ -161,11 +161,11 @@ def _predictive(
     columns: Sequence[NDArray[np.float64]],
     directions: Sequence[Direction],
 ) -> float:
-    """Square of what is left of the rest, given the first part, and of what alignment took.
+    """chi2 of the rest given the first part, plus that of the nuisances fitted to it.
 
-    The first part gives each nuisance a value and an uncertainty; the rest is measured with that
-    uncertainty, r' (I + N' P N)^-1 r, by the identity of Woodbury (1950). A scale that one slow
-    pass could not tell from a zero would else count as a wrong prediction.
+    The first part gives each nuisance a value and a covariance P; the rest is scored as
+    r' (I + N' P N)^-1 r, by the identity of Woodbury (1950). Otherwise a scale that one slow
+    pass could not tell from a zero would count as a wrong prediction.
     """
     prior = np.eye(len(directions))
     seen, target = _stacked(first, directions), _stacked(first, [columns])[0]
@@ -188,7 +188,7 @@ def _stacked(
 
 
 def _parts(case: Case) -> tuple[list[Whitener], list[Whitener]]:
-    """Stretches within the first third, by which a recording is aligned, and all later ones."""
+    """Windows within the first third, used to align, and all later windows."""
     record, budget = case.simulations.records[0], case.budget
     times = [_times(record, window) for window in budget.windows]
     start, end = min(a for a, _ in times), max(b for _, b in times)
@@ -217,7 +217,7 @@ def _times(record: Record, window: Window) -> tuple[float, float]:
 
 
 def _nrmse(values: NDArray[np.float64], left: NDArray[np.float64], rows: Sequence[slice]) -> float:
-    """RMS of what is left over the range of the recorded signal, both on these rows."""
+    """RMS error over the range of the recorded signal, both on these rows."""
     error = np.concatenate([left[r] for r in rows])
     extent = float(np.ptp(np.concatenate([values[r] for r in rows])))
     return float(np.sqrt(np.mean(error**2))) / (extent or 1.0)

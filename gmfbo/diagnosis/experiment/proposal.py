@@ -1,4 +1,4 @@
-"""What an experiment would be, within limits: the file, what it shows, and what is predicted."""
+"""A proposed experiment within limits: its file, detectable effects and predictions."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ class ProposedExperiment:
     Attributes
     ----------
     recording : Recording
-        What a drive plays.
+        Reference that a drive plays.
     words : str
-        What it is: "a slow triangle, then a chirp".
+        Its description: "a slow triangle, then a chirp".
     limits : PlayLimits
-        That were given.
+        Limits that were given.
     peaks : Peaks
-        How far the axis goes in simulation, at the twin's values and under each explanation.
+        Extremes of the simulated motion, at the twin's values and under each explanation.
     shows : mapping of str to DetectableSize
         Smallest size of each effect that it would show.
     hidden : tuple of NotTestable
         Effects that it does not show, and why.
     wanted : tuple of str
-        Effects for which it was chosen; empty where for all.
+        Effects for which it was chosen; empty where it was chosen for all.
     rivals : tuple of str
         Explanations that it was chosen to tell apart; fewer than two where there are none.
     distance, threshold : float
-        Least predicted chi2 between two of them after each is refitted, and what it takes.
+        Least predicted chi2 between two refitted rivals, and the chi2 that tells them apart.
     predicted : mapping of str to str
-        What would be seen under each explanation.
+        Predicted observation under each explanation.
     """
 
     recording: Recording

@@ -1,4 +1,4 @@
-"""Safe references to play next: none goes farther, faster or harder than what was recorded."""
+"""Menu of safe references: none goes farther, faster or harder than the recordings."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ _SMALL = 0.2  # of the large amplitude
 _CYCLES = (3, 12)
 _SPEED_SHARE, _ACCELERATION_SHARE = 0.8, 0.6  # of a sine's: the rest is for fading in and out
 _LADDER = 4
-_LONGEST = 4.0  # times the longest recording; what takes longer is left out
+_LONGEST = 4.0  # times the longest recording; a longer reference is left out
 
 Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class RecordedLimits:
-    """What the recordings show that the axis bears.
+    """Limits of motion that the recordings show to be safe.
 
     Attributes
     ----------
     start : float
         [SI unit of the reference] Where each reference begins and ends.
     low, high : float
-        [SI unit of the reference] Within which it stays.
+        [SI unit of the reference] Lowest and highest value.
     speed : float
         [SI unit/s]
     acceleration : float
@@ -84,7 +84,7 @@ def reference_menu(limits: RecordedLimits) -> tuple[MenuEntry, ...]:
     Parameters
     ----------
     limits : RecordedLimits
-        What was recorded.
+        Limits of the recordings.
     """
     entries = [
         MenuEntry("slow_triangle", "a slow triangle", _triangle(limits)),
@@ -102,7 +102,7 @@ def reference_menu(limits: RecordedLimits) -> tuple[MenuEntry, ...]:
 
 
 def _triangle(limits: RecordedLimits) -> Column:
-    """Through the whole range once in the time of the longest recording: as slow as that."""
+    """Once through the whole range, in the time of the longest recording."""
     places = [limits.high, limits.low, limits.start]
     ways = np.abs(np.diff([limits.start, *places]))
     times = 0.8 * limits.duration * ways / max(ways.sum(), 1e-300)
@@ -128,7 +128,7 @@ def _reversals(limits: RecordedLimits) -> Column:
 
 
 def _sine(amplitude: float, limits: RecordedLimits) -> Column:
-    """Whole cycles that fade in and out, in half of the longest recording's time if they can."""
+    """Whole cycles that fade in and out, where possible in half of the longest recording's time."""
     fastest = min(
         _SPEED_SHARE * limits.speed / amplitude,
         np.sqrt(_ACCELERATION_SHARE * limits.acceleration / amplitude),
@@ -142,7 +142,7 @@ def _sine(amplitude: float, limits: RecordedLimits) -> Column:
 
 
 def _chirp(limits: RecordedLimits) -> Column:
-    """From a cycle in half the time to the recorded bandwidth, amplitude as the limits allow."""
+    """Chirp from one cycle in half the time to the recorded bandwidth, within the limits."""
     duration = limits.duration
     lowest = min(2.0 / duration, 0.5 * limits.bandwidth)
     rate = np.log(limits.bandwidth / lowest) / duration
@@ -172,7 +172,7 @@ def _step(limits: RecordedLimits) -> Column:
 
 
 def _path(points: Sequence[tuple[float, float]], limits: RecordedLimits) -> Column:
-    """Straight pieces (time for it, where to), stretched and rounded until they keep the limits.
+    """Path of straight pieces (duration, target), stretched and rounded to keep the limits.
 
     A moving mean of length T turns a change of slope s into the acceleration s / T.
     """
@@ -197,7 +197,7 @@ def _path(points: Sequence[tuple[float, float]], limits: RecordedLimits) -> Colu
 
 
 def _about_centre(shape: Column, limits: RecordedLimits) -> Column:
-    """Go to the middle of the range, do it there, and come back."""
+    """Go to the middle of the range, follow the shape there, and come back."""
     centre = 0.5 * (limits.low + limits.high)
     way = centre - limits.start
     time_s = max(2.0 * abs(way) / limits.speed, np.sqrt(7.0 * abs(way) / limits.acceleration))

@@ -1,4 +1,4 @@
-"""Motions simulated before they are played, and shrunk until the axis stays within its limits."""
+"""Simulate motions before they are played, and shrink them until the limits hold."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from gmfbo.sources.twin.twin import FmuTwin
 Column = NDArray[np.float64]
 
 _TRIES = 25
-_NEXT = 0.995  # of the share that a linear axis would need
-_LEAST = 0.02  # of a reference, below which it shows nothing
+_NEXT = 0.995  # of the factor by which a linear axis would have to shrink
+_LEAST = 0.02  # of a reference: less of it is not worth playing
 _SLACK = 1e-3  # of a range, by which a controlled axis may stand off its start
-_TRIED_SHARE = 0.1  # of the torque limit, with which a plant is tried
+_TRIED_SHARE = 0.1  # of the torque limit: effort of the first trial of a plant
 _UNIT_TRIED = 1e-2  # [unit of the input] the same where there is no limit and no inertia
 
 
 @dataclass(frozen=True)
 class Peaks:
-    """How far an experiment goes: largest position, velocity, acceleration, jerk and torque.
+    """Extremes of an experiment: position, velocity, acceleration, jerk and torque.
 
     Attributes
     ----------
     low, high : float
-        [rad or m] Of the simulated position and of a position that is played.
+        [rad or m] Of the simulated position and of a played position.
     rates : mapping of str to float
         [SI] Velocity, acceleration and jerk of the played motion; of the simulated one where the
         plant is driven without a controller.
@@ -51,7 +51,7 @@ class Peaks:
     torque_unit: str
 
     def joined(self, other: Peaks) -> Peaks:
-        """Return the larger of each."""
+        """Extremes of two experiments together."""
         torque = self.torque
         if torque is not None and other.torque is not None:
             torque = max(torque, other.torque)
@@ -61,7 +61,7 @@ class Peaks:
         )
 
     def excess(self, limits: PlayLimits, start: float) -> float:
-        """Largest share of a limit that is used; above one it is exceeded."""
+        """Largest used share of any limit; above one the limit is exceeded."""
         slack = _SLACK * (limits.high - limits.low)
         shares = [
             (self.high - start) / max(limits.high - start, slack),
@@ -74,14 +74,14 @@ class Peaks:
 
 
 class SafePlayer:
-    """Simulates what would be played, at the twin's values and under explanations of it.
+    """Simulates a motion at the twin's values and under each explanation.
 
     Parameters
     ----------
     twin : FmuTwin
         The twin.
     played : PlayedInput
-        What is played.
+        Input that is played.
     limits : PlayLimits
         Of the axis.
     substeps : int
@@ -119,14 +119,14 @@ class SafePlayer:
 
     @property
     def start(self) -> float:
-        """[rad or m] Where the axis stands before anything is played."""
+        """[rad or m] Position of the axis before anything is played."""
         if self.played.kind == "position":
             return self.played.start
         still = self._run(np.zeros(4), Point())
         return float(self._position(still, np.zeros(4))[0])
 
     def reference(self, column: Column, name: str = "") -> Recording:
-        """File that plays a column.
+        """Recording that plays a column.
 
         Parameters
         ----------
@@ -154,12 +154,12 @@ class SafePlayer:
         Returns
         -------
         tuple
-            The motion, the column to play, how far it goes, and the share that is left of it.
+            Motion, column to play, extremes, and the factor by which it was shrunk.
 
         Raises
         ------
         InputError
-            Next to nothing of it could be played.
+            The limits leave next to nothing of the motion.
         SimulationError
             The twin cannot follow it.
         """
@@ -177,14 +177,14 @@ class SafePlayer:
         raise InputError(self._too_much(peaks, share))
 
     def peaks(self, motion: Column, column: Column) -> Peaks:
-        """How far the axis goes under any of the points.
+        """Extremes of the motion over all points.
 
         Parameters
         ----------
         motion : ndarray, shape (rows,)
-            [rad or m] That is meant.
+            [rad or m] Wanted motion.
         column : ndarray, shape (rows,)
-            [unit of the input] That is played.
+            [unit of the input] Column that is played.
         """
         found: Peaks | None = None
         for point in self.points:
@@ -245,7 +245,7 @@ class SafePlayer:
         return float(np.abs(to_si(variable, response.states[state])).max()), variable.si_unit
 
     def _position(self, response: Response, otherwise: Column) -> Column:
-        """Simulated position [SI]; what is meant where no state tells it."""
+        """Simulated position [SI]; the wanted motion where no state holds it."""
         name = self.twin.file.states.get("position")
         if name is None:
             return otherwise

@@ -1,4 +1,4 @@
-"""Choosing the next experiment within limits, from the twin alone or to settle a diagnosis."""
+"""Choose the next experiment within limits, for the twin alone or to settle a diagnosis."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ Pair = tuple[int, int]
 POSITION_NOISE, OTHER_NOISE = 1e-4, 2e-3
 """Of a signal's range: noise that is assumed where no diagnosis has measured it."""
 
-_SUBSTEPS = 5  # of a communication step, where only limits are checked
-_UNSEEN = 100.0  # times the smallest size: what an effect that is not shown counts as
+_SUBSTEPS = 5  # substeps of a communication step while only limits are checked
+_UNSEEN = 100.0  # times the smallest size: an effect that does not show counts as this large
 
 
 def propose_experiment(
@@ -55,11 +55,11 @@ def propose_experiment(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> ProposedExperiment:
-    """Choose what to play next: two patterns of the menu, one after the other.
+    """Choose the next experiment: two patterns of the menu, one after the other.
 
-    Without a diagnosis, those that show most effects, at the smallest sizes. With one that left
-    rivals, those on which the rivals differ most after each is refitted; with one that did not,
-    those that show best what was not excited.
+    Without a diagnosis, the patterns show most effects at the smallest sizes. A diagnosis with
+    rivals asks for patterns on which the refitted rivals differ most; a diagnosis without rivals
+    for patterns that best excite the effects not excited so far.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def propose_experiment(
     jobs : int, optional
         Simulations at a time; one a processor unless given.
     progress : callable (str, float), optional
-        Told the stage and the share that is done.
+        Called with the stage and the share done.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def _explanations(diagnosis: Diagnosis | None) -> tuple[Explanation, ...]:
 def _playable(
     player: SafePlayer, limits: PlayLimits
 ) -> list[tuple[MenuEntry, NDArray[np.float64]]]:
-    """Patterns as the axis can be moved through them, with the columns to play."""
+    """Patterns shrunk to what the axis can follow, with the columns to play."""
     start = player.start
     if not limits.low <= start <= limits.high:
         raise InputError(
@@ -152,7 +152,7 @@ def _as_recorded(
     diagnosis: Diagnosis | None,
     rng: np.random.Generator,
 ) -> list[Recording]:
-    """What a logger would store if the axis were its twin: the patterns, with noise."""
+    """Recordings of the patterns as a logger would store them if the axis were its twin."""
     told = None if diagnosis is None else diagnosis.predictions
     known = {} if told is None else told.noise
     recordings = []
@@ -179,7 +179,7 @@ def _as_recorded(
 
 
 class _Choice:
-    """Which two patterns, and what comes of them."""
+    """Chooses two patterns, and gathers what they show."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""How far a parameter is moved to see what it changes, above what the loop changes by itself."""
+"""Finite-difference steps that exceed the roughness of the twin's responses."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ def with_clear_steps(
 ) -> Hypothesis:
     """Move each free parameter far enough to outweigh the roughness of its responses.
 
-    Counts of an encoder inside the twin's loop dither its command: whatever is moved, however
-    little, shuffles them, and each difference of two runs holds that noise. A Gauss-Newton step
-    by such a Jacobian is too short, by as much as the noise outweighs the change (errors in
-    regressors attenuate a slope; Fuller 1987, section 1.1), and a fit ends long before the minimum.
+    An encoder's counts inside the twin's loop dither its command. Any small change shuffles them,
+    so that each difference of two runs holds that noise. A Gauss-Newton step by such a Jacobian is
+    too short (errors in regressors attenuate a slope; Fuller 1987, section 1.1), and a fit ends
+    long before the minimum.
 
     Parameters
     ----------
     misfit : Misfit
         Recordings, simulators and a budget.
     hypothesis : Hypothesis
-        What is free; steps that its setting has stay.
+        Its free parameters; steps that its setting already has are kept.
     parameters : mapping of str to float
-        Of the twin, about which parameters are moved.
+        Of the twin; parameters are moved about these values.
     parallel : bool
         Use all simulators.
 
     Returns
     -------
     Hypothesis
-        The same, with a step for each free parameter in its setting.
+        The hypothesis with a step for each free parameter in its setting.
     """
     x, known = hypothesis.start(parameters), hypothesis.setting.difference_steps
     steps = {name: DIFFERENCE_STEP for name in hypothesis.names if name not in known}
@@ -65,7 +65,7 @@ def _roughness(
 ) -> dict[str, float]:
     """Square of the second difference over that of the first, where the range holds both.
 
-    That of a smooth response is far below one, that of noise three; where the response is bent it
+    The ratio is far below one for a smooth response and three for noise; for a bent response it
     grows with the square of the step.
     """
     names, moves = _moves_in_range(hypothesis, x, steps)
@@ -83,7 +83,7 @@ def _roughness(
 def _moves_in_range(
     hypothesis: Hypothesis, x: NDArray[np.float64], steps: Mapping[str, float]
 ) -> tuple[list[str], NDArray[np.float64]]:
-    """Parameters whose range holds two steps; no move, then one step and two of each of them."""
+    """Parameters whose range holds two steps, and moves of zero, one and two steps of each."""
     low, high = hypothesis.bounds
     magnitudes = dict(zip(hypothesis.names, hypothesis.magnitudes(x), strict=True))
     names, moves = [], [np.zeros(x.size)]

@@ -1,4 +1,4 @@
-"""By how much residuals exceed the budget where the best model is right but not perfect."""
+"""Dispersion: factor by which residuals of the best model exceed the error budget."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _LOWEST_HZ = 0.7
 def dispersion_of(fitted: Fitted, whiteners: Sequence[Whitener]) -> list[NDArray[np.float64]]:
     """Mean square of each whitened component by half octave, at least 1, pooled over windows.
 
-    A name is claimed for a gain relative to what the best model of all leaves: that was 1.3 to
-    16 times the noise for the right family, since no law is exact.
+    An effect is named for its gain relative to the residual of the best model. No law is exact:
+    the right family left 1.3 to 16 times the noise.
 
     Parameters
     ----------
@@ -76,13 +76,13 @@ def _power(
 def _of_window(
     residual: NDArray[np.float64], whitener: Whitener, spread: NDArray[np.float64]
 ) -> float:
-    """By how much one window exceeds what is common to all, at least 1."""
+    """Factor by which one window exceeds the dispersion common to all, at least 1."""
     power, degrees = _power(residual, whitener)
     return max(1.0, float(np.sum(power / spread) / np.sum(degrees)))
 
 
 def _bands(frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Half octaves from the lowest frequency that a second shows: drifts are steep there."""
+    """Half-octave bands; the lowest frequencies get their own, since drifts are steep there."""
     bands: NDArray[np.int64] = np.floor(
         2.0 * np.log2(np.maximum(frequencies, _LOWEST_HZ) / _LOWEST_HZ)
     ).astype(int)

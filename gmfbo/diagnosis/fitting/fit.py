@@ -15,12 +15,12 @@ from gmfbo.diagnosis.fitting.misfit import Blocks, Misfit, chi2
 from gmfbo.diagnosis.runs.simulated import Simulated
 
 _ITERATIONS = 10
-_CHEAP = 20  # points of a search that keeps its columns
+_CHEAP = 20  # most points of a search with a kept Jacobian
 _TOLERANCE = 3e-4  # of chi2: far below what separates two hypotheses
-_FLAT = 1e-12  # gradient where parameters change nothing, as in a recording at rest
-_HOPELESS = 1e4  # residual that stands for a run which ended early
-_FAR = 2.0  # chi2 per degree of freedom of a model whose columns are another one's no longer
-_SHORTFALL = 0.25  # of what a step promised, beyond which its slopes are measured anew
+_FLAT = 1e-12  # gradient below which parameters change nothing, as in a recording at rest
+_HOPELESS = 1e4  # residual assigned to a run that ended early
+_FAR = 2.0  # chi2 per degree of freedom above which a model's Jacobian is not reused
+_SHORTFALL = 0.25  # of the predicted fall of chi2: further short of it, the Jacobian is renewed
 
 Array = NDArray[np.float64]
 Columns = list[tuple[Array, ...]]
@@ -29,7 +29,7 @@ Columns = list[tuple[Array, ...]]
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A hypothesis at the values that fit best.
+    """A hypothesis at its best fitting values.
 
     Attributes
     ----------
@@ -38,13 +38,13 @@ class Fitted:
     x : ndarray, shape (n,)
         Free parameters.
     simulated : list of Simulated
-        The recordings there.
+        The recordings simulated there.
     residual : Blocks
         Recorded minus simulated, whitened, one block a window.
     sensitivity : Blocks
         Whitened change of the simulation per unit of each parameter, shape (n, n_residuals).
     columns : list
-        The same before whitening: one list a parameter, of tuples of signals a recording.
+        Sensitivities before whitening: for each parameter and recording, one array a signal.
     """
 
     hypothesis: Hypothesis
@@ -70,7 +70,7 @@ class Fitted:
         return self.hypothesis.parameters(self.x)
 
     def measured_by(self, misfit: Misfit) -> Fitted:
-        """Return the same fit whitened by another budget; nothing is simulated."""
+        """The same fit whitened by another budget; nothing is simulated."""
         return Fitted(
             self.hypothesis,
             self.x,
@@ -92,25 +92,25 @@ def fit(
 ) -> Fitted | None:
     """Fit all free parameters by least squares; None where the start cannot be simulated.
 
-    What a parameter changes is much the same a step further, and with one effect more. Beside a
-    model that has effects and is not far off, the search begins with that model's columns and keeps
-    what it has (the chord method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of
-    what was promised. From where that ends, all columns are measured at each step.
+    The Jacobian changes little from step to step, and with one effect more. Near a model that has
+    effects and fits well, the search begins with that model's Jacobian and keeps it (the chord
+    method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of its predicted gain.
+    From there on, the Jacobian is measured at each step.
 
     Parameters
     ----------
     misfit : Misfit
         Recordings and budget.
     hypothesis : Hypothesis
-        What is free; its effects' values are the start.
+        Its free parameters; the values of its effects are the start.
     parameters : mapping of str to float
         Start of the twin's uncertain parameters.
     near : Fitted, optional
-        A fit of a hypothesis that shares free parameters, the model nearby.
+        A fit of a similar hypothesis, whose Jacobian is reused.
     parallel : bool
         Use all simulators for this fit alone.
     iterations : int
-        Points that are tried at most with all columns measured.
+        Most points with a measured Jacobian.
     """
     if hypothesis.setting.is_rough:
         hypothesis = with_clear_steps(misfit, hypothesis, parameters, parallel=parallel)
@@ -139,7 +139,7 @@ def stacked(misfit: Misfit, columns: list[Columns]) -> Blocks:
 
 
 def _is_near(model: Fitted) -> bool:
-    """Whether columns of a model are worth keeping: with effects they are many, and about right."""
+    """Whether a model's Jacobian is worth reusing: it has effects and fits well."""
     residuals = sum(block.size for block in model.residual)
     return bool(model.hypothesis.effects) and model.chi2 < _FAR * residuals
 
@@ -164,7 +164,7 @@ class _Search:
         return bool(self._near)
 
     def forget(self) -> None:
-        """Measure all columns at each step from here on."""
+        """Measure the whole Jacobian at each step from here on."""
         self._near, self._last = {}, None
 
     def solution(self, x: Array, steps: int) -> Array:
@@ -211,7 +211,7 @@ class _Search:
         return slopes
 
     def _was_misled(self, before: Array, slopes: Array, x: Array) -> bool:
-        """Whether a step fell short of what the slopes promised."""
+        """Whether a step fell short of the gain that the Jacobian predicted."""
         there, here = self.residual(before), self.residual(x)
         promised = there + slopes @ (x - before)
         missing = here @ here - promised @ promised
@@ -219,7 +219,7 @@ class _Search:
 
     def _slopes(self, columns: list[Columns]) -> Array:
         blocks = stacked(self._misfit, columns)
-        # A neighbour that could not be simulated tells nothing about its direction.
+        # A run that ended early gives no derivative in its direction.
         return -np.nan_to_num(np.concatenate(blocks, axis=1)).T
 
     def fitted(self, x: Array) -> Fitted:

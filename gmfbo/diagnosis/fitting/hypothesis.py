@@ -1,4 +1,4 @@
-"""What may be wrong with the twin: its uncertain parameters and a set of left-out effects."""
+"""Hypotheses about the twin: its uncertain parameters and a set of left-out effects."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ class Candidate:
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:
-        """Those that are fitted: of an effect that may hold several lines, those it starts with."""
+        """Fitted parameters; of an effect with several lines, those of the lines it starts with."""
         return tuple(p for p in self.law.parameters if p.name in self.values)
 
     @property
     def searched(self) -> int:
-        """Lines and instants of it that were looked for."""
+        """Lines and instants of the effect that were found by a search."""
         return max(
             sum(p.name.startswith("wavenumber_") for p in self.parameters), self.law.is_searched
         )
@@ -68,14 +68,14 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What does not change between hypotheses.
+    """Settings common to all hypotheses.
 
     Attributes
     ----------
     uncertain : tuple of Uncertain
         Parameters of the twin that every hypothesis refits.
     excitation : Excitation
-        What the recordings show; bounds and scales follow from it.
+        Ranges that the recordings cover; bounds and scales follow from them.
     inertia : str or None
         Parameter of the twin from which a load inertia is taken.
     least_inertia : float
@@ -92,22 +92,22 @@ class Setting:
 
     @property
     def is_rough(self) -> bool:
-        """Whether a step of the usual size shows more of the twin's counts than of the change."""
+        """Whether usual difference steps drown in the dither of the twin's encoder."""
         return any(step > DIFFERENCE_STEP for step in self.difference_steps.values())
 
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """Effects that are on, beside the uncertain parameters.
+    """Set of acting effects, beside the uncertain parameters.
 
     Attributes
     ----------
     setting : Setting
-        Of all hypotheses.
+        Common to all hypotheses.
     effects : tuple of Candidate
         Effects that are on; their values are the start.
     noise : tuple of PlayedNoise or None
-        What the controller saw in each recording, where that matters to this hypothesis.
+        Noise that the controller saw in each recording, where it matters to this hypothesis.
     """
 
     setting: Setting
@@ -152,7 +152,7 @@ class Hypothesis:
         return np.maximum(np.abs(x), self.scales)
 
     def difference_sizes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """By how much each free parameter is moved to see its change, shape (n,)."""
+        """Finite-difference step of each free parameter, shape (n,)."""
         low, high = self.bounds
         given = self.setting.difference_steps
         shares = np.array([given.get(name, DIFFERENCE_STEP) for name in self.names])
@@ -207,7 +207,7 @@ class Hypothesis:
             whole = parameters.get(self.setting.inertia)
             if whole is None:
                 whole = self._nominal_inertia
-            # What turns behind the gap or shaft no longer turns with the twin's own.
+            # Inertia behind the gap or shaft no longer turns with the twin's own.
             least = max(1e-3 * whole, self.setting.least_inertia)
             kept = max(whole - sum(loads.values()), least)
             parameters[self.setting.inertia] = kept
@@ -216,12 +216,12 @@ class Hypothesis:
 
     @property
     def acts_at_rest(self) -> bool:
-        """Whether an axis that stands still is pushed."""
+        """Whether an effect pushes an axis that stands still."""
         return any(candidate.law.acts_at_rest for candidate in self.effects)
 
     @property
     def quiet(self) -> Hypothesis:
-        """The same without noise of recordings."""
+        """The hypothesis without the recordings' noise."""
         return replace(self, noise=None)
 
     @property

@@ -1,4 +1,4 @@
-"""How well a fit determines its parameters."""
+"""Standard deviations and 95 % intervals of fitted parameters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.sources.binding.binding import Binding
 
 _DRAWS = 400
-_SEEN = 0.15  # of a parameter's scale: a standard deviation below it counts as seen
+_SEEN = 0.15  # of a parameter's scale: a smaller standard deviation counts as identifiable
 _UNSEEN_DIRECTION = 1e-6  # of the largest squared singular value
 
 
@@ -40,7 +40,7 @@ def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
     fitted : Fitted
         On these windows.
     rng : numpy Generator
-        Source of the draws.
+        Source of the bootstrap draws.
     """
     groups = list(range(len(fitted.residual)))
     normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior)
@@ -65,7 +65,7 @@ def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
 
 
 def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, EstimatedParameter]:
-    """The twin's uncertain parameters, with those that cannot be seen left nominal.
+    """Estimates of the twin's uncertain parameters; unidentifiable ones stay nominal.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, Est
 
 
 def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
-    """Ratios that the recordings see where parameters trade off against each other.
+    """Identifiable ratios of parameters that trade off against each other.
 
     Along an unseen direction n of the logarithms, ln p_i / n_i - ln p_k / n_k stays the same:
     each parameter of the direction is reported relative to the one that moves most.

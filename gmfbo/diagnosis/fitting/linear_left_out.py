@@ -1,4 +1,4 @@
-"""Linear fits on all groups but one, and what they leave in the one that they never saw."""
+"""Leave-one-group-out linear fits: chi2 in each group by a fit to all others."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Normal:
     square : ndarray, shape (n_groups,)
         r'r of each group.
     precision : ndarray, shape (n,)
-        Of a weak prior of each change about zero: what is excited in the group left out alone
-        stays where it is, rather than going where noise elsewhere takes it.
+        Of a weak prior of each change about zero: a parameter excited only in the group left out
+        stays at zero change instead of following noise elsewhere.
     """
 
     matrix: NDArray[np.float64]
@@ -36,7 +36,7 @@ class Normal:
     precision: NDArray[np.float64]
 
     def only(self, columns: Sequence[int]) -> Normal:
-        """Return the equations of some of the columns."""
+        """Equations of some of the columns."""
         chosen = np.asarray(columns, dtype=int)
         return Normal(
             self.matrix[:, chosen[:, None], chosen[None, :]],
@@ -52,7 +52,7 @@ class Normal:
         )[:, 0]
 
     def left_out(self) -> NDArray[np.float64]:
-        """Square that remains in each group after a fit on all others, shape (n_groups,)."""
+        """chi2 of each group after a fit on all others, shape (n_groups,)."""
         if len(self.square) == 1:
             change = self.solution()[None]
         else:
@@ -66,7 +66,7 @@ class Normal:
         return self._after(change)
 
     def fitted(self) -> NDArray[np.float64]:
-        """Square that remains in each group after a fit on all, shape (n_groups,)."""
+        """chi2 of each group after a fit on all, shape (n_groups,)."""
         return self._after(np.repeat(self.solution()[None], len(self.square), axis=0))
 
     def _after(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -105,7 +105,7 @@ def normal_equations(
 
 
 def square_after_refit(residual: Blocks, columns: Blocks, precision: NDArray[np.float64]) -> float:
-    """Square over all windows that a linear step of all changes leaves.
+    """chi2 over all windows after a linear step of all changes.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ class Misfit:
     Attributes
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     whiteners : tuple of Whitener
         One a window.
     """
@@ -71,9 +71,9 @@ class Misfit:
         Parameters
         ----------
         hypothesis : Hypothesis
-            What is free.
+            Its free parameters and effects.
         x : ndarray, shape (n,)
-            Where.
+            Values of the free parameters.
         moves : ndarray, shape (m, n)
             Added to it, one row at a time.
         parallel : bool
@@ -98,9 +98,9 @@ class Misfit:
         Parameters
         ----------
         hypothesis : Hypothesis
-            What is free.
+            Its free parameters and effects.
         x : ndarray, shape (n,)
-            Where.
+            Values of the free parameters.
         base : sequence of Simulated
             The recordings simulated there.
         which : sequence of int
@@ -126,7 +126,7 @@ class Misfit:
         ]
 
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> Misfit:
-        """Return the same recordings measured by another budget."""
+        """The same recordings whitened by another budget."""
         return replace(self, whiteners=tuple(whiteners))
 
 

@@ -1,4 +1,4 @@
-"""Intervals by the likelihood itself, where parameters trade off along a curve."""
+"""Profile-likelihood intervals, where parameters trade off along a curve."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def widened_by_profile(
 ) -> Spread:
     """Widen intervals as far as the likelihood does not fall.
 
-    A shaft of twice the stiffness with 1.4 times the load shows the same below its resonance. The
-    fit's own derivatives know the direction of such a valley, and not that it bends. So each
-    parameter with a wide interval is moved on, the others following (profile likelihood; Venzon,
-    Moolgavkar 1988), while chi2 is no more than 3.84 above its least. The followers take
-    Gauss-Newton steps by the derivatives at the fit, which may fall short: an interval is widened
-    too little then, and never narrowed.
+    A shaft of twice the stiffness with 1.4 times the load looks the same below its resonance. The
+    derivatives at the fit give the direction of such a valley, but not its bend. So each parameter
+    with a wide interval is moved, and the others are refitted (profile likelihood; Venzon,
+    Moolgavkar 1988), while chi2 is at most 3.84 above its minimum. The refits are Gauss-Newton
+    steps by the derivatives at the fit. Where these fall short, an interval is widened too little,
+    and never narrowed.
 
     Parameters
     ----------

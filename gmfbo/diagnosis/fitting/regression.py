@@ -1,4 +1,4 @@
-"""Linear fits of columns to what a fitted model leaves, and what they gain out of sample."""
+"""Linear regression of a model's residual on columns, scored out of sample."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gmfbo.diagnosis.fitting.misfit import Blocks, Misfit, chi2
 
 
 class Regression:
-    """A residual on which columns are tried beside others.
+    """Regression of a fitted model's residual on columns.
 
     Whole recordings are left out in turn; one recording alone is left out in parts.
 
@@ -43,13 +43,13 @@ class Regression:
         return tuple(r - solution @ a for r, a in zip(self.base.residual, columns, strict=True))
 
     def excess(self, columns: Blocks) -> float:
-        """chi2 per degree of freedom after a fit, at least one: by which a bad model is noisy."""
+        """chi2 per degree of freedom after a fit, at least one."""
         return max(1.0, chi2(self.left(columns)) / self._dof)
 
     def gains(
         self, own: Blocks, more: Blocks, choices: Sequence[Sequence[int]]
     ) -> NDArray[np.float64]:
-        """Fall of chi2 on groups left out, by further columns beside some that are fitted anyway.
+        """Fall of left-out chi2 by further columns, beside columns that are fitted anyway.
 
         Parameters
         ----------
@@ -58,7 +58,7 @@ class Regression:
         more : Blocks
             Further ones.
         choices : sequence of sequences of int
-            Which of them are added, one choice after the other.
+            Further columns that are added, for each choice.
 
         Returns
         -------
@@ -75,5 +75,5 @@ class Regression:
 
 
 def joined(own: Blocks, more: Blocks) -> Blocks:
-    """Columns of both."""
+    """Both sets of columns as one."""
     return tuple(np.concatenate([a, b]) for a, b in zip(own, more, strict=True))

@@ -1,7 +1,7 @@
-"""Out-of-sample misfit through the FMU, where sensitivities do not tell it.
+"""Leave-one-group-out misfit by simulation, where a linear fit is not reliable.
 
-A gap or a limit makes the misfit rough: a linear step from the fit on all recordings may go
-astray. Each step is then simulated, and taken only if it serves what it was made from.
+A gap or a limit makes the misfit rough, and a linear step from the fit on all recordings may go
+astray. Each step is simulated, and taken only if it lowers the chi2 of the fitted groups.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from gmfbo.diagnosis.fitting.misfit import Blocks, Misfit
 def simulated_left_out(
     misfit: Misfit, fitted: Fitted, groups: Sequence[int], held: int = 0
 ) -> NDArray[np.float64]:
-    """Square in each group by parameters from all others, simulated; shape (n_groups,).
+    """chi2 of each group by parameters fitted to all others, simulated; shape (n_groups,).
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def simulated_left_out(
     groups : sequence of int
         Group of each window.
     held : int
-        Last parameters that stay at their values from all groups.
+        Number of last parameters that keep their values from all groups.
     """
     free = range(fitted.x.size - held)
     normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior).only(free)
@@ -49,7 +49,7 @@ def simulated_left_out(
     for g, simulated in enumerate(runs):
         if not all(run.finite for run in simulated):
             continue
-        # A run on its way to infinity is finite still, while its square is not: it serves nothing.
+        # The signals of a diverging run may be finite while their square is not: reject it.
         with np.errstate(over="ignore", invalid="ignore"):
             there = squares(misfit.residual(simulated), groups)
             serves = there.sum() - there[g] < here.sum() - here[g]

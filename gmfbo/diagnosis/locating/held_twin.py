@@ -1,4 +1,4 @@
-"""A twin that follows its recordings: its controller by the sensor port, its plant by force."""
+"""Make a twin follow its recordings: its controller by the sensor port, its plant by force."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HeldTwin:
-    """Runs of a fitted twin that is held on measurements.
+    """Runs of a fitted twin that is made to follow measurements.
 
     Attributes
     ----------
@@ -45,17 +45,17 @@ class HeldTwin:
 
     @property
     def feeds_controller(self) -> bool:
-        """The controller reads the measurement."""
+        """Whether the controller reads the measurement."""
         return "tracking.sensor" in self.settings
 
     @property
     def holds_plant(self) -> bool:
-        """A force holds the plant."""
+        """Whether a force makes the plant follow the measurement."""
         return "tracking.kp" in self.settings
 
     @property
     def busiest(self) -> int:
-        """Recording with the longest way."""
+        """Recording with the longest path."""
         runs = self.base.simulated
         return int(
             np.argmax([np.abs(np.diff(run.response.held[self.position])).sum() for run in runs])
@@ -95,7 +95,7 @@ class HeldTwin:
     def disturbed(self, k: int) -> Simulated:
         """Simulate one recording with a hidden disturbance and without being held.
 
-        It is a torque of some steps, or the like through the command where no torque acts.
+        The disturbance is a torque in steps, or a like command where the twin has no torque port.
         """
         excitation = self.case.setting.excitation
         grid = self.case.simulations.records[k].plan.grid
@@ -111,7 +111,7 @@ class HeldTwin:
 
 
 def hold(case: Case, base: Fitted, position: str) -> HeldTwin:
-    """Find out by which ports a twin can be made to follow its recordings.
+    """Find the ports by which a twin can be made to follow its recordings.
 
     Parameters
     ----------
@@ -136,17 +136,16 @@ def hold(case: Case, base: Fitted, position: str) -> HeldTwin:
 
 
 def reads_back(case: Case, base: Fitted) -> bool:
-    """Whether the state `position` contains what acts at the sensor port.
+    """Whether the state `position` contains the sensor port's signal.
 
-    A null simulation tells: a step at the port shows in the state at once, or only as the shaft
-    follows it.
+    A simulated step at the port shows in the state at once, or only as the shaft follows.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
     base : Fitted
-        Where it is simulated.
+        Model that is simulated.
     """
     run = base.simulated[0].response
     if "position" not in run.states or "sensor" not in run.ports:
@@ -165,14 +164,14 @@ def mean_effort(
 ) -> Column:
     """Torque of the tracking loop, mean over each communication step, shape (rows,).
 
-    Its value at one instant of a step is off by what the shaft gains in speed within the step.
+    A sample of the torque at one instant would miss the shaft's change of speed within a step.
 
     Parameters
     ----------
     settings : mapping of str to float
         Of the loop.
     measured : ndarray, shape (rows,)
-        [FMU's unit] What it follows.
+        [FMU's unit] Position that the loop follows.
     run : Response
         Of the twin that it holds.
     step : float

@@ -1,7 +1,7 @@
-"""Which state a latent signal follows: its variance explained by means over bins of each state.
+"""Find the state that a latent signal follows: variance explained by means over its bins.
 
-The score is the F ratio of an analysis of variance (Fisher 1925); bins are sent through the lag
-with which the signal was observed, so that a reversal stays where it was.
+The score is the F ratio of an analysis of variance (Fisher 1925). Bins are filtered by the lag of
+the observed signal, so that reversals stay aligned.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from gmfbo.physics import States
 _BINS = 10
 _TIME_BINS = 8  # of each recording
 _BLOCK_S = 0.01
-_LEAST_RANK = 4  # so that a signal of a single value must explain as much as any other
+_LEAST_RANK = 4  # so that a constant signal must explain as much as any other
 
 Column = NDArray[np.float64]
 
@@ -35,9 +35,9 @@ class StateFit:
     score : float
         F ratio.
     share : float
-        Of the variance that it explains.
+        Share of the variance that it explains.
     at : float
-        Value of the state where the signal is largest.
+        Value of the state at the largest signal.
     """
 
     state: str
@@ -58,7 +58,7 @@ def rank_states(
     states : sequence of States
         Of the same recordings.
     observed : bool
-        The signal is the effort of a tracking loop, which lags behind what it stands for.
+        Whether the signal is the effort of a tracking loop, which lags behind the torque.
     """
     target = np.concatenate(
         [_blocks(s, _known(c)[:, None])[:, 0] for s, c in zip(states, latent, strict=True)]
@@ -111,7 +111,7 @@ def _fit(
 
 
 def _features(name: str, columns: Sequence[Column]) -> tuple[list[Column], Column]:
-    """Columns of each recording, shape (rows, n), and the state that each stands for."""
+    """Bins of each recording, shape (rows, n), and the state value of each."""
     if name == "direction":
         return [column[:, None] for column in columns], np.array([0.0])
     if name == "time":
@@ -124,7 +124,7 @@ def _features(name: str, columns: Sequence[Column]) -> tuple[list[Column], Colum
 
 
 def _time_features(columns: Sequence[Column]) -> tuple[list[Column], Column]:
-    """Stretches of time, of each recording its own."""
+    """Bins over time, separate for each recording."""
     features, centres = [], []
     width = _TIME_BINS * len(columns)
     for k, time in enumerate(columns):
@@ -135,7 +135,7 @@ def _time_features(columns: Sequence[Column]) -> tuple[list[Column], Column]:
 
 
 def _through_loop(columns: Column, step: float) -> Column:
-    """What a tracking loop on a unit inertia makes of a torque: (kd s + kp)/(s^2 + kd s + kp)."""
+    """Filter a torque as a tracking loop on unit inertia does: (kd s + kp)/(s^2 + kd s + kp)."""
     loop = tracking_loop(1.0, [], HOLDING_RAD_S).settings
     kp, kd = loop["tracking.kp"], loop["tracking.kd"]
     upper, lower = bilinear([kd, kp], [1.0, kd, kp], 1.0 / step)

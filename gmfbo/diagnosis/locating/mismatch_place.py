@@ -1,4 +1,4 @@
-"""Where the mismatch sits: part of the loop, state in which it acts, and when it shows."""
+"""Locate the mismatch: part of the loop, state in which it acts, and times."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from gmfbo.physics import States, Units
 from gmfbo.units import quantity
 
 _ALWAYS = 0.6  # of the rows that move: an effect that acts in more has no special place
-_SHOWS_LATE_S = 0.04  # the loop takes as long to show what a torque does
+_SHOWS_LATE_S = 0.04  # time that the loop takes to show a torque's effect
 _ALIKE = 0.8  # of the best score
 _STANDS_OUT = 0.25  # of the strongest block
 
@@ -44,7 +44,7 @@ def locate(
     fitted_with: Fitted | None,
     units: Units,
 ) -> Location:
-    """Say where the twin and its recordings part.
+    """Say where, in which state and when the twin and its recordings differ.
 
     Parameters
     ----------
@@ -67,14 +67,14 @@ def locate(
 
 
 def located_at(location: Location, port: str) -> Location:
-    """Where a free function acts, where the parities do not tell the part of the loop.
+    """Location with the part of the loop taken from a free function's port, if it is unknown.
 
     Parameters
     ----------
     location : Location
         By the parities.
     port : str
-        Where the function explains what is missing.
+        Port of the free function.
     """
     parts: dict[str, SignalPath] = {"torque": "plant", "command": "actuator", "sensor": "sensor"}
     if location.signal_path is not None:
@@ -85,7 +85,7 @@ def located_at(location: Location, port: str) -> Location:
 def _of_effects(
     case: Case, effects: Sequence[Candidate], fitted_with: Fitted, units: Units
 ) -> Location:
-    """Take part and state from the effects, times from what they change in the signals."""
+    """Location by named effects: part and state by their law, times by their change of signals."""
     stretches: list[Stretch] = []
     most = max(1, MOST_WINDOWS // len(effects))
     for candidate in effects:
@@ -127,7 +127,7 @@ def _where(case: Case, candidate: Candidate, fitted_with: Fitted, most: int) -> 
 
 
 def _contribution(case: Case, candidate: Candidate, fitted_with: Fitted) -> list[Column]:
-    """Square of what an effect changes in the signals, in their noise, on each grid."""
+    """Squared change of the signals by an effect, in units of noise, on each grid."""
     whole = fitted_with.hypothesis
     others = tuple(c for c in whole.effects if c.effect != candidate.effect)
     without = replace(whole, effects=others)
@@ -178,9 +178,9 @@ def _of_parities(case: Case, base: Fitted, parities: Parities, units: Units) -> 
 
 
 def _likeliest(ranked: Sequence[StateFit]) -> StateFit | None:
-    """Best of the states; of a command and the acceleration that it causes, the command.
+    """Best of the states; a command is preferred to the acceleration that it causes.
 
-    What truly follows the acceleration is an inertia, which was refitted where it is uncertain.
+    Only a wrong inertia truly follows the acceleration, and an uncertain one was refitted.
     """
     if not ranked:
         return None
@@ -192,7 +192,7 @@ def _likeliest(ranked: Sequence[StateFit]) -> StateFit | None:
 
 
 def _failing(parities: Parities) -> tuple[SignalPath, Parity] | None:
-    """First part that differs; the joint of two encoders is surer of itself than the plant."""
+    """First failing part; a transmission between two encoders is more certain than the plant."""
     controller, plant, joint = parities.controller, parities.plant, parities.transmission
     if controller is not None and controller.fails:
         return "controller", controller
@@ -204,7 +204,7 @@ def _failing(parities: Parities) -> tuple[SignalPath, Parity] | None:
 
 
 def _of_residuals(case: Case, base: Fitted, parities: Parities) -> Location:
-    """Without a part that fails: only when it shows, and that only if no part passes either."""
+    """Location where no part fails: times only, and nothing where a part could be checked."""
     checked = parities.controller, parities.plant
     if any(p is not None for p in checked) or chi2_per_dof(base, case.misfit) < FAILS_ABOVE:
         return Location(None)
@@ -220,7 +220,7 @@ def _of_residuals(case: Case, base: Fitted, parities: Parities) -> Location:
 
 
 def _outstanding(case: Case, parity: Parity, states: Sequence[States] | None) -> list[Stretch]:
-    """Stretches whose blocks stand out, near reversals where the signal turns there."""
+    """Stretches with outstanding blocks, near reversals where the signal changes sign there."""
     squares, masks = [], []
     for k, (grid, column) in enumerate(zip(parity.grids, parity.columns, strict=True)):
         own = np.where(np.isfinite(column), column / parity.noise, 0.0) ** 2

@@ -1,8 +1,8 @@
-"""Which part of the loop parts from the recordings: controller, plant or transmission.
+"""Check controller, plant and transmission separately against the recordings.
 
-The recorded measurement is fed to the twin's controller, whose command must then come out as it
-was recorded; at the same time a virtual spring and damper hold the plant on the recording, and
-what torque that takes is what the plant lacks (parity relations, Gertler 1998).
+The recorded measurement is fed to the twin's controller, whose command must equal the recorded
+one. At the same time a virtual spring and damper hold the plant on the recording; their torque is
+the torque that the plant lacks (parity relations, Gertler 1998).
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ class Parities:
     plant : Parity or None
         [unit of the torque port] Torque that holds the twin on the recording.
     transmission : Parity or None
-        [SI unit of the position] Recorded minus simulated place of the load by the motor's.
+        [SI unit of the position] Recorded minus simulated load position, given the motor's.
     why_not : mapping of str to str
         `controller`, `plant`, `transmission`: why it could not be checked.
     logged : mapping of str to float
-        Mean square of the command's residual if the logger stores the `held` or the `new` one;
+        Mean square of the command's residual if the logger stores the `held` or the `new` command;
         empty where the controller could not be checked.
     held : tuple of Simulated
-        The twin while it was held on each recording; empty where it could not be.
+        The twin while it was held on each recording; empty where it could not be held.
     """
 
     controller: Parity | None
@@ -59,7 +59,7 @@ class Parities:
 
 
 def logged_as(checked: Parities) -> str | None:
-    """Which command the logger stores, `held` or `new`; None where that cannot be told."""
+    """Whether the logger stores the `held` or the `new` command; None where it is unclear."""
     if not checked.logged:
         return None
     held, new = checked.logged["held"], checked.logged["new"]
@@ -74,13 +74,13 @@ def parities(case: Case, base: Fitted) -> Parities:
     case : Case
         Twin and recordings.
     base : Fitted
-        The model whose residuals are looked at.
+        The model that is checked.
     """
     return _Checks(case, base).run()
 
 
 class _Checks:
-    """The residuals of all parts, and why a part has none."""
+    """Residuals of all parts, or the reason why a part has none."""
 
     def __init__(self, case: Case, base: Fitted) -> None:
         self.case, self.base = case, base
@@ -142,7 +142,7 @@ class _Checks:
         return twin
 
     def _command(self) -> str | None:
-        """Output that is the state `command`, where it is scored in every recording."""
+        """Output with the role `command`, where it is scored in every recording."""
         file = self.case.twin.file
         wanted = file.states.get("command")
         for name, entry in file.outputs.items():
@@ -154,10 +154,10 @@ class _Checks:
     # ---- null simulations -------------------------------------------------------------------
 
     def _leak(self, twin: HeldTwin, command: str) -> float | None:
-        """Spread of a command that should come out; None where it does not come out at all.
+        """Spread of the command's error in a null simulation; None where the test fails.
 
-        The twin itself computed the command, under a disturbance that is hidden now. Without the
-        disturbance, the test would pass even if the sensor port fed nothing.
+        The twin itself computed the command under a disturbance that this test leaves out. Without
+        one, the test would pass even if the sensor port fed nothing.
         """
         k = twin.busiest
         run = twin.disturbed(k)
@@ -178,7 +178,7 @@ class _Checks:
         return spread
 
     def _more(self, efforts: Sequence[Column]) -> float:
-        """By how much the recordings' disturbance exceeds that of the null simulation."""
+        """Ratio of the recordings' disturbance to that of the null simulation."""
         if not efforts:
             return 1.0
         hidden = DISTURBANCE * self.case.setting.excitation.torque
@@ -186,7 +186,7 @@ class _Checks:
         return max(1.0, block_spread(self.grids, scored) / hidden)
 
     def _noise_of_effort(self, twin: HeldTwin) -> float:
-        """Spread of the effort's block means that the recorded position's noise causes."""
+        """Spread of the effort's block means caused by noise of the recorded position."""
         k = twin.busiest
         clean = self.base.simulated[k].response.held[twin.position]
         level = self.case.noise[twin.position].total if twin.position in self.case.noise else 0.0
@@ -215,7 +215,7 @@ class _Checks:
         return Parity(tuple(columns), tuple(self.grids), noise, self._unit(name)), logged
 
     def _command_residual(self, k: int, name: str, computed: Column) -> Column:
-        """Recorded minus computed, without what clocks, scales and zeros explain."""
+        """Recorded minus computed command, without the part that nuisances explain."""
         signal = next(s for s in self.records[k].signals if s.name == name)
         grid, prior = self.grids[k], self.case.rig.alignments[name]
         shift = prior.shift or SHIFT_SHARE * signal.spacing
@@ -226,19 +226,19 @@ class _Checks:
         return _without(residual, columns, self.case.noise[name].total)
 
     def _command_noise(self, name: str, level: float) -> float:
-        """Spread of block means: white noise of this level, and what nobody cares about."""
+        """Spread of the command's block means: white noise of this level, and a tolerance."""
         rms = [np.sqrt(np.mean(run.response.held[name] ** 2)) for run in self.base.simulated]
         return max(float(np.hypot(level / np.sqrt(self.rows), TOLERANCE * np.median(rms))), 1e-15)
 
     def _under_recorded_command(
         self, efforts: Sequence[Column], controller: Parity
     ) -> list[Column]:
-        """Effort that the recorded command would have left over, where the twin's is another."""
+        """Effort corrected to the recorded command, where the twin's command differs."""
         ratio = self.case.setting.excitation.torque / self.case.setting.excitation.command
         return [e - ratio * c for e, c in zip(efforts, controller.columns, strict=True)]
 
     def _plant(self, efforts: Sequence[Column], held: Sequence[Response], noise: float) -> Parity:
-        """Effort without what a slightly wrong actuator explains."""
+        """Effort without the part that the actuator's nuisances explain."""
         excitation = self.case.setting.excitation
         ratio = excitation.torque / excitation.command
         columns, rms = [], []
@@ -259,7 +259,7 @@ class _Checks:
         return Parity(tuple(columns), tuple(self.grids), total, unit)
 
     def _open_loop(self) -> Parity:
-        """The loop that holds such a twin on its recordings tells what the plant lacks."""
+        """Parity of an open-loop plant: the effort of the loop that holds it on its recordings."""
         tracking = self.case.simulations.tracking
         assert tracking is not None, "asked of a twin that is held"
         held = [run.response for run in self.base.simulated]
@@ -312,13 +312,13 @@ class _Checks:
 
 
 def _without(residual: Column, columns: Sequence[Column], noise: float, rows: int = 1) -> Column:
-    """Leave out columns that are each as long as one standard deviation of their prior."""
+    """Remove nuisance columns, each one standard deviation of its prior long."""
     count = residual.size // rows
     together = np.column_stack([residual, *columns])
     means = together[: count * rows].reshape(count, rows, -1).mean(axis=1)
     means = means[np.isfinite(means).all(axis=1)] / noise
     target, own = means[:, 0], means[:, 1:]
     sizes = np.linalg.solve(own.T @ own + np.eye(len(columns)), own.T @ target)
-    # A large residual would overrule any prior; what is this far off is not a nuisance.
+    # A large residual would overrule any prior; an error this large is not a nuisance.
     sizes = np.clip(sizes, -_FARTHEST, _FARTHEST)
     return np.asarray(residual - np.column_stack(columns) @ sizes, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""A check that a right twin passes sample by sample: its residual, and how large noise makes it."""
+"""A check that a right twin passes sample by sample: residual and noise of one part."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Parity:
         Parameters
         ----------
         record : int
-            Which recording.
+            Index of the recording.
         """
         starts, means = block_means(self.grids[record], self.columns[record])
         return starts, means / self.noise
@@ -56,7 +56,7 @@ class Parity:
 
     @property
     def fails(self) -> bool:
-        """This part of the loop does not do what the twin does."""
+        """Whether this part of the loop differs from the twin's."""
         return self.excess > FAILS_ABOVE
 
 
@@ -88,7 +88,7 @@ def block_means(
 def block_spread(
     grids: Sequence[NDArray[np.float64]], columns: Sequence[NDArray[np.float64]]
 ) -> float:
-    """Root mean square of block means of columns that should be zero.
+    """Root mean square of the block means of columns that should be zero.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From samples at which something shows to a few stretches of time that a person can look at."""
+"""Join samples at which a mismatch shows into a few stretches of time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _JOINED_S = 0.03  # a shorter pause between two stretches is none
 _LEAST_S = 0.02
 _LONG_S = 0.3  # a longer stretch is cut into parts where its weight lies
 _HEAVY = 0.25  # of the largest weight in a long stretch
-_WEAK = 0.05  # of the strongest stretch's weight: not worth looking at
+_WEAK = 0.05  # of the strongest stretch's weight: weaker ones are left out
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,16 +24,16 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Rows of one recording, and how much shows there.
+    """A stretch of one recording, and how strongly the mismatch shows there.
 
     Attributes
     ----------
     record : int
-        Which recording.
+        Index of the recording.
     start, end : float
         [s]
     weight : float
-        Larger where more shows.
+        Sum of squares of the mismatch.
     """
 
     record: int
@@ -45,7 +45,7 @@ class Stretch:
 def strongest(
     grids: Sequence[Column], masks: Sequence[Mask], weights: Sequence[Column], most: int
 ) -> list[Stretch]:
-    """Find the stretches in which most shows, a few of each recording.
+    """Find the strongest stretches, a few of each recording.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def strongest(
     masks : sequence of ndarray of bool, shape (rows,)
         Where stretches may lie.
     weights : sequence of ndarray, shape (rows,)
-        Square of what shows.
+        Square of the mismatch.
     most : int
         Stretches at most.
     """
@@ -67,7 +67,7 @@ def strongest(
 
 
 def moving_parts(grids: Sequence[Column], masks: Sequence[Mask]) -> list[Stretch]:
-    """From the first to the last row of each recording at which something moves.
+    """Rows of each recording from its first to its last motion.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def time_windows(stretches: Sequence[Stretch], names: Sequence[str]) -> tuple[Ti
 
 
 def smeared(grid: Column, weight: Column, after_s: float) -> Column:
-    """Mean of a weight over the time that follows each row: what shows late counts early."""
+    """Mean of a weight over the time that follows each row, since a cause precedes its effect."""
     rows = max(1, round(after_s / float(grid[1] - grid[0])))
     total = np.concatenate([[0.0], np.cumsum(np.append(weight, np.zeros(rows)))])
     return np.asarray((total[rows : rows + weight.size] - total[: weight.size]) / rows)
@@ -124,7 +124,7 @@ def _runs(grid: Column, mask: Mask) -> list[tuple[int, int]]:
 
 
 def _short_runs(grid: Column, mask: Mask, weight: Column) -> list[tuple[int, int]]:
-    """Runs of True, each that is long replaced by the parts of it where its weight lies."""
+    """Runs of True; a long run is replaced by its heavy parts."""
     short: list[tuple[int, int]] = []
     for first, last in _runs(grid, mask):
         if grid[last] - grid[first] <= _LONG_S:
@@ -138,7 +138,7 @@ def _short_runs(grid: Column, mask: Mask, weight: Column) -> list[tuple[int, int
 
 
 def _stretch(k: int, grid: Column, weight: Column, first: int, last: int) -> Stretch:
-    """Lengthen a run that is too short to be looked at."""
+    """Stretch of a run, lengthened where it is too short to see."""
     total = float(weight[first : last + 1].sum())
     missing = max(0.0, _LEAST_S - float(grid[last] - grid[first]))
     start = max(float(grid[0]), float(grid[first]) - 0.5 * missing)

@@ -1,0 +1,7 @@
+"""Measure the noise of the recordings, and what the control loop makes of it.
+
+`measured_noise.noise_of_all` measures it, `measured_noise.noise_through_loop` carries it round
+the loop, and `loop_noise.own_variances` tells what each signal has of its own.
+`replayed_noise.under_noise` plays it into the twin, and `open_loop_noise.leave_out_noise` keeps
+it out of a plant that is driven in open loop.
+"""

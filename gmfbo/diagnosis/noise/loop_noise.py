@@ -1,4 +1,4 @@
-"""Noise of the sensor as the loop carries it to every signal, and what each has beside it."""
+"""Sensor noise carried by the loop to every signal, and each signal's own noise."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from gmfbo.sources.twin.augmented_twin import Response
 NOISE_RUNS = 4
 """Noise runs of each recording; smoothing over frequency does the rest."""
 
-_CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
-_SENT = 0.1  # of a resolution, that is left where it was sent through the loop
-_COARSE = 0.3  # of a position's noise, which counts make up before they are no white noise
+_CONTAINED = 0.5  # of the sensor port's noise: a reading that shows more contains the port
+_SENT = 0.1  # of a resolution: own noise that remains where the loop's noise contains the rounding
+_COARSE = 0.3  # of a position's noise: a smaller counting error is taken as white
 
 
 def noise_runs(
@@ -37,27 +37,27 @@ def noise_runs(
     rng: np.random.Generator,
     resolution: float = 0.0,
 ) -> list[list[Direction]]:
-    """Send noise of the recorded size through the loop: changes of each recording's signals.
+    """Send noise of the recorded size through the loop, and return the signals' changes.
 
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     point : Point
-        Where.
+        Values at which the twin runs.
     base : sequence of Simulated
-        The same without noise.
+            The recordings simulated without noise.
     sigma : float or None
-        [FMU's unit] Of the position's noise; None where it is not recorded.
+        [FMU's unit] Standard deviation of the position's noise; None where none is recorded.
     position : str or None
         Output that is the recorded position.
     input_noise : mapping of str to sequence of float
-        [FMU's unit] Of recorded inputs, by the port at which they enter, for each recording.
+        [FMU's unit] Noise of recorded inputs by their port, for each recording.
     rng : numpy Generator
         Source of the noise.
     resolution : float
-        [FMU's unit] Step of the encoder: an axis at rest stays on one count, whose error is no
-        white noise.
+        [FMU's unit] Step of the encoder: an axis at rest stays on one count, and its error is not
+        white.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def noise_runs(
             if simulations.tracking is None:
                 logged = _as_logged(run.response, base[k].response, position, column)
             else:
-                # What is scored is recorded less simulated: the recording holds the noise.
+                # The residual is recorded less simulated, and the recording holds the noise.
                 held = {**run.response.held, position: run.response.held[position] - column}
                 logged = replace(run.response, held=held)
             signals = simulations.read(logged, k)
@@ -122,7 +122,7 @@ def sensor_noise(
     resolution : float
         [FMU's unit] Step of the encoder; 0 where it counts finely.
     rng : numpy Generator
-        Source of the noise, and of where the counts lie.
+        Source of the noise, and of the position of the counts.
     """
     rows = next(iter(base.response.held.values())).size
     white = rng.standard_normal(rows)
@@ -138,7 +138,7 @@ def sensor_noise(
 def _as_logged(
     noisy: Response, quiet: Response, position: str, noise: NDArray[np.float64]
 ) -> Response:
-    """Let a reading hold the noise of its own instant, as the logger and the controller see it.
+    """Shift a reading's noise to its own instant, as the logger and the controller see it.
 
     The output at t_k is read before the inputs of t_k act: where it contains the sensor port, it
     still holds the noise of the point before.
@@ -153,12 +153,12 @@ def _as_logged(
 
 
 def white_variances(record: Record, noise: Mapping[str, NoiseLevel]) -> list[float]:
-    """Variance of each signal's noise as if it were its own.
+    """Variance of each signal's noise, with none of it ascribed to the loop.
 
     Parameters
     ----------
     record : Record
-        What was measured.
+        Recording that is scored.
     noise : mapping of str to NoiseLevel
         White noise of each signal.
     """
@@ -172,18 +172,18 @@ def own_variances(
     base: Simulated,
     position: str | None,
 ) -> list[float]:
-    """Variance of each signal beyond what the loop makes of the sensor's noise.
+    """Variance of each signal's noise beyond the sensor noise carried by the loop.
 
     Parameters
     ----------
     record : Record
-        What was measured.
+        Recording that is scored.
     noise : mapping of str to NoiseLevel
         White noise of each signal.
     loop_noise : sequence of Direction
-        Changes under the sensor's noise.
+        Changes of the signals under the sensor's noise.
     base : Simulated
-        The same without noise.
+            The recording simulated without noise.
     position : str or None
         Signal that is the sensor's reading.
     """
@@ -201,7 +201,7 @@ def own_variances(
             if place is not None and place != i and left[i].size == left[place].size:
                 pairs = [(change[i], change[place]) for change in loop_noise]
                 own = min(power_beside(left[i], left[place], pairs), level.total**2)
-        # What went through the loop holds the reading's own resolution.
+        # Noise carried by the loop already contains the reading's resolution.
         least = level.least * (_SENT if through > 0.5 * level.total**2 else 1.0)
         variances.append(max(own, least**2))
     return variances

@@ -1,4 +1,4 @@
-"""Noise of the recorded signals, and what the loop makes of it."""
+"""Noise of the recorded signals, and its way through the loop."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from gmfbo.sources.twin.twin import FmuTwin
 
 Array = NDArray[np.float64]
 
-_AS_MUCH = 0.7  # of the noise, from which it is left as it is
+_AS_MUCH = 0.7  # share of the noise above which its size is not reduced
 _LEAST_SHARE = 1e-6
-_SHOWN_HZ = (2.0, 100.0)  # where noise of an input is told from that of the outputs
+_SHOWN_HZ = (2.0, 100.0)  # band in which input noise can be told from output noise
 _ABOVE_OWN = 4.0  # times the outputs' own noise
 _FEWEST_BINS = 20
 
@@ -35,14 +35,14 @@ _FEWEST_BINS = 20
 def noise_of_all(
     simulations: Simulations, rig: Rig, levels: Sequence[dict[str, NoiseLevel]]
 ) -> dict[str, NoiseLevel]:
-    """Noise of each signal over all recordings, that of the position in any case.
+    """Noise of each signal over all recordings, always with the position's.
 
     Parameters
     ----------
     simulations : Simulations
         Of the recordings.
     rig : Rig
-        Which signal is the position.
+        Roles of the signals.
     levels : sequence of mapping of str to NoiseLevel
         Of each recording.
     """
@@ -58,14 +58,14 @@ def noise_of_all(
 def position_noise(
     simulations: Simulations, rig: Rig, noise: Sequence[dict[str, NoiseLevel]]
 ) -> float | None:
-    """Noise of the recorded position [FMU's unit]; None where there is none.
+    """Noise of the recorded position [FMU's unit]; None where no position is recorded.
 
     Parameters
     ----------
     simulations : Simulations
         Of the recordings.
     rig : Rig
-        Which signal is the position.
+        Roles of the signals.
     noise : sequence of mapping of str to NoiseLevel
         Of each recording.
     """
@@ -93,23 +93,23 @@ def noise_through_loop(
     noise: Sequence[dict[str, NoiseLevel]],
     rng: np.random.Generator,
 ) -> list[list[Direction]]:
-    """Changes of each recording's signals under noise as large as the one that was recorded.
+    """Changes of each recording's signals under noise of the recorded size.
 
-    The fast part of a recorded input may be what the axis got, as the command of a loop is, and no
-    error of the record: no more of it is sent than the quietest recording shows.
+    The fast part of a recorded input may be real, such as a loop's command, and no measurement
+    noise. So no more of it is sent than the quietest recording shows.
 
     Parameters
     ----------
     twin : FmuTwin
-        The user's.
+        The user's twin.
     simulations : Simulations
         Of the recordings.
     windows : sequence of Window
-        What is scored.
+        Stretches that are scored.
     base : Fitted
-        About which.
+        Model about which noise is sent.
     rig : Rig
-        Which signal is the position.
+        Roles of the signals.
     noise : sequence of mapping of str to NoiseLevel
         Of each recording.
     rng : numpy Generator
@@ -139,7 +139,7 @@ def noise_through_loop(
     shown = {port: float(np.min(shares * own)) for port, own in inputs.items()}
     if all(shown[port] > _AS_MUCH * max(own) for port, own in inputs.items()):
         return through
-    # What records an input is the same in all recordings.
+    # The sensor of an input is the same in all recordings.
     return runs({port: [level] * len(inputs[port]) for port, level in shown.items()})
 
 
@@ -171,7 +171,7 @@ def _shares_shown(
 
 
 def _input_noise(twin: FmuTwin, simulations: Simulations) -> dict[str, list[float]]:
-    """[FMU's unit] Of each recorded input that enters at a port, for each recording."""
+    """Noise [FMU's unit] of each recorded input that enters at a port, for each recording."""
     file, variables = twin.file, twin.binding.variables
     found: dict[str, list[float]] = {}
     for port, variable in file.ports.items():

@@ -1,11 +1,10 @@
-"""The noise of a recorded position, left out of all that drives a plant in open loop.
+"""Remove measurement noise from the command and tracking loop of an open-loop plant.
 
-A plant that runs on the recorded command of a loop is driven by the noise that is in its recorded
-position as well: the controller answered it. A residual that is scored below 200 Hz is not white in
-time, so a model gains by making that noise out of the command: half of a delay of 1.4 ms is fitted,
-and the rest as a shaft of the transmission (Ljung 1999, sec. 13.4: closed-loop data and a noise
-model that is not the true one). The loop that keeps the twin near its recordings passes the noise
-on to it too, and a light motor on a soft shaft would show it at its resonance.
+A recorded closed-loop command holds the controller's answer to the noise of the recorded position.
+So an open-loop plant that runs on this command is driven by the same noise that its residual holds.
+A residual scored below 200 Hz is not white in time, and a model gains by explaining this noise from
+the command: half of a delay of 1.4 ms is then fitted, and the rest as a soft shaft (Ljung 1999,
+sec. 13.4: closed-loop data with a wrong noise model). The tracking loop passes the noise on too.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from gmfbo.sources.twin.augmented_twin import RunPlan
 Array = NDArray[np.float64]
 
 _ANSWERS_WITHIN_S = 5e-3
-_LEAST_SHARE = 0.1  # of a command's fast power: 5 rows explain 1 % of 500 by chance
+_LEAST_SHARE = 0.1  # of a command's fast power: by chance, 5 regressors explain 1 % of 500 rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +40,7 @@ class ReadNoise:
     step : float
         [s] Of the grid.
     corner : float
-        [Hz] Above which it is known.
+        [Hz] Lowest frequency of the noise.
     """
 
     column: Array
@@ -49,7 +48,7 @@ class ReadNoise:
     corner: float
 
     def answer_in(self, command: Array) -> tuple[Array, float]:
-        """Part of a command that answers the noise, and its share of the power above the corner.
+        """Part of a command that responds to the noise, and its share of the fast power.
 
         Parameters
         ----------
@@ -66,22 +65,22 @@ class ReadNoise:
 def leave_out_noise(simulations: Simulations, rig: Rig, model: Fitted) -> float | None:
     """Drive a plant in open loop without the noise of its recorded positions.
 
-    What that noise moved is known from the model, and is taken off the recorded signals: left in,
-    it would be noise that the budget lacks.
+    The model's response to this noise is also subtracted from the recorded signals, since the
+    error budget does not contain it.
 
     Parameters
     ----------
     simulations : Simulations
-        Held by a tracking loop; gets another one, and other records.
+        With a tracking loop; loop and records are replaced.
     rig : Rig
-        Which signal is the position.
+        Roles of the signals.
     model : Fitted
-        About which the noise is read: what it leaves of the position, where that is white.
+        The noise is this model's position residual, where that is white.
 
     Returns
     -------
     float or None
-        Median share of the commands' fast power that answered the noise; None where no noise
+        Median share of the commands' fast power that responds to the noise; None where no noise
         could be read, and nothing is changed.
     """
     tracking, records = simulations.tracking, simulations.records

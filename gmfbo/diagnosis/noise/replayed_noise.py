@@ -1,9 +1,9 @@
-"""The fast noise that a controller saw, read off the recording and played into the twin.
+"""Replayed noise: the fast sensor noise of a recording, played into the twin.
 
-Noise of an encoder reaches the motor through the controller. It shakes the axis loose of small
-friction and bridges small dead zones, so that a twin run without it shows another axis. What it
-changes more slowly than it is itself is what a model is held to; of the fast part, the budget knows
-how large it is, and each model is compared without it: a model's own error is read as noise there.
+Encoder noise reaches the motor through the controller. It overcomes small friction and bridges
+small dead zones, so that a twin without it behaves otherwise. A model is scored with the slow
+changes that this noise causes. The fast part is left to the error budget, since there a model's own
+error would be read as noise.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from gmfbo.sources.twin.augmented_twin import Response
 Array = NDArray[np.float64]
 
 _CORNERS = (30.0, 45.0, 65.0, 95.0, 140.0, 200.0)  # [Hz] above which noise is played
-_WHITE = 1.6  # times the level near the Nyquist frequency: more is motion
-_SLOWER = 0.3  # of the sampling frequency, from which a signal has no fast part
-_ROUNDS = 7  # of reading the noise at most, each beside what the axis makes of the last
-_SETTLED = 0.01  # of the noise, by which a further round changes it
-_CONTAINED = 0.5  # of the sensor port's noise, which a reading holds that contains the port
+_WHITE = 1.6  # times the level near the Nyquist frequency: above it, the signal is motion
+_SLOWER = 0.3  # of the sampling frequency: above this corner a signal has no fast part
+_ROUNDS = 7  # most readings of the noise, each beside the axis' response to the last
+_SETTLED = 0.01  # of the noise: a smaller change ends the rounds
+_CONTAINED = 0.5  # of the sensor port's noise: a reading that shows more contains the port
 _END = 0.02  # of a recording, at each end
-_TRANSIENT = 4.0  # times the level, which noise at the ends does not reach
-_FELT = 30.0  # chi2 by which noise changes what is slower; that it sets in changes up to 15
-_WORSE = 1.1  # times a signal's fast residual, which playing what the motor felt does not reach
+_TRANSIENT = 4.0  # times the level: more at an end of the recording is a transient, not noise
+_FELT = 30.0  # chi2 of the slow change by relevant noise; its onset alone causes up to 15
+_WORSE = 1.1  # times a signal's fast residual: noise that raises it more never reached the motor
 
 
 class Showing(Enum):
-    """When a simulated reading holds what is added at the sensor port."""
+    """When a simulated reading contains the signal added at the sensor port."""
 
     AT_ONCE = "at once"
     A_STEP_LATER = "a step later"
@@ -56,13 +56,13 @@ class RecordedNoise:
     signal : str
         Output that is the reading.
     corner : float
-        [Hz] Above which it is known.
+        [Hz] Lowest frequency of the noise.
     at_port : ndarray, shape (rows,)
         [FMU's unit] From each communication point on.
     to_si : float
         [SI / FMU's unit]
     showing : Showing
-        Whether the simulated reading holds it already.
+        When the simulated reading contains it.
     """
 
     signal: str
@@ -72,20 +72,20 @@ class RecordedNoise:
     showing: Showing
 
     def logged(self, response: Response) -> Response:
-        """Let the simulated reading hold it, as the recorded one does."""
+        """Simulated readings with the noise in them, as the recorded ones have it."""
         if self.showing is Showing.AT_ONCE:
             return response
         lacking = self.at_port
         if self.showing is Showing.A_STEP_LATER:
-            # Nothing was added before the first reading was made.
+            # The first reading precedes any added noise.
             lacking = lacking - np.concatenate([[0.0], lacking[:-1]])
         reading = response.held[self.signal] + self.to_si * lacking
         return replace(response, held={**response.held, self.signal: reading})
 
     def slow_part(self, change: Array, spacing: float) -> Array:
-        """What of a signal's change under the noise is slower than the noise."""
+        """Part of a signal's change under the noise that is slower than the noise."""
         if self.corner >= _SLOWER / spacing:
-            return np.zeros_like(change)  # too slow a signal to tell
+            return np.zeros_like(change)  # the signal is sampled too slowly
         # A line through single rows would carry their noise into the slow part.
         few = max(1, min(change.size // 2, round(2.0 / (self.corner * spacing))))
         ends = float(np.mean(change[:few])), float(np.mean(change[-few:]))
@@ -93,7 +93,7 @@ class RecordedNoise:
         return np.asarray(change - _fast(change - line, spacing, self.corner))
 
     def with_more(self, lacking: Array, step: float) -> RecordedNoise:
-        """Return it with the fast part of what a reading still lacks [SI], shape (rows,)."""
+        """Noise plus the fast part of a reading's remaining error [SI], shape (rows,)."""
         more = above(lacking, step, self.corner) / self.to_si
         return replace(self, at_port=self.at_port + more)
 
@@ -108,7 +108,7 @@ def above(column: Array, step: float, corner: float) -> Array:
     step : float
         [s] Between samples.
     corner : float
-        [Hz] A sharp one: what is taken twice is taken once, so that no model gains by having had
+        [Hz] Sharp, so that filtering twice equals filtering once, and no model gains by having
         its noise read more often.
     """
     line = np.linspace(column[0], column[-1], column.size)
@@ -116,7 +116,7 @@ def above(column: Array, step: float, corner: float) -> Array:
 
 
 def corner_of_noise(difference: Array, step: float, level: float) -> float | None:
-    """Frequency above which a difference is as white as near the Nyquist frequency.
+    """Frequency above which a difference is white noise.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def corner_of_noise(difference: Array, step: float, level: float) -> float | Non
     Returns
     -------
     float or None
-        [Hz] None where it is white nowhere.
+        [Hz] None where the difference is white nowhere.
     """
     n = difference.size
     # The second difference keeps the slow part's leakage out of the fast bins.
@@ -156,18 +156,18 @@ def _fast(column: Array, step: float, corner: float) -> Array:
 
 
 def under_noise(misfit: Misfit, model: Fitted) -> Hypothesis | None:
-    """Return a model's hypothesis with the noise of each recording, if that explains more.
+    """Add the noise of each recording to a model's hypothesis, if that explains more.
 
     Parameters
     ----------
     misfit : Misfit
         Recordings and budget.
     model : Fitted
-        About which the noise is read: what it cannot explain of the fast part is no noise.
+        The noise is read from the residual of this model.
     """
     simulations, hypothesis = misfit.simulations, model.hypothesis
     if hypothesis.noise is not None:
-        return None  # it was read about the model before this effect
+        return None  # the noise was read with the model before this effect
     read = first_reading(simulations, model)
     first = replace(hypothesis, noise=tuple(read))
     if not any(read) or not _explains_more(misfit, model, first):
@@ -178,14 +178,14 @@ def under_noise(misfit: Misfit, model: Fitted) -> Hypothesis | None:
 
 
 def first_reading(simulations: Simulations, model: Fitted) -> list[RecordedNoise | None]:
-    """Read the fast noise of each recording's position, where it is nothing but noise.
+    """Read the fast noise of each recording's position, where the fast residual is only noise.
 
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     model : Fitted
-        About which it is read.
+        Model whose residual is read.
     """
     return [_read_about(simulations, model, k) for k in range(len(simulations.records))]
 
@@ -193,14 +193,14 @@ def first_reading(simulations: Simulations, model: Fitted) -> list[RecordedNoise
 def settled(
     simulations: Simulations, model: Fitted, noise: Sequence[RecordedNoise | None]
 ) -> list[RecordedNoise | None]:
-    """Take off what the axis makes of the noise; None where other signals do not know of it.
+    """Subtract the axis' response to the noise; None where other signals contradict the noise.
 
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     model : Fitted
-        About which it was read.
+        Model whose residual was read.
     noise : sequence of RecordedNoise or None
         As `first_reading` gives it.
     """
@@ -210,12 +210,12 @@ def settled(
 
 
 def without_noise(simulations: Simulations, model: Fitted) -> Fitted:
-    """Return the same model as its FMU runs, without the noise of the recordings played into it.
+    """Simulate a model without replayed noise.
 
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     model : Fitted
         Of any hypothesis; returned as it is where no noise is played.
     """
@@ -227,7 +227,7 @@ def without_noise(simulations: Simulations, model: Fitted) -> Fitted:
 
 
 def _explains_more(misfit: Misfit, model: Fitted, noisy: Hypothesis) -> bool:
-    """Whether noise moves a model, and its parameters, moved in turn, make the best of it."""
+    """Whether noise changes a model's signals, and its chi2 is lower then after a refit."""
     after = misfit.simulations.run_here(noisy.point(model.x))
     if not all(run.finite for run in after):
         return False
@@ -238,7 +238,7 @@ def _explains_more(misfit: Misfit, model: Fitted, noisy: Hypothesis) -> bool:
 
 
 def _read_about(simulations: Simulations, model: Fitted, k: int) -> RecordedNoise | None:
-    """What one reading shows of noise above the corner; None where that may be more than noise."""
+    """Noise of one reading above the corner; None where the difference may be more than noise."""
     encoder = simulations.encoder
     if encoder is None or simulations.tracking is not None:
         return None
@@ -273,9 +273,9 @@ def _point(model: Fitted) -> Point:
 def _settled(
     simulations: Simulations, model: Fitted, k: int, noise: RecordedNoise
 ) -> RecordedNoise | None:
-    """Noise with which the simulated reading is as fast as the recorded one; None if there is none.
+    """Noise with which the simulated reading equals the recorded one above the corner, or None.
 
-    What the axis makes of the noise is in the recorded reading as well.
+    The recorded reading also contains the axis' response to the noise.
     """
     grid = simulations.records[k].plan.grid
     for _ in range(_ROUNDS):
@@ -291,14 +291,14 @@ def _settled(
 
 
 def _is_transient(column: Array, level: float) -> bool:
-    """Whether one end holds more than noise: a start in motion, which the twin has to forget."""
+    """Whether an end holds more than noise, such as the transient of a start in motion."""
     few = max(8, round(_END * column.size))
     ends = (column[:few], column[-few:])
     return any(float(np.sqrt(np.mean(end**2))) > _TRANSIENT * level for end in ends)
 
 
 def _is_felt(simulations: Simulations, model: Fitted, k: int, noise: RecordedNoise) -> bool:
-    """Whether the other signals agree: what only the logger or one of two encoders saw is none."""
+    """Whether the other signals show the noise too; else only the logger saw it."""
     before = model.simulated[k]
     after = simulations.run_under(_point(model), k, noise)
     if not after.finite:

@@ -1,4 +1,4 @@
-"""Charts of a diagnosis: each recording before and after, and the shape of what is missing."""
+"""Charts of a diagnosis: each recording before and after, and the shape of missing physics."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ _MOST_NUMBERS = 110_000  # of all curves for the script: about another
 
 
 def recordings_to_show(diagnosis: Findings) -> list[str]:
-    """Return the recordings that have curves: held-out ones first, the most telling in front.
+    """Recordings that have curves: held-out ones first, by improvement.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
 
     Returns
     -------
@@ -83,12 +83,12 @@ def _ordered_curves(diagnosis: Findings) -> list[Curve]:
 
 
 def before_and_after_panels(diagnosis: Findings) -> list[str]:
-    """Draw each signal of each recording, and below it what the models leave of it.
+    """Draw each signal of each recording, and below it the errors of the models.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found; without curves there is nothing to draw.
+        Result of the diagnosis; without curves there is nothing to draw.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def curves_json(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
 
     Returns
     -------
@@ -152,12 +152,12 @@ def _axis_words(what: str, unit: str) -> str:
 
 
 def part_words(diagnosis: Findings, recording: str) -> str:
-    """Whether a recording had a part in the fit.
+    """Words that say whether a recording had a part in the fit.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     recording : str
         Its name.
     """
@@ -165,7 +165,7 @@ def part_words(diagnosis: Findings, recording: str) -> str:
 
 
 def _models(curve: Curve) -> tuple[list[str], list[str]]:
-    """What is drawn of the signal, and of its error: later ones on top."""
+    """Lines of the signal and of its error; later ones are drawn on top."""
     known = [name for name in STYLES if np.isfinite(getattr(curve, name)).any()]
     signal = ["recorded", "parameters_only", "augmented"]
     errors = ["parameters_only", "augmented"]

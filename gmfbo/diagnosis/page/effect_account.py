@@ -1,4 +1,4 @@
-"""The account of one named effect: what, how sure, how large, and what it may be instead."""
+"""Account of one named effect: its law, probability, size and rivals."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def effect_account(place: int, diagnosis: Findings) -> str:
     Parameters
     ----------
     place : int
-        Which of those that the diagnosis names.
+        Index of the effect in the diagnosis.
     diagnosis : Findings
-        The whole, for what was fitted on what.
+        Result of the diagnosis, which tells the fitted and held-out recordings.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The first screen: verdict, curves on a recording that no fit saw, and the errors in numbers."""
+"""First screen of the page: verdict, curves of a held-out recording, and errors in numbers."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ _SWATCHES = {**STYLES, "unnamed_spline": "spline", "noise_floor": "floor"}
 
 
 def first_screen(diagnosis: Findings) -> str:
-    """Write what is seen before anybody scrolls.
+    """Write the part of the page that shows before scrolling.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
 
     Returns
     -------
@@ -167,7 +167,7 @@ def _moved_parameters(diagnosis: Findings) -> list[str]:
 
 
 def _would_have_shown(diagnosis: Findings) -> list[str]:
-    """Smallest sizes of a few common effects: what makes it believable that nothing is missing."""
+    """Smallest detectable sizes of common effects, as evidence that nothing is missing."""
     sizes = []
     for name in _ASSURING:
         if name in diagnosis.detectable:
@@ -203,7 +203,7 @@ def place_words(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     location = diagnosis.location
     path = f"in the {location.signal_path}" if location.signal_path else ""

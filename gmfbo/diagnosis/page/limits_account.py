@@ -1,4 +1,4 @@
-"""What these recordings can and cannot say: untested effects, smallest sizes, what is left."""
+"""Limits of a diagnosis: untested effects, smallest detectable sizes, residual tests."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _TWIN = "The twin does not offer it"
 
 
 def untested_effects(diagnosis: Findings) -> str:
-    """List effects on which nothing can be said, by what stands in the way.
+    """List the effects that could not be tested, by reason.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     groups: dict[str, dict[str, list[str]]] = {}
     for one in diagnosis.not_testable:
@@ -57,7 +57,7 @@ def detectable_sizes(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     if not diagnosis.detectable:
         return ""
@@ -81,12 +81,12 @@ def detectable_sizes(diagnosis: Findings) -> str:
 
 
 def residual_tests(diagnosis: Findings) -> str:
-    """Show how much of what each model leaves still follows the reference.
+    """Show how much of each model's residual still follows the reference.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     rows = []
     for place, one in enumerate(diagnosis.residual_tests):

@@ -28,7 +28,7 @@ def diagnosis_page(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
 
     Returns
     -------

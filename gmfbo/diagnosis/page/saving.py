@@ -25,14 +25,14 @@ def save(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     folder : Path
         Made if it is not there.
 
     Returns
     -------
     tuple of Path
-        The files written; `diagnosis.json` comes last to the disk, so that it tells of the rest.
+        The files written; `diagnosis.json` is written last, so that its presence proves the rest.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def _write_twin(diagnosis: Findings, folder: Path) -> tuple[tuple[Path, ...], st
 
 
 def _write_reference(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
-    """Write the next reference as the file that a drive can play; an older one must not stay."""
+    """Write the next reference as a file that a drive can play, and remove an older one."""
     told = diagnosis.next_experiment
     if told is None or not told.reference or not diagnosis.next_reference:
         (folder / NEXT_FILE).unlink(missing_ok=True)
@@ -79,7 +79,7 @@ def _write_reference(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
 
 
 def _kept_twin(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
-    """Copy the files that a diagnosis was read with; an older twin of another one must not stay."""
+    """Copy the twin with which a diagnosis was read, and remove that of another diagnosis."""
     origin = diagnosis.exported
     if origin is None:
         _remove_twin(folder)

@@ -21,7 +21,7 @@ def time_line(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found; without marked times there is nothing to draw.
+        Result of the diagnosis; without marked times there is nothing to draw.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def time_line(diagnosis: Findings) -> str:
 
 
 def _spans(diagnosis: Findings) -> dict[str, tuple[float, float]]:
-    """[s] Begin and end of each recording; of those without curves, what is marked."""
+    """Begin and end [s] of each recording, or of its marked stretches where it has no curves."""
     spans: dict[str, tuple[float, float]] = {}
     for curve in diagnosis.curves:
         begin, end = float(curve.time[0]), float(curve.time[-1])

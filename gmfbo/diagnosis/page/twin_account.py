@@ -25,7 +25,7 @@ def parameter_table(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     rows = []
     for name, one in diagnosis.parameters.items():
@@ -34,7 +34,7 @@ def parameter_table(diagnosis: Findings) -> str:
         ends = [abs(x) for x in (one.value, one.low, one.high) if x == x]
         factor = scale_for(max(ends, default=0.0), one.unit).factor
         nominal = marked_number((*path, "nominal"), one.nominal, factor=factor, digits=4)
-        # What the recordings cannot see keeps its value, and its interval says nothing.
+        # An unidentifiable parameter keeps its value, and its interval says nothing.
         interval = f"{shown.low} to {shown.high}" if one.identifiable else "not seen by itself"
         unit = f'<span class="nowrap">{escape(shown.unit)}</span>'
         value = shown.value if one.identifiable else nominal
@@ -44,12 +44,12 @@ def parameter_table(diagnosis: Findings) -> str:
 
 
 def combination_table(diagnosis: Findings) -> str:
-    """Show what the recordings see of parameters that they cannot see by themselves.
+    """Show identifiable combinations of parameters that are not identifiable alone.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     rows = []
     for place, one in enumerate(diagnosis.combinations):
@@ -69,7 +69,7 @@ def alignment_table(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
     """
     units = {curve.signal: curve.unit for curve in diagnosis.curves}
     rows = [
@@ -88,7 +88,7 @@ def alignment_table(diagnosis: Findings) -> str:
 
 
 def _lateness(name: str, one: Alignment) -> str:
-    """How late a column is; "early" where the number is negative."""
+    """Delay of a column in words; a negative delay is called early."""
     path = ("alignment", name, "shift")
     scale = scale_for(one.shift, "s")
     if one.shift == 0.0:

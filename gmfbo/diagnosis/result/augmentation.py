@@ -1,4 +1,4 @@
-"""The twin with the named physics in it, told by values: enough to export it."""
+"""The augmented twin as values: enough to export it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Augmentation:
-    """Everything that turns the user's twin into the augmented one.
+    """Values that turn the user's twin into the augmented one.
 
     Attributes
     ----------
@@ -32,8 +32,8 @@ class Augmentation:
     substeps : int
         Steps of the physics in one communication step of the twin file.
     from_rest : bool
-        The recordings began where the named physics had brought the axis to rest: so does the
-        augmented twin, wherever [initial] has put the user's.
+        Whether the recordings, and so the augmented twin, begin at rest under the named physics;
+        [initial] of the user's twin then does not count.
     """
 
     twin: FmuTwin | str | Path
@@ -81,7 +81,7 @@ class Augmentation:
         )
 
     def opened(self, folder: Path | None = None) -> FmuTwin:
-        """Export, and open what came of it.
+        """Export the augmented twin, and open it.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""One recorded signal and what the twin makes of it, before and after."""
+"""One recorded signal with its simulations, before and after."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`diagnosis.json`: the text of a diagnosis, and back."""
+"""Write and read `diagnosis.json`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ F = TypeVar("F", bound=Findings)
 
 
 class _Misfit(Exception):
-    """A value that is not what the schema says; the message says where."""
+    """A value that contradicts the schema; the message says where."""
 
 
 def diagnosis_text(diagnosis: Findings) -> str:
@@ -32,7 +32,7 @@ def diagnosis_text(diagnosis: Findings) -> str:
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What was fitted before any physics was considered: the twin's own values, and the logging."""
+"""Estimates without physics: the twin's own parameters, and alignment of the signals."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class EstimatedParameter:
     low, high : float
         [unit] Ends of the interval.
     identifiable : bool
-        The recordings see it by itself; else it appears in a `Combination`.
+        Whether the recordings determine it alone; else it appears in a `Combination`.
     """
 
     nominal: float
@@ -33,7 +33,7 @@ class EstimatedParameter:
 
 @dataclass(frozen=True)
 class Combination:
-    """A product of powers of parameters that the recordings do see, with its 95 % interval.
+    """An identifiable product of powers of parameters, with its 95 % interval.
 
     Attributes
     ----------
@@ -53,14 +53,14 @@ class Combination:
 
 @dataclass(frozen=True)
 class Alignment:
-    """How the logging of one signal was found to be; these are nuisances, never physics.
+    """Nuisances of one signal's logging as estimated; never physics.
 
     Attributes
     ----------
     logged : str
         `held` or `new`: the command still held at t_k, or the one just computed.
     shift : float
-        [s] By which the column is late.
+        [s] Delay of the column.
     scale : float
         Factor on the column, dimensionless.
     offset : float

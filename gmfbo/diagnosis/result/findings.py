@@ -1,4 +1,4 @@
-"""What a diagnosis found, as values."""
+"""Findings of a diagnosis, as values."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Sufficiency = Literal["sufficient", "insufficient"]
 
 @dataclass(frozen=True)
 class Cost:
-    """What a diagnosis took.
+    """Cost of a diagnosis.
 
     Attributes
     ----------
@@ -47,13 +47,13 @@ class Findings:
         Nothing beyond noise; the twin's uncertain values explain it; at least one named effect;
         or a mismatch that no known effect explains, whose `shape` was inferred.
     evidence : {"sufficient", "insufficient"}
-        Whether these recordings can tell; if not, the verdict names only what is certain.
+        Whether these recordings suffice; if not, the verdict names only what is certain.
     effects : tuple of NamedEffect
         What is missing, strongest evidence first.
     parameters : mapping of str to EstimatedParameter
         The twin's uncertain parameters, refitted.
     combinations : tuple of Combination
-        What the recordings see of the parameters that they cannot see by themselves.
+        Identifiable combinations of parameters that are not identifiable alone.
     alignment : mapping of str to Alignment
         How each signal was logged.
     detectable : mapping of str to DetectableSize
@@ -67,7 +67,7 @@ class Findings:
     next_experiment : NextExperiment or None
         What to record next, where that would tell more.
     not_testable : tuple of NotTestable
-        Effects on which nothing can be said, and why.
+        Effects that could not be tested, and why.
     cost : Cost
         Simulations and time.
     seed : int
@@ -75,17 +75,17 @@ class Findings:
     versions : mapping of str to str
         Versions of the software.
     notes : tuple of str
-        Plain remarks, such as numerical limits.
+        Remarks, such as numerical limits.
     predictions : Predictions or None
         Explanations that remain, with the values that predict a recording under each.
     latent : Shape or None
-        What is missing at the torque port, inferred without a name, where physics was named.
+        Latent torque at the torque port, inferred without a law, where physics was named.
     residual_tests : tuple of ResidualTest
-        Whether what is left still follows the reference, on held-out recordings.
+        Whether a residual still follows the reference, on held-out recordings.
     curves : tuple of Curve
         Signals before and after, for plots; not part of the JSON.
     augmentation : Augmentation or None
-        What the augmented twin is made of; not part of the JSON.
+        Values of the augmented twin; not part of the JSON.
     exported : Path or None
         Twin file of an augmented twin that was saved before, where this was read from a folder.
     next_reference : str

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 _LEAST_REMOVED = 0.01  # of the explainable error on held-out recordings
-_MOSTLY_REMOVED = 0.5  # of it: such physics is there, whatever is left at its edges
+_MOSTLY_REMOVED = 0.5  # of the explainable error: then the physics stands, whatever error remains
 _BEYOND_NOISE, _WORSE = 1.5, 1.1  # times the noise floor; times the error without the physics
 
 
@@ -15,7 +15,7 @@ _BEYOND_NOISE, _WORSE = 1.5, 1.1  # times the noise floor; times the error witho
 class SignalFit:
     """NRMSE of one signal on the held-out recordings: RMS error over the recorded range.
 
-    All are dimensionless and least is best; NaN where there is no such model.
+    All are dimensionless, and smaller is better; NaN where there is no such model.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class SignalFit:
     unnamed_spline : float
         The refitted twin with a smooth residual that has no name.
     noise_floor : float
-        What a perfect twin would leave.
+        Error of a perfect twin, by noise alone.
     """
 
     nominal: float
@@ -40,7 +40,7 @@ class SignalFit:
 
 @dataclass(frozen=True)
 class Fit:
-    """Errors of the twin before and after, by parameters that never saw the scored recordings.
+    """Errors of the twin before and after, with parameters fitted to other recordings.
 
     Attributes
     ----------
@@ -51,8 +51,8 @@ class Fit:
     signals : mapping of str to SignalFit
         Errors by signal.
     explainable_error_removed : float or None
-        Share of what physics could explain that the named physics does explain, in the weighted
-        norm of the decision; None where there is next to nothing to explain.
+        Share of the explainable error that the named physics removes, in the weighted norm of the
+        decision; None where there is next to nothing to explain.
     """
 
     fitted_on: tuple[str, ...]
@@ -62,22 +62,22 @@ class Fit:
 
     @property
     def removes_nothing(self) -> bool:
-        """Whether the physics removes next to nothing of an error that physics could explain."""
+        """Whether the physics removes next to nothing of the explainable error."""
         removed = self.explainable_error_removed
         return removed is not None and removed < _LEAST_REMOVED
 
     @property
     def is_worse(self) -> bool:
-        """Whether RMS errors on recordings that no fit has seen are clearly larger with physics.
+        """Whether RMS errors on held-out recordings are clearly larger with the physics.
 
-        They are in units of the noise floor, over all signals alike.
+        Errors are in units of the noise floor, as root mean square over the signals.
         """
         before, after = self.in_noise_floors
         return after > _BEYOND_NOISE and after > _WORSE * before
 
     @property
     def in_noise_floors(self) -> tuple[float, float]:
-        """RMS error without and with the physics; NaN where there is none to compare."""
+        """RMS error without and with the physics, over the noise floor; NaN where none compares."""
         pairs = [
             (fit.parameters_only / fit.noise_floor, fit.augmented / fit.noise_floor)
             for fit in self.signals.values()
@@ -102,14 +102,14 @@ class Fit:
 
 
 def contradicts_names(fit: Fit, *, falls: bool, differs: bool) -> bool:
-    """Whether recordings that no fit has seen speak against the physics.
+    """Whether held-out recordings contradict the named physics.
 
-    A law that holds leaves little more than noise; one that merely bent to the fitted recordings
-    misses these by more than no law at all. Where an axis comes to rest within its friction or its
-    gap is chance, though, and counts in an RMS error as long as the rest lasts: physics that takes
-    most of the explainable error away stands, and where there is next to nothing to explain, so
-    does physics by which the weighted error falls. A limit that these recordings never reach says
-    nothing about them: their errors then differ by how far an axis drifts alone.
+    A right law leaves little more than noise; an overfitted law makes the held-out error larger
+    than no law does. But the place where an axis comes to rest within its friction or gap is
+    chance, and counts in an RMS error as long as the rest lasts. So physics stands that removes
+    most of the explainable error, or, where little is explainable, lowers the weighted error.
+    A limit that these recordings never reach makes no prediction about them: their errors then
+    differ only by the drift of the axis.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def contradicts_names(fit: Fit, *, falls: bool, differs: bool) -> bool:
     falls : bool
         Whether the error in the weighted norm of the decision is clearly smaller with the physics.
     differs : bool
-        Whether in that norm it makes a difference here at all.
+        Whether the physics makes a difference in that norm on these recordings.
     """
     if not differs or not fit.in_noise_floors[1] > _BEYOND_NOISE:
         return False

@@ -1,4 +1,4 @@
-"""Physical effects in a diagnosis: named, not testable, and how small one would have shown."""
+"""Effects in a diagnosis: named, not testable, and smallest detectable sizes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class IdentifiedValue:
 
 @dataclass(frozen=True)
 class RivalShare:
-    """One of the explanations that an effect's probability is shared by.
+    """One of the explanations that share an effect's probability.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class NamedEffect:
     evidence_per_recording : mapping of str to float
         The gain by recording.
     indistinguishable_from : tuple of str
-        Effects that explain these recordings as well.
+        Effects that explain these recordings equally well.
     rivals : tuple of RivalShare
         The effect and these, each with its part of the probability; none without rivals.
     """
@@ -87,14 +87,14 @@ class NamedEffect:
 
 @dataclass(frozen=True)
 class NotTestable:
-    """An effect on which these recordings or this twin are silent.
+    """An effect that cannot be tested with these recordings or this twin.
 
     Attributes
     ----------
     name : str
         Name in the catalogue.
     why : str
-        What stands in the way, such as "not excited: no reversal" or "is parameter mech.J".
+        The reason, such as "not excited: no reversal" or "is parameter mech.J".
     """
 
     name: str
@@ -108,7 +108,7 @@ class DetectableSize:
     Attributes
     ----------
     parameter : str
-        Parameter of the effect that says its size.
+        Parameter of the effect that is its size.
     size : float
         [unit] Its smallest detectable magnitude.
     unit : str

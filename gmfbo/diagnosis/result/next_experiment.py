@@ -1,4 +1,4 @@
-"""The recording that would tell more."""
+"""The next experiment that a diagnosis asks for."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class NextExperiment:
-    """A reference to play next, and what each rival says will come of it.
+    """A reference to play next, and each rival's prediction of the outcome.
 
     Attributes
     ----------
@@ -21,9 +21,9 @@ class NextExperiment:
     threshold : float
         Distance above which they are told apart.
     predicted : mapping of str to str
-        By rival, what would be seen, in plain words.
+        Predicted observation by rival, in plain words.
     why : str
-        What it is for.
+        Purpose of the experiment.
     """
 
     reference: str

@@ -1,4 +1,4 @@
-"""What lets a diagnosis predict recordings to come: its explanations, as values."""
+"""Explanations of a diagnosis as values, by which it predicts new recordings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ PARAMETERS_ONLY = "parameters"
 
 @dataclass(frozen=True)
 class Explanation:
-    """One way to explain the recordings, at the values that were fitted to them.
+    """One explanation of the recordings, with its fitted values.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Explanation:
     parameters : mapping of str to float
         [FMU's unit] The twin's uncertain parameters.
     physics : mapping of str to float
-        Of physics.fmu, such as `coulomb_friction.level`; what passed in one recording is left out.
+        Of physics.fmu, such as `coulomb_friction.level`; effects of one recording only are absent.
     misfit : float
         chi2 per whitened residual on the recordings that it was fitted to, dimensionless.
     """
@@ -36,7 +36,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Span:
-    """What the recordings covered of one state.
+    """Range of one state that the recordings cover.
 
     Attributes
     ----------
@@ -53,18 +53,18 @@ class Span:
 
 @dataclass(frozen=True)
 class Predictions:
-    """Explanations that remain, and what it takes to simulate and to judge them.
+    """Remaining explanations, with the values needed to simulate and judge them.
 
     Attributes
     ----------
     explanations : tuple of Explanation
-        The named effects, those they cannot be told from, and the refitted twin alone.
+        The named effects, their rivals, and the refitted twin alone.
     threshold : float
-        Difference in chi2 above which two are told apart.
+        Difference in chi2 above which two explanations are told apart.
     noise : mapping of str to float
         [SI] Standard deviation of each signal's noise.
     spans : mapping of str to Span
-        What was covered of position, velocity, command, current, load and torque.
+        Ranges of position, velocity, command, current, load and torque.
     new_rows : tuple of str
         Signals of which the logger stores the value just computed.
     """

@@ -1,4 +1,4 @@
-"""What a test of a residual against the reference came to."""
+"""Result of testing a residual against the reference."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ class ResidualTest:
     Attributes
     ----------
     recording : str
-        Which one.
+        Its name.
     signal : str
-        Which one.
+        Its name.
     before : float
-        Of what the twin with refitted parameters leaves.
+        Part of the refitted twin's error that follows the reference.
     follows : float
-        Of what the final model leaves.
+        Part of the final model's error that follows the reference.
     bound : float
-        What chance gives once in a hundred times, with noise like that of the final model.
+        Exceeded by chance once in a hundred times, with noise like that of the final model.
     tolerance : float
-        What the diagnosis does not look at: small errors that every rig has.
+        Small errors that every rig has, which the diagnosis ignores.
     """
 
     recording: str

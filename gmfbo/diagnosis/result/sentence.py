@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 
 def verdict_sentence(diagnosis: Findings) -> str:
-    """Return what a diagnosis came to, in one or a few sentences.
+    """Verdict of a diagnosis, in one or a few sentences.
 
     Parameters
     ----------
     diagnosis : Findings
-        What was found.
+        Result of the diagnosis.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def _outside(diagnosis: Findings) -> str:
 
 
 def _improvement(diagnosis: Findings) -> str:
-    """Return the fall of the error that the physics reduces most; empty where none falls."""
+    """Words for the error that the physics reduces most; empty where no error falls."""
     name = diagnosis.fit.most_improved
     if name is None:
         return ""
@@ -123,7 +123,7 @@ def _floor(noise_floor: float, around: str = "") -> str:
 
 
 def _unseen(diagnosis: Findings) -> str:
-    """Tell how many effects the recordings are silent on, where that decides."""
+    """Words for the number of effects that could not be tested, where it matters."""
     if diagnosis.evidence == "sufficient":
         return ""
     silent = sum(entry.why.startswith(NOT_EXCITED) for entry in diagnosis.not_testable)

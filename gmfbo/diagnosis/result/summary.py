@@ -35,7 +35,7 @@ def parameter_texts(effect: NamedEffect) -> list[str]:
 
 
 def rivals_text(effect: NamedEffect) -> str:
-    """What else explains the recordings; empty where nothing does."""
+    """Words for the rivals of an effect; empty where there are none."""
     return " or ".join(words(name) for name in effect.indistinguishable_from)
 
 

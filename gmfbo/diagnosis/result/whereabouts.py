@@ -26,7 +26,7 @@ class TimeWindow(NamedTuple):
 
 @dataclass(frozen=True)
 class Location:
-    """Where the twin and the recordings part.
+    """Place of the mismatch between twin and recordings.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Location:
     region : str
         State in which it acts, in plain words, such as "where the velocity changes sign".
     times : tuple of TimeWindow
-        Where it shows most.
+        Stretches in which it shows most.
     """
 
     signal_path: SignalPath | None

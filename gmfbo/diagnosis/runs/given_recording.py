@@ -1,4 +1,4 @@
-"""A recording as the user gives it: read, and neither too short nor too long to work with."""
+"""Read a recording as the user gives it, and check its length."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
     recording : Recording or str or Path
         The recording, or its file.
     twin : FmuTwin
-        Says what the columns are.
+        Its file tells the meaning of the columns.
 
     Raises
     ------
     RecordingError
-        It cannot be read, has fewer rows than say anything, or more than memory holds.
+        It cannot be read, or has too few rows to diagnose or too many for memory.
     """
     read = recording if isinstance(recording, Recording) else Recording.read(recording, twin)
     if len(read) < LEAST_ROWS:

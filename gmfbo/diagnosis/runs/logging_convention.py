@@ -1,4 +1,4 @@
-"""Whether a logger stores the command in force or the one just computed."""
+"""Logging convention: the command held at t_k, or the one just computed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
-_JUMP_SHARE = 0.7  # of a signal's changes, which a command makes at its sampling instants
+_JUMP_SHARE = 0.7  # of a signal's changes: a command makes as many at its sampling instants
 
 
 def logged_new(
@@ -22,12 +22,12 @@ def logged_new(
     simulations: Simulations,
     nominal: Sequence[Simulated],
 ) -> frozenset[str]:
-    """Outputs of which the logger stores the command just computed, and not the held one.
+    """Outputs whose logger stores the value just computed instead of the held one.
 
     Parameters
     ----------
     twin : FmuTwin
-        The user's, whose file may say so.
+        The user's twin, whose file may state the convention.
     recordings : sequence of Recording
         What was measured.
     simulations : Simulations
@@ -47,7 +47,7 @@ def logged_new(
 
 
 def _new_fits_better(simulations: Simulations, nominal: Sequence[Simulated], name: str) -> bool:
-    """Compare the fast parts: a sample's shift shows there, parameters do not."""
+    """Compare the fast parts, which show a shift of one sample and hardly any parameter."""
     squares = {"held": 0.0, "new": 0.0}
     for k, (record, run) in enumerate(zip(simulations.records, nominal, strict=True)):
         for i, signal in enumerate(record.signals):
@@ -56,13 +56,13 @@ def _new_fits_better(simulations: Simulations, nominal: Sequence[Simulated], nam
             held = simulations.read(run.response, k)[i]
             new = simulations.read(replace(run.response, held=run.response.new), k)[i]
             if not _jumps(held, new):
-                return False  # a measurement moves on slowly: it is not held anywhere
+                return False  # a measurement moves continuously: it is not held
             for key, values in (("held", held), ("new", new)):
                 squares[key] += float(np.sum(np.diff(signal.values - values) ** 2))
     return squares["new"] < squares["held"]
 
 
 def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:
-    """Whether a signal changes at communication points, as commands do, and not in between."""
+    """Whether a signal changes at communication points only, as commands do."""
     whole, at_point = float(np.sum(np.diff(held) ** 2)), float(np.sum((new - held) ** 2))
     return at_point > _JUMP_SHARE * whole > 0.0

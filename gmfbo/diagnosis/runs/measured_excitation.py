@@ -1,4 +1,4 @@
-"""What the recordings show of the axis: the ranges by which effects are bounded and scaled."""
+"""Measured excitation: ranges of the recorded motion, by which effects are bounded and scaled."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
-_UNSEEN_STEP = 1e-3  # of the stroke: finer steps than this do not count where none was recorded
+_UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
-_AT_REST = 0.02  # of what a push moves
-_PROBE_SHARES = (0.02, 0.3)  # of the command's range that a probing torque should move it by
+_AT_REST = 0.02  # of the motion caused by a push
+_PROBE_SHARES = (0.02, 0.3)  # of the command's range: wanted answer to a probing torque
 
 
 def states_of(simulated: Simulated, record: Record) -> States:
-    """Return what effects depend on, of one simulated recording on the communication grid."""
+    """States on which effects depend, of one simulated recording on the communication grid."""
     states, grid = simulated.response.states, record.plan.grid
     position = states.get("position", np.zeros(grid.size))
     velocity = states.get("velocity")
@@ -53,15 +53,15 @@ class Stiffness:
     Attributes
     ----------
     per_command : float
-        Torque that a unit of command makes up for.
+        Torque that one unit of command balances.
     loop_time : float
-        [s] Time constant of that.
+        [s] Time constant of the command's answer.
     rest_time : float
-        [s] After which position and command stay within 2 % of where a push brings them.
+        [s] Time until position and command stay within 2 % of their final values after a push.
     is_open : bool
-        A pushed shaft does not come back.
+        Whether a pushed shaft does not come back.
     inertia : float or None
-        Torque per acceleration, as a short push shows it.
+        Torque per acceleration, measured by a short push.
     """
 
     per_command: float
@@ -79,11 +79,11 @@ def probe_torque(
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin, without tracking.
+        Simulators of the twin, without tracking.
     point : Point
-        Where.
+        Values at which the twin runs.
     base : sequence of Simulated
-        The same without a push.
+        The recordings simulated without a push.
     guess : float
         Torque to begin with; it is scaled until the command answers well within its range.
     """
@@ -92,7 +92,7 @@ def probe_torque(
     found = []
     for k in longest_first:
         found.append(_probe_torque_along(simulations, point, base, guess, int(k)))
-        # A loop that lives at its limit takes no push back: it is open if none of them does.
+        # A saturated loop does not answer a push: the twin is open only if no recording answers.
         if not found[-1].is_open:
             return found[-1]
     return found[0]
@@ -131,7 +131,7 @@ def _probe_torque_along(
 
 
 def _drifts(moved: NDArray[np.float64], half: int) -> bool:
-    """Whether a push is never taken back: the shaft is no nearer at the end than at its half."""
+    """Whether the shaft never returns after a push: no nearer at the end than at half time."""
     return bool(np.abs(moved[-1]) >= 0.9 * np.abs(moved[half - 1]))
 
 
@@ -153,7 +153,7 @@ def _answer(run: Simulated, base: Simulated, half: int) -> tuple[NDArray[np.floa
 
 
 def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half: int) -> float:
-    """Time after which a step's answer stays within a third of where it settles."""
+    """Time until a step's answer stays within a third of its final value."""
     final = float(np.median(answer[half // 2 : half]))
     return _last_beyond(np.abs(answer[:half] - final) > 0.37 * abs(final), grid)
 
@@ -161,7 +161,7 @@ def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half:
 def _rest_time(
     answers: Sequence[NDArray[np.float64]], grid: NDArray[np.float64], half: int
 ) -> float:
-    """Time after which all answers to a step stay near their end; the whole step if they do not."""
+    """Time until all answers to a step stay near their final values; else the whole step."""
     far = np.zeros(half, dtype=bool)
     for answer in answers:
         pushed = answer[:half]
@@ -186,14 +186,14 @@ def measure_ranges(
     inertia: float | None,
     angular: bool,
 ) -> Excitation:
-    """Gather what the recordings show.
+    """Measure the excitation by the recordings.
 
     Parameters
     ----------
     records : sequence of Record
-        What was measured.
+        Recordings that are scored.
     base : sequence of Simulated
-        The same, simulated.
+        The recordings simulated.
     torque : float
         Torque at the port that corresponds to the command's range.
     step : float

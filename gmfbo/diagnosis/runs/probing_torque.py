@@ -1,4 +1,4 @@
-"""Sizes of torque by which an axis is probed and its effects are scaled."""
+"""Typical torques of an axis, for probing it and scaling its effects."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gmfbo.sources.twin.twin import FmuTwin
 
 
 def torque_guess(nominal: Sequence[Simulated], inertia: float | None) -> float:
-    """Torque that the axis feels, to begin probing with [FMU's unit].
+    """First torque for probing the axis [FMU's unit].
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def moving_torque(
     Parameters
     ----------
     twin : FmuTwin
-        The user's.
+        The user's twin.
     simulations : Simulations
         Of the recordings.
     nominal : sequence of Simulated

@@ -1,4 +1,4 @@
-"""Recordings as the diagnosis scores them: uniform columns of the signals that the twin has."""
+"""Scored records: recordings as uniform columns of the signals that the twin outputs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import RunPlan
 
 _JITTER_SHARE = 0.15  # of a sample; below it, times count as evenly spaced
-_GAP_SAMPLES = 4.5  # beyond which a line between the rows beside them tells nothing
+_GAP_SAMPLES = 4.5  # beyond which interpolation between the neighbouring rows is meaningless
 LEAST_ROWS = 64
 """Samples of a signal below which a recording says nothing."""
 
@@ -34,7 +34,7 @@ class ScoredSignal:
     resolution : float
         [SI] Smallest step between recorded values; 0 where they are continuous.
     driving : ndarray, shape (n,), or None
-        Part of it that is scored, where a tracking loop takes the rest away.
+        Scored part of the signal, where a tracking loop removes the rest.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Gap:
     start, end : float
         [s] Last row before it and first row after it.
     of_input : bool
-        What the axis was told is not known: it has to settle before it is scored again.
+        Whether an input is missing: the axis then has to settle before it is scored again.
     """
 
     start: float
@@ -73,15 +73,15 @@ class Record:
     Attributes
     ----------
     name : str
-        Of its file.
+            Of its file.
     plan : RunPlan
-        How it is simulated.
+            Plan of its simulation.
     signals : tuple of ScoredSignal
-        That the twin's outputs are compared with.
+        Signals that are compared with the twin's outputs.
     start, end : float
-        [s] Within which all signals are scored.
+        [s] Times between which all signals are scored.
     gaps : tuple of Gap
-        Stretches within which something was not recorded.
+        Stretches with missing values.
     """
 
     name: str
@@ -97,9 +97,9 @@ class Record:
         Parameters
         ----------
         settling : float
-            [s] After which the axis has forgotten where it came from.
+            [s] Time after which the axis' initial state no longer matters.
         starts_elsewhere : bool
-            The twin does not start where the recording does.
+            Whether the twin starts in another state than the recording.
         """
         begin = self.start + (settling if starts_elsewhere else 0.0)
         found = []
@@ -113,7 +113,7 @@ class Record:
 def scored_record(
     recording: Recording, plan: RunPlan, signals: Sequence[str], warmup: float
 ) -> Record:
-    """Cut a recording to what is scored.
+    """Make the scored record of a recording.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def scored_record(
 def _even(time: NDArray[np.float64]) -> NDArray[np.float64]:
     """Evenly spaced times from the first to the last, one for each row and each dropped one."""
     steps = np.diff(time)
-    # Counted row by row: a median that jitter puts off by 0.5 % would add a row in 200.
+    # Counted row by row: an error of 0.5 % in the median step would add a row in 200.
     places = np.round(steps / np.median(steps)).clip(1.0).sum()
     return np.linspace(time[0], time[-1], int(places) + 1)
 
@@ -187,7 +187,7 @@ def _uniform(
 
 
 def resolution(values: NDArray[np.float64]) -> float:
-    """Quantum of a signal: the step of which most others are whole multiples; 0 for none.
+    """Quantum of a signal: most steps are multiples of it; 0 where there is none.
 
     Parameters
     ----------

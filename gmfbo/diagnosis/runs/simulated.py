@@ -1,4 +1,4 @@
-"""What is simulated at a point of the augmented twin, and what came of it."""
+"""Points at which the augmented twin is simulated, and the simulated recordings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Reading:
     Attributes
     ----------
     signal : str
-        Output that it is.
+        Output that holds it.
     to_si : float
         [SI / FMU's unit]
     """
@@ -34,17 +34,17 @@ class PlayedNoise(Protocol):
 
     @property
     def signal(self) -> str:
-        """Output that is the reading."""
+        """Output that holds the reading."""
 
     @property
     def at_port(self) -> NDArray[np.float64]:
-        """[FMU's unit] What is added at the sensor port, shape (rows,)."""
+        """[FMU's unit] Noise added at the sensor port, shape (rows,)."""
 
     def logged(self, response: Response) -> Response:
-        """Let the simulated reading hold it."""
+        """Simulated readings with the noise in them."""
 
     def slow_part(self, change: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-        """What of a signal's change under the noise is slower than the noise."""
+        """Part of a signal's change under the noise that is slower than the noise."""
 
 
 @dataclass(frozen=True)
@@ -58,10 +58,10 @@ class Point:
     physics : mapping of str to float
         Of physics.fmu.
     only : mapping of str to int
-        Effects that act in one recording only, and which that is.
+        Recording of each effect that acts in only one.
     noise : sequence of PlayedNoise or None
-        Read off each recording; what it changes of the slower part is added to what the quiet
-        twin shows.
+        Replayed noise of each recording; the slow change that it causes is added to the signals
+        of the quiet twin.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
@@ -87,9 +87,9 @@ class Simulated:
     quiet : tuple of ndarray, shape (n_rows of that signal,)
         [SI] Without noise; NaN after a run that ended early.
     response : Response
-        All that was simulated, without noise.
+        All simulated outputs and states, without noise.
     under_noise : tuple of ndarray, optional
-        [SI] The signals with what noise changes of their slower part, where it is played.
+        [SI] Signals with the slow change caused by noise, where noise is played.
     """
 
     quiet: tuple[NDArray[np.float64], ...]
@@ -98,18 +98,18 @@ class Simulated:
 
     @property
     def signals(self) -> tuple[NDArray[np.float64], ...]:
-        """[SI] What is compared with the recording."""
+        """[SI] Signals that are compared with the recording."""
         return self.quiet if self.under_noise is None else self.under_noise
 
     @property
     def finite(self) -> bool:
-        """The run went to its end."""
+        """Whether the run reached its end."""
         return self.response.outcome.status == "ok"
 
 
 @dataclass(frozen=True, eq=False)
 class Tracking:
-    """A loop that holds an open-loop twin on its recordings by force.
+    """A feedback loop that holds an open-loop twin on its recordings by force.
 
     Attributes
     ----------
@@ -124,12 +124,12 @@ class Tracking:
 
 
 def require_run(simulated: Sequence[Simulated], what: str) -> None:
-    """Stop where even the starting point cannot be simulated.
+    """Raise where a recording could not be simulated to its end.
 
     Raises
     ------
     SimulationError
-        With the words of the first run that failed.
+        With the message of the first run that failed.
     """
     for run in simulated:
         if not run.finite:

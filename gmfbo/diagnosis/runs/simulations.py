@@ -1,4 +1,4 @@
-"""Runs of the augmented twin along all recordings, several at a time."""
+"""Simulate the augmented twin along all recordings, several runs at a time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Columns, Response, 
 REMEMBERED = 256 * 2**20
 """[B] Responses that are kept, of failed runs too: screening, starts and fits meet again."""
 
-_COLUMNS = 12  # about as many as a response has
+_COLUMNS = 12  # about as many columns as a response has
 
 Task = TypeVar("Task")
 Made = TypeVar("Made")
@@ -30,7 +30,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class _Run:
-    """All that decides what a recording answers, as long as nothing is added to what drove it."""
+    """Key of a kept response: all values that decide it while nothing is added to the inputs."""
 
     plan: RunPlan
     record: int
@@ -42,26 +42,25 @@ class _Run:
 class Simulations:
     """Simulators of one twin and the recordings that they follow.
 
-    Each of `jobs` simulators has a process of its own, in which the FMUs run; this process only
-    hands out orders, so that its threads spend their time waiting. What was simulated of late is
-    not simulated again.
+    Each of `jobs` simulators runs the FMUs in a process of its own; this process only hands out
+    orders, so that its threads spend their time waiting. Recent responses are kept and reused.
 
     Parameters
     ----------
     open_twin : callable
-        Gives a simulator; called once for each.
+        Opens a simulator; called once for each.
     records : sequence of Record
-        What is followed.
+        Recordings along which the twin runs.
     jobs : int
         Simulators that run at a time.
 
     Attributes
     ----------
     rest : int
-        Communication steps in which the loop comes to rest; 0 where it does not.
+        Communication steps until the loop is at rest; 0 where it does not come to rest.
     begins_at_rest : bool
-        Physics that pushes an axis at rest has done so before a recording begins, so that the
-        first reference is held for `rest` steps; otherwise it begins with the recording.
+        Whether the left-out physics already acted before the recording, so that the first
+        reference is held for `rest` steps; otherwise the physics begins with the recording.
     """
 
     def __init__(
@@ -121,13 +120,13 @@ class Simulations:
         Parameters
         ----------
         point : Point
-            Where to simulate.
+            Values at which the twin runs.
         record : int
-            Which recording.
+            Index of the recording.
         excitation : mapping of str to ndarray, shape (rows,)
             [FMU's unit] Added to a port.
         measured_noise : ndarray, shape (rows,)
-            [FMU's unit] Added to what the tracking loop follows.
+            [FMU's unit] Added to the position that the tracking loop follows.
         """
         quiet = self._run(point, record, excitation, measured_noise)
         noise = None if point.noise is None else point.noise[record]
@@ -147,14 +146,14 @@ class Simulations:
     def run_under(
         self, point: Point, record: int, noise: PlayedNoise, *, excitation: Columns | None = None
     ) -> Simulated:
-        """Simulate one recording under noise, all of which its signals hold.
+        """Simulate one recording under noise, which its signals then contain entirely.
 
         Parameters
         ----------
         point : Point
-            Where to simulate.
+            Values at which the twin runs.
         record : int
-            Which recording.
+            Index of the recording.
         noise : PlayedNoise
             That of the recording.
         excitation : mapping of str to ndarray, shape (rows,)
@@ -225,9 +224,9 @@ class Simulations:
         Parameters
         ----------
         point : Point
-            Where to simulate.
+            Values at which the twin runs.
         record : int
-            Which recording.
+            Index of the recording.
         settings : mapping of str to float
             Of the loops.
         measured : ndarray, shape (rows,)
@@ -254,12 +253,12 @@ class Simulations:
         return list(self._threads.map(work, tasks))
 
     def map_outer(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
-        """Apply work that simulates one run after the other, as many at a time as simulators."""
+        """Apply tasks that each simulate runs one after the other, one task a simulator."""
         with ThreadPoolExecutor(len(self._all)) as threads:
             return list(threads.map(work, tasks))
 
     def _logged(self, response: Response) -> Response:
-        """Let the reading hold what is added on its wire."""
+        """Add the signal at the sensor port to a reading that does not contain it."""
         if self.reading is None:
             return response
         name = self.reading.signal

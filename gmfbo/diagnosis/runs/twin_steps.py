@@ -1,4 +1,4 @@
-"""How a twin takes finer steps, and when its position shows what is added at the sensor."""
+"""Test whether a twin takes finer steps, and whether its position contains the sensor port."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
 
-_READ_BACK = 0.5  # of what is added at the sensor port, which a reading shows a step later
-_STEP_CHANGE = 0.01  # of a signal's range, by which a finer communication step may change it
+_READ_BACK = 0.5  # of the signal added at the sensor port: a reading that contains it shows more
+_STEP_CHANGE = 0.01  # of a signal's range: largest change allowed by a finer communication step
 
 
 def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
-    """Whether a finer communication step leaves a twin's outputs as they are.
+    """Whether a twin's outputs stay the same with a finer communication step.
 
-    Some FMUs refuse it; in some the controller computes once a step, whatever its length.
+    Some FMUs refuse finer steps; in others the controller computes once a step of any length.
 
     Parameters
     ----------
     twin : FmuTwin
         The user's.
     recording : Recording
-        Along which it is asked.
+            Recording that is simulated.
     substeps : int
-        Steps in place of one.
+            Steps in place of one.
     """
     responses = []
     for count in (1, substeps):
@@ -33,7 +33,7 @@ def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
             responses.append(simulator.run(plan, {}))
     whole, fine = responses
     if whole.outcome.status != "ok":
-        return True  # it is told to the user where the finer run fails as well
+        return True  # the failure is reported where the finer run fails as well
     if fine.outcome.status != "ok":
         return False
     return all(
@@ -44,16 +44,16 @@ def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
 
 
 def reads_back(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
-    """Whether the state `position` holds what is added at the sensor port at once.
+    """Whether the state `position` at once contains the signal added at the sensor port.
 
     Parameters
     ----------
     twin : FmuTwin
         The user's.
     recording : Recording
-        Along which it is asked.
+            Recording that is simulated.
     substeps : int
-        Steps of physics within one of the twin.
+            Steps of physics within one of the twin.
     """
     with AugmentedTwin(twin, substeps=substeps) as simulator:
         if "sensor" not in simulator.ports or "position" not in twin.file.states:

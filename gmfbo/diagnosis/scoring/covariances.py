@@ -1,4 +1,4 @@
-"""S(f) of each window, from its parts, and the whiteners that follow from it."""
+"""Covariance S(f) of each window, from its parts, and the resulting whiteners."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ def covariances(
     Parameters
     ----------
     windows : sequence of Window
-        What is scored.
+        Stretches that are scored.
     records : sequence of Record
-        What was measured.
+        Recordings that are scored.
     rig : Rig
-        Which signals are positions.
+        Roles of the signals.
     own : sequence of sequences of float
         [SI unit squared] Variance of each signal's own noise, for each recording.
     loop_noise : sequence of sequences of Direction
-        Changes under noise, of each recording.
+        Changes of each recording's signals under noise.
     """
     total = []
     for window in windows:
@@ -54,16 +54,16 @@ def covariances(
 def noise_squares(
     windows: Sequence[Window], records: Sequence[Record], rig: Rig, spectra: Sequence[Spectrum]
 ) -> tuple[float, ...]:
-    """chi2 that noise alone gives in each window: S(f) holds a tolerance beside it.
+    """chi2 of each window by noise alone, without the tolerance that S(f) also holds.
 
     Parameters
     ----------
     windows : sequence of Window
-        What is scored.
+        Stretches that are scored.
     records : sequence of Record
-        What was measured.
+        Recordings that are scored.
     rig : Rig
-        Which signals are positions.
+        Roles of the signals.
     spectra : sequence of ndarray
         S(f) of each window.
     """
@@ -105,18 +105,18 @@ def whiteners(
     directions: Sequence[Sequence[Direction]],
     dispersion: Sequence[NDArray[np.float64]] | None = None,
 ) -> tuple[Whitener, ...]:
-    """Join budget and nuisances of each window.
+    """Whiteners of the windows, from budget and nuisances.
 
     Parameters
     ----------
     windows : sequence of Window
-        What is scored.
+        Stretches that are scored.
     spectra : sequence of ndarray
         S(f) of each window.
     directions : sequence of sequences of Direction
         Nuisances of each recording.
     dispersion : sequence of ndarray, optional
-        Of each window: by how much its components exceed the budget.
+        Factor by which each window's components exceed the budget.
     """
     spread = [None] * len(windows) if dispersion is None else dispersion
     return tuple(

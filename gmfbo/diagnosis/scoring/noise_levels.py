@@ -1,7 +1,7 @@
-"""What size of residual is not physics: S(f) of each window.
+"""Noise levels: how large a residual may be without missing physics, S(f) of each window.
 
-S = loop noise + own noise of each signal + what repeats differ by + a tolerance. The residual
-is coloured by the control loop even when the twin is perfect, so noise is sent through the loop.
+S = loop noise + own noise of each signal + difference of repeats + tolerance. The control loop
+colours the residual even of a perfect twin, so noise is sent through the loop.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TOLERANCE = 5e-3
 POSITION_TOLERANCE = 5e-4
 """The same for a position, of which the controller sees a hundredth as error."""
 
-_LOWEST_HZ = 1.0  # below which a tracking loop holds a free axis
+_LOWEST_HZ = 1.0  # below it, a tracking loop holds a free axis
 _NOISE_BAND = (0.30, 0.48)  # of the sampling frequency: too fast for mechanics
 _LEAST_NOISE = 1e-6  # of a signal's range
 
@@ -35,9 +35,9 @@ class NoiseLevel:
     Attributes
     ----------
     total : float
-        [SI] Standard deviation of what is faster than mechanics.
+        [SI] Standard deviation of the part that is too fast for mechanics.
     least : float
-        [SI] Below which the format cannot tell: resolution and rounding.
+        [SI] Part that resolution and rounding alone cause.
     """
 
     total: float
@@ -52,7 +52,7 @@ def noise_levels(
     Parameters
     ----------
     records : sequence of Record
-        What was measured.
+        Recordings that are scored.
     simulated : sequence of Simulated
         The same recordings simulated; parameters matter little at these frequencies.
     """
@@ -73,7 +73,7 @@ def noise_level(signal: ScoredSignal, residual: NDArray[np.float64]) -> NoiseLev
     signal : ScoredSignal
         As it was recorded.
     residual : ndarray, shape (n,)
-        [SI] What of it is not motion.
+        [SI] Part of the signal that is not motion.
     """
     quantum = signal.resolution / np.sqrt(12.0)
     least = max(quantum or _LEAST_NOISE * float(np.ptp(signal.values)), 1e-15)
@@ -81,7 +81,7 @@ def noise_level(signal: ScoredSignal, residual: NDArray[np.float64]) -> NoiseLev
 
 
 def pooled(levels: Sequence[Mapping[str, NoiseLevel]], name: str) -> NoiseLevel | None:
-    """Median of one signal's noise over the recordings; None where none holds it."""
+    """Median of one signal's noise over the recordings; None where no recording has the signal."""
     own = [level[name] for level in levels if name in level]
     if not own:
         return None
@@ -97,7 +97,7 @@ def fast_power(residual: NDArray[np.float64]) -> float:
     Parameters
     ----------
     residual : ndarray, shape (n,)
-        What is not motion.
+        Part of the signal that is not motion.
     """
     return _level(_fast_bins(residual))
 
@@ -109,15 +109,15 @@ def power_beside(
 ) -> float:
     """Variance of a signal's fast noise that a reading's noise does not explain.
 
-    The difference of two variances would be uncertain by a share of the larger one, and this part
-    decides how exactly the one signal is known beside the other.
+    A regression is used, since the difference of two variances would be uncertain by a share of
+    the larger one.
 
     Parameters
     ----------
     residual, reading : ndarray, shape (n,)
-        Of the signal and of the reading, what is not motion.
+        Parts of the signal and of the reading that are not motion.
     changes : sequence of two ndarray, shape (n,)
-        The same of each run with noise of the reading alone.
+        Changes of signal and reading in each run with noise of the reading alone.
     """
     both = [(_fast_bins(own), _fast_bins(seen)) for own, seen in changes]
     cross = np.sum([own * seen.conj() for own, seen in both], axis=0)
@@ -129,9 +129,9 @@ def power_beside(
 
 
 def _fast_bins(residual: NDArray[np.float64]) -> Spectrum:
-    """Spectrum near the Nyquist frequency, its squares the variance of white noise."""
+    """Spectrum near the Nyquist frequency; its mean square is the variance of white noise."""
     n = residual.size
-    # The second difference keeps slow parts, and the taper single lines, out of the other bins.
+    # The second difference keeps slow parts out of the fast bins, the taper single lines.
     taper = np.hanning(n - 2)
     spectrum = np.fft.rfft(taper * np.diff(residual, 2)) / np.sqrt(np.sum(taper**2))
     frequency = np.fft.rfftfreq(n - 2)
@@ -141,7 +141,7 @@ def _fast_bins(residual: NDArray[np.float64]) -> Spectrum:
 
 
 def _level(bins: Spectrum) -> float:
-    # The median of an exponential variable is ln 2 of its mean; it passes over single lines.
+    # The median of an exponential variable is ln 2 times its mean, and ignores single lines.
     return float(np.median(np.abs(bins) ** 2) / np.log(2.0))
 
 
@@ -151,7 +151,7 @@ def loop_covariance(window: Window, changes: Sequence[Sequence[NDArray[np.float6
     Parameters
     ----------
     window : Window
-        What is scored.
+        Stretch that is scored.
     changes : sequence of sequences of ndarray
         One sequence a noise run, one array a signal.
     """
@@ -169,20 +169,20 @@ def loop_covariance(window: Window, changes: Sequence[Sequence[NDArray[np.float6
 
 
 def tolerance_covariance(window: Window, record: Record, positions: frozenset[str]) -> Spectrum:
-    """Squares of the shares of each signal's spectrum, smoothed over an octave, on the diagonal.
+    """Diagonal covariance of a tolerance: a share of each signal's spectrum, smoothed.
 
     Parameters
     ----------
     window : Window
-        What is scored.
+        Stretch that is scored.
     record : Record
-        What was measured.
+        Recording that is scored.
     positions : frozenset of str
         Signals that are positions.
     """
     spectrum = window.spectra([_carrier(s) for s in record.signals])
-    # Under a force, a free axis moves by 1/f^2: smoothed as an acceleration, its slow part does
-    # not spread over the fast one.
+    # A free axis answers a force by 1/f^2: smoothed as an acceleration, its slow part does not
+    # spread over the fast part.
     free = np.array([s.driving is not None for s in record.signals])
     steep = np.where(free, np.maximum(window.frequencies, _LOWEST_HZ)[:, None] ** 4, 1.0)
     power = _octaves(np.abs(spectrum) ** 2 * steep, window.frequencies) / steep
@@ -196,7 +196,7 @@ def white_covariance(window: Window, variances: Sequence[float]) -> Spectrum:
     Parameters
     ----------
     window : Window
-        What is scored.
+        Stretch that is scored.
     variances : sequence of float
         [unit of the signal squared]
     """
@@ -209,7 +209,7 @@ def excess_of_repeats(
     second: Record,
     known: Spectrum,
 ) -> Spectrum:
-    """What repeated recordings differ by beyond the noise that is known.
+    """Covariance of the difference of repeated recordings beyond known noise.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def excess_of_repeats(
     first, second : Record
         Two runs under the same inputs and parameters.
     known : ndarray, shape (n_bins, n_signals, n_signals)
-        Covariance of the noise that is known.
+        Covariance of the known noise.
     """
     rows = [
         min(a.values.size, b.values.size)
@@ -235,7 +235,7 @@ def excess_of_repeats(
 
 
 def _carrier(signal: ScoredSignal) -> NDArray[np.float64]:
-    """What a tolerance is a share of."""
+    """Signal of which the tolerance is a share."""
     return signal.values - signal.values[0] if signal.driving is None else signal.driving
 
 

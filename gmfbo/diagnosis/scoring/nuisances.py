@@ -1,7 +1,7 @@
-"""Small errors of clocks, scales and zeros that every rig has, and that are no physics.
+"""Nuisances: small errors of clocks, scales and zeros that every rig has.
 
-Each is a direction in signal space, as long as one standard deviation of its prior. They are
-left out of every residual (Whitener.without), so that no effect is claimed for explaining them.
+Each nuisance is a direction in signal space, one standard deviation of its prior long. Every
+residual is scored without these directions (Whitener.without), so no effect gains by them.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def record_directions(
     Parameters
     ----------
     record : Record
-        What was measured.
+        Recording that is scored.
     simulated : Simulated
-        The same, simulated: it has the signals without their noise.
+        The recording simulated, without noise.
     alignments : mapping of str to Alignment
         Priors by signal.
     """
@@ -102,18 +102,18 @@ def record_directions(
 def actuator_directions(
     simulations: Simulations, point: Point, base: list[Simulated], record: int, torque: float
 ) -> list[Direction]:
-    """Directions of a slightly wrong actuator: its lag and its gain, sent through the loop.
+    """Directions of a slightly wrong actuator: its lag and gain, simulated in the loop.
 
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     point : Point
-        Where.
+        Values at which the twin runs.
     base : list of Simulated
         All recordings simulated there.
     record : int
-        Which recording.
+        Index of the recording.
     torque : float
         Torque at the port for a unit of command, where there is no command port.
     """
@@ -130,7 +130,7 @@ def actuator_directions(
         return simulations.run_one(point, record, excitation={port: gain * column})
 
     if simulations.tracking is not None and "command" in ports:
-        # A recorded command holds what is faster than its smooth part, and lags as well.
+        # A recorded command also has a fast part, and it lags too.
         physics = {**point.physics, "actuator_lag.time": ACTUATOR_LAG_S}
         lagging = simulations.run_one(replace(point, physics=physics), record)
     else:
@@ -156,9 +156,9 @@ def nuisance_directions(
     Parameters
     ----------
     simulations : Simulations
-        Who runs the twin.
+        Simulators of the twin.
     point : Point
-        Where.
+        Values at which the twin runs.
     base : list of Simulated
         The recordings simulated there.
     alignments : mapping of str to Alignment
@@ -180,7 +180,7 @@ def nuisance_directions(
 def _followed(
     simulations: Simulations, point: Point, base: Simulated, record: int, direction: Direction
 ) -> Direction:
-    """What an error of a recorded position leaves of itself, where the twin is kept near it."""
+    """Rest of a position's error direction where a tracking loop follows the recorded position."""
     encoder, signals = simulations.encoder, simulations.records[record].signals
     place = next((i for i, s in enumerate(signals) if encoder and s.name == encoder.signal), None)
     if encoder is None or place is None:

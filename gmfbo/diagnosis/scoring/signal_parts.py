@@ -1,4 +1,4 @@
-"""What is known of the signals of a rig before anything is fitted."""
+"""Roles and priors of a rig's signals, before any fit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gmfbo.sources.binding.binding import Binding
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """What is known of the signals before anything is fitted.
+    """Roles and priors of a rig's signals.
 
     Attributes
     ----------
@@ -33,14 +33,14 @@ class Rig:
 
 
 def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
-    """Tell which signals are positions, and what their columns may be off by.
+    """Find the position signals, and the priors of all signals' nuisances.
 
     Parameters
     ----------
     binding : Binding
         The twin.
     records : sequence of Record
-        Recordings; a signal that none holds does not count.
+        Recordings; signals in none of them are left out.
     """
     outputs, states = binding.file.outputs, binding.file.states
     present = {s.name for record in records for s in record.signals}
@@ -65,7 +65,7 @@ def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
 
 
 def _position_signal(binding: Binding, present: set[str]) -> str | None:
-    """Output that tells the state `position`: the same variable, that name, or its unit."""
+    """Output that is the state `position`, by its variable, its name or its unit."""
     outputs, state = binding.file.outputs, binding.file.states.get("position")
     candidates = [name for name in outputs if name in present]
     same = [name for name in candidates if outputs[name].variable == state]

@@ -1,4 +1,4 @@
-"""Residuals in units of what is not physics: whitened per frequency, all signals jointly.
+"""Whiten residuals by the error budget, per frequency and for all signals jointly.
 
 chi2 = sum |w|^2 with w = sqrt(2) chol(S)^-1 X is the Whittle likelihood (Whittle 1953) of a
 residual with discrete spectrum X and covariance S.
@@ -30,7 +30,7 @@ class Window:
     Attributes
     ----------
     record : int
-        Which recording.
+        Index of the recording.
     rows : tuple of slice
         Of each of its signals.
     frequencies : ndarray, shape (n_bins,)
@@ -95,7 +95,7 @@ def make_window(
     Parameters
     ----------
     record : int
-        Which recording.
+        Index of the recording.
     spacings : sequence of float
         [s] Sampling of each signal.
     rows : sequence of slice
@@ -112,18 +112,18 @@ def make_window(
 
 @dataclass(frozen=True, eq=False)
 class Whitener:
-    """Makes residuals of one window white and leaves out what nuisances explain.
+    """Whitens the residuals of one window, and projects the nuisances out.
 
     Attributes
     ----------
     window : Window
-        What is scored.
+        Stretch that is scored.
     covariance : ndarray, shape (n_bins, n_signals, n_signals)
         S(f) of the window's spectra.
     nuisances : ndarray, shape (n_nuisances, n_residuals)
         Whitened directions, each one standard deviation of its prior long; empty at first.
     dispersion : ndarray, shape (n_bins, n_signals)
-        By which the variance of each whitened component exceeds one.
+        Variance of each whitened component beyond the budget, at least 1.
     """
 
     window: Window
@@ -151,11 +151,11 @@ class Whitener:
 
     @property
     def n_residuals(self) -> int:
-        """Real numbers that a window gives."""
+        """Number of whitened residuals of the window."""
         return 2 * int(self.window.seen.sum()) - self.window.n_signals
 
     def colour(self, spectra: Spectrum) -> Spectrum:
-        """Whitened components, shape (..., n_bins, n_signals), before nuisances are left out."""
+        """Whitened components, shape (..., n_bins, n_signals), with nuisances still in them."""
         white: Spectrum = np.einsum("fij,...fj->...fi", self._factor, spectra)
         if self.dispersion is not None:
             white = white / np.sqrt(self.dispersion)
@@ -176,7 +176,7 @@ class Whitener:
         return flat - ((flat @ basis.T) * shares) @ basis
 
     def flatten(self, white: Spectrum) -> NDArray[np.float64]:
-        """Real numbers of whitened components, shape (..., n_residuals)."""
+        """Real and imaginary parts of whitened components, shape (..., n_residuals)."""
         seen = self.window.seen
         inner = white[..., 1:, :][..., seen[1:]]
         return np.concatenate(
@@ -184,7 +184,7 @@ class Whitener:
         )
 
     def without(self, directions: Sequence[Sequence[NDArray[np.float64]]]) -> Whitener:
-        """Return a whitener that leaves these directions out.
+        """Whitener that projects these directions out.
 
         Parameters
         ----------

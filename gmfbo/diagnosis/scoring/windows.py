@@ -1,4 +1,4 @@
-"""Stretches of the recordings that are scored by themselves."""
+"""Windows: stretches of the recordings that are scored separately."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _WINDOW_S = 1.2
 _MOST_WINDOWS = 4
 _LEAST_WINDOWS = 4  # in all, where the loop is fast enough for it
 _LOOP_TIMES = 5.0
-_SETTLING = 10.0  # loop times after which e^-10 of a start is left
+_SETTLING = 10.0  # loop times after which e^-10 of an initial error remains
 _FIRST_ROWS = 5
-_ELSEWHERE = 0.02  # of a signal's range
+_ELSEWHERE = 0.02  # of a signal's range: a larger difference at the start is another state
 
 
 def windows_of(
@@ -35,9 +35,9 @@ def windows_of(
     loop_time : float
         [s] Slowest time constant of the closed loop; a stretch is at least five long.
     nominal : sequence of Simulated, optional
-        The twin as it is: a recording that starts elsewhere is scored once that is forgotten.
+        The twin as it is; a recording that starts in another state is scored after settling.
     positions : collection of str
-        Signals by which that is told.
+        Signals that decide whether a recording starts elsewhere.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def windows_of(
     """
     windows: list[Window] = []
     total = sum(record.end - record.start for record in records)
-    # Few or short recordings are cut finer, so that something can be left out of a fit.
+    # Few or short recordings are cut finer, so that a window can be left out of a fit.
     width = max(min(_WINDOW_S, total / _LEAST_WINDOWS), _LOOP_TIMES * loop_time)
     for k, record in enumerate(records):
         elsewhere = bool(nominal) and _starts_elsewhere(record, nominal[k], positions, loop_time)
@@ -89,7 +89,7 @@ def _windows_within(
 def _starts_elsewhere(
     record: Record, nominal: Simulated, positions: Collection[str], loop_time: float
 ) -> bool:
-    """Whether a recording starts at another place or speed than its twin.
+    """Whether a recording starts at another position or speed than its twin.
 
     Within the first few rows neither parameters nor physics move anything that was at rest. Told
     by positions, since a command differs by any load; a wrong speed goes on for `loop_time` [s].

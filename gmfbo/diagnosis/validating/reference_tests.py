@@ -1,8 +1,8 @@
-"""Whether what a model leaves still follows the reference.
+"""Test whether a model's residual still follows the reference.
 
-In closed loop noise reaches every signal but the reference, so that is what a residual must not
-know of (Ljung 1999, System Identification, section 16.6; with the direction of motion beside it,
-as Billings and Voon 1986 ask for what is not linear).
+In closed loop, noise reaches every signal but the reference, so the residual of a right model is
+uncorrelated with the reference (Ljung 1999, System Identification, section 16.6), and with its
+direction of motion, for nonlinear axes (Billings, Voon 1986).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 
 _BY_CHANCE = 0.99
 _FEW_ROWS = 64
-_DIFFERENT = 0.02  # of the strongest direction; weaker ones are rounding
+_DIFFERENT = 0.02  # of the strongest direction; weaker ones are rounding errors
 
 
 def residual_tests(
     case: Case, curves: Sequence[Curve], scored: Mapping[str, tuple[float, float]]
 ) -> tuple[ResidualTest, ...]:
-    """Test every signal of what was held out.
+    """Test every signal of the held-out stretches.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def residual_tests(
 
 
 def _drives(case: Case) -> Mapping[str, tuple[Array, Array]]:
-    """Time [s] and values of what drives each recording: the first input that moves."""
+    """Time [s] and values of the first input that moves, for each recording."""
     drives = {}
     for record in case.simulations.records:
         recording = record.plan.recording
@@ -100,40 +100,40 @@ def _tested(
 
 
 def reference_columns(time: Array, reference: Array) -> Array:
-    """What a residual may follow, as directions at right angles to one another, each of RMS one.
+    """Orthogonal directions by the reference, each of RMS one, that a residual may follow.
 
     They span the reference, its rate, its acceleration and its direction, shape (n, rows).
 
     Parameters
     ----------
     time : ndarray, shape (rows,)
-        [s]
+            [s]
     reference : ndarray, shape (rows,)
-        Of which they are.
+            Values of the reference.
     """
     rate = np.gradient(reference, time)
-    # Below a thousandth of the highest speed a reference stands: its direction is noise.
+    # A reference slower than a thousandth of its highest speed is at rest: no direction.
     turning = np.tanh(rate / max(1e-3 * float(np.abs(rate).max()), 1e-300))
     columns = np.stack([reference, rate, np.gradient(rate, time), turning])
     columns -= columns.mean(axis=1, keepdims=True)
     size = np.sqrt(np.mean(columns**2, axis=1))
     known = size > 1e-9 * float(size.max())
     _, share, directions = np.linalg.svd(columns[known] / size[known, None], full_matrices=False)
-    # Of a sine the acceleration is the reference again, but for rounding at its ends: a direction
-    # of a few rows would take their noise away and find none.
+    # The acceleration of a sine is the reference again, but for rounding at its ends. A direction
+    # of so few rows would fit their noise.
     scaled: Array = directions[share > _DIFFERENT * share[0]] * np.sqrt(time.size)
     return scaled
 
 
 def following_part(columns: Array, left: Array) -> tuple[float, Array]:
-    """RMS of the part of a residual that columns make, and the rest of it.
+    """RMS of the part of a residual along the columns, and the rest of the residual.
 
     Parameters
     ----------
     columns : ndarray, shape (n, rows)
-        What it may follow.
+            Orthogonal directions.
     left : ndarray, shape (rows,)
-        The residual; its mean is no part of it.
+            The residual; its mean is ignored.
     """
     centred = left - left.mean()
     made = np.linalg.lstsq(columns.T, centred, rcond=None)[0] @ columns
@@ -141,18 +141,18 @@ def following_part(columns: Array, left: Array) -> tuple[float, Array]:
 
 
 def chance_bound(columns: Array, rest: Array) -> float:
-    """RMS that columns make of noise once in a hundred times, where noise is coloured.
+    """RMS along the columns that coloured noise exceeds once in a hundred times.
 
-    The power that is made is a quadratic form of normal variables whose covariance is that of
-    Newey and West (1987); its quantile is that of a scaled chi2 with the same mean and variance
+    The power along the columns is a quadratic form of normal variables with the covariance of
+    Newey and West (1987). Its quantile is taken from a scaled chi2 with the same mean and variance
     (Satterthwaite 1946).
 
     Parameters
     ----------
     columns : ndarray, shape (n, rows)
-        What it may follow.
+            Orthogonal directions.
     rest : ndarray, shape (rows,)
-        Noise, as coloured as it is.
+            Coloured noise.
     """
     rows = rest.size
     score = columns / np.sqrt(rows) * rest

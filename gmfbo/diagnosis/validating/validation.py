@@ -1,4 +1,4 @@
-"""How much better the augmented twin is on recordings that it was not fitted to."""
+"""Validate the augmented twin on held-out recordings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit, contradicts_names
 from gmfbo.diagnosis.runs.simulated import Simulated
 
-_CLEARLY = 15.0  # fall of chi2 that what is not there does not reach; in one sound twin it was 8
+_CLEARLY = 15.0  # fall of chi2 that absent physics does not reach; 8 in one sound twin
 _DIFFERENT = 4.0  # squared distance of two models, whitened: two standard deviations of noise
 
 
@@ -28,19 +28,19 @@ class Validated:
     Attributes
     ----------
     fit : Fit
-        The table.
+        Table of errors.
     curves : tuple of Curve
         Recorded and simulated signals of all recordings.
     scored : mapping of str to (float, float)
-        [s] Stretch of each recording that the table is about; without ends where it is a whole one.
+        [s] Scored stretch of each recording; infinite ends for a whole recording.
     parameters_only, augmented : Fitted
-        The twin with its parameters refitted, and with the named physics too; one and the same
-        where nothing was named.
+        The twin with its parameters refitted, without and with the named physics; the same where
+        nothing was named.
     misfit : Misfit
-        That the two were fitted by.
+        Misfit by which both were fitted.
     contradicts_names : bool
-        Whether the recordings that were not fitted speak against the named physics; under the
-        noise that their controller saw, where that matters to it.
+        Whether held-out recordings contradict the named physics, with replayed noise where that
+        matters to the model.
     """
 
     fit: Fit
@@ -72,8 +72,8 @@ def validate(
     unnamed : sequence of sequences of ndarray, optional
         Change of each recording's signals by a model without a name.
     least : float
-        chi2 per degree of freedom that the whole library together leaves: the floor of the share
-        of error that is removed is no higher, since budgets of noise are generous.
+        chi2 per degree of freedom with the whole library fitted: an upper bound of the noise floor
+        of the removed share, since error budgets are generous.
     """
     chosen = split.fitted or tuple(range(len(case.budget.windows)))
     misfit = restricted(case.misfit, chosen)
@@ -84,7 +84,7 @@ def validate(
 
 
 def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.inf) -> Validated:
-    """Score models of some recordings on others, which nothing has seen.
+    """Score models of some recordings on others that had no part in any fit.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         tuple(record.name for record in case.simulations.records),
         tuple(record.name for record in unseen.simulations.records),
     )
-    # Found out while it was decided, when these had been opened.
+    # Found while the effects were decided, after these recordings had been opened.
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     there = [
         _refitted(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet), iterations=1)
@@ -143,7 +143,7 @@ def _scored(
     curves = _curves(case, shown[1], shown[2])
     judged = table
     if augmented.hypothesis.noise is not None:
-        # What noise bridges or shakes loose is another axis without it, and not a wrong law.
+        # Without noise an axis may stick where the real one moves: no sign of a wrong law.
         judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
     stretches = _stretches(case, scored)
     contradicts = contradicts_names(judged, falls=fall > _CLEARLY, differs=differs)
@@ -236,7 +236,7 @@ def _nrmse(
 
 
 def _floor(case: Case, scored: Sequence[int], name: str) -> float:
-    """What noise alone leaves: the loop's answer to the sensor's noise and the signal's own."""
+    """NRMSE by noise alone: the sensor noise carried by the loop, and the signal's own noise."""
     squares, extents = [], []
     for k, record in enumerate(case.simulations.records):
         for i, signal in enumerate(record.signals):
@@ -264,8 +264,8 @@ def _removed(
 ) -> float | None:
     """Share of the explainable whitened error that is gone; None where there is none.
 
-    What noise leaves is known from above: by its budget, by what the whole library leaves in all
-    recordings, and by what the augmented twin leaves in these ones when fitted to all.
+    The noise floor has three upper bounds: the error budget, the residual of the whole library in
+    all recordings, and that of the augmented twin here when fitted to all recordings.
     """
     whole = case.plain
     misfit = restricted(whole, scored)

@@ -1,7 +1,7 @@
-"""Channels with a clock each, and how they become the columns of one recording.
+"""Channels with a clock each, and their conversion to the columns of one recording.
 
-Measuring systems sample each channel at its own rate. The rows of a recording are the instants of
-all of them together, and a channel is blank where it was not sampled.
+Measuring systems sample each channel at its own rate. The rows of a recording are the union of all
+sampling instants, and a channel is blank where it was not sampled.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.clock import is_steady
 from gmfbo.recordings.columns.columns import Column, FileNotes, RecordedColumns
 
-# Instants nearer than this share of the shortest step are one: clocks of several channels differ
-# by their round-off, by less than a nanosecond in a microsecond.
+# Instants closer than this share of the shortest step are the same: clocks of several channels
+# differ by round-off, less than a nanosecond in a microsecond.
 SAME_INSTANT = 1e-4
 
 
@@ -29,7 +29,7 @@ class Channel:
     Attributes
     ----------
     name : str
-        As the file calls it.
+        Name in the file.
     time : ndarray, shape (n,)
         [s]
     values : ndarray, shape (n,)
@@ -37,11 +37,11 @@ class Channel:
     unit : str
         As written; empty where none is.
     group : str
-        Of the file; tells channels of one name apart as `group/name`.
+        Group in the file; distinguishes channels of one name as `group/name`.
     alias : str
         Another name that the file gives, such as the full path of a variable; empty without one.
     fault : str
-        Why it cannot be used; empty where it can.
+        Why the channel cannot be used; empty where it can.
     """
 
     name: str
@@ -55,7 +55,7 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class RecordedChannels:
-    """What a file of channels holds, before a twin gives it a meaning.
+    """Content of a file of channels, before a twin gives it a meaning.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class RecordedChannels:
     scalars : mapping of str to float
         Single values: candidates for FMU parameters in force.
     notes : FileNotes
-        What the file says about itself.
+        Metadata of the file.
     """
 
     label: str
@@ -82,9 +82,9 @@ class RecordedChannels:
         Parameters
         ----------
         wanted : iterable of str or None
-            Names that a twin needs. With them the rows are the instants of those channels, and of
-            the others only such are kept as were sampled together with one of them. Without them,
-            or where none is found, all channels with a steady clock are kept.
+            Names that a twin needs. The rows are then the instants of these channels, and other
+            channels are kept only if they share a clock with one of them. Without names, or where
+            none is found, all channels with a steady clock are kept.
         every : bool
             Keep all channels.
 
@@ -118,7 +118,7 @@ class RecordedChannels:
 
 
 def _named(channels: Sequence[Channel], wanted: set[str]) -> list[Channel]:
-    """Give each channel a name of its own: what is wanted, or its name, or group and name."""
+    """Give each channel a unique name: a wanted one, its own, or group and name."""
     count = Counter(channel.name for channel in channels)
     seen: Counter[str] = Counter()
     named = []
@@ -138,7 +138,7 @@ def _named(channels: Sequence[Channel], wanted: set[str]) -> list[Channel]:
             for k, (old, new) in enumerate(zip(channels, named, strict=True))
             if want in (new.alias, f"{old.group}/{old.name}")
         ]
-        if len(places) == 1:  # an alias of several channels names none of them
+        if len(places) == 1:  # an alias of several channels is ambiguous
             named[places[0]] = replace(named[places[0]], name=want)
     return named
 
@@ -158,7 +158,7 @@ def _key(time: NDArray[np.float64]) -> bytes:
 
 
 def _grid(clocks: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """All instants in order; those that differ by round-off are one."""
+    """All instants in order, those that differ only by round-off merged."""
     distinct = list({_key(clock): clock for clock in clocks}.values())
     if len(distinct) == 1:
         return distinct[0]
@@ -186,7 +186,7 @@ def _on_grid(label: str, channel: Channel, grid: NDArray[np.float64]) -> Column:
             f"s to {channel.time[row]:.9g} s at sample {row + 1}; expected times that increase"
         )
         return Column(channel.name, values, channel.unit, fault)
-    # The first instant of a cluster stands in the grid, so that a sample belongs to the one before.
+    # The grid has the first instant of a cluster, so that a sample belongs to the instant before.
     rows = np.searchsorted(grid, channel.time, side="right") - 1
     values[rows] = channel.values
     return Column(channel.name, values, channel.unit)

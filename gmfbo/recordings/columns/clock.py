@@ -1,4 +1,4 @@
-"""Is this time column a clock that a simulation can follow?"""
+"""Check that a time column is a clock that a simulation can follow."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def check_clock(
     sampled: Sequence[NDArray[np.bool_]],
     row_name: Callable[[int], str],
 ) -> None:
-    """Refuse a clock that stands still, goes back, has gaps or jitters.
+    """Raise for a clock that stands still, goes back, has gaps or jitters.
 
-    Steps may differ by 10 % from their mean. Where signals have different rates, the rows are
-    the instants of all of them together, and each signal's own instants are judged.
+    Steps may differ by 10 % from their mean. Where signals have different rates, the sampling
+    instants of each signal are checked separately.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def is_steady(time: NDArray[np.float64]) -> bool:
 
 
 def _worst_step(time: NDArray[np.float64]) -> int | None:
-    """Row after the step that differs most from the mean; None where all are near enough."""
+    """Row after the step that differs most from the mean; None where all steps are even."""
     if time.size < 3:
         return None
     steps = np.diff(time)

@@ -1,4 +1,4 @@
-"""Which column of a logger's file is which signal: written once, used for each recording."""
+"""Column mapping: names of a logger's columns, written once and used for each recording."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ DIALECTS = ("auto", "plain", "decimal_comma", "twincat_scope")
 
 @dataclass(frozen=True)
 class MappedColumn:
-    """A column of the file, and what its numbers are: value [unit] = scale * column + offset.
+    """A column of the file and its conversion: value [unit] = scale * column + offset.
 
     Attributes
     ----------
     column : str
         Name in the file.
     unit : str
-        Unit of the value; empty for that which the file states.
+        Unit of the value; empty for the unit stated in the file.
     scale : float or None
-        [unit / column unit]; with it the file's unit does not count, and no `unit` means SI.
+        [unit / column unit]; if given, the file's unit is ignored, and an empty `unit` means SI.
     offset : float
         [unit]
     """
@@ -35,7 +35,7 @@ class MappedColumn:
 
     @property
     def converts(self) -> bool:
-        """It says what the numbers are, so that the twin file's scale and offset do not apply."""
+        """Whether it converts the numbers; the twin file's scale and offset then do not apply."""
         return bool(self.unit) or self.scale is not None or self.offset != 0.0
 
 
@@ -61,7 +61,7 @@ class ColumnMapping:
 
 @runtime_checkable
 class MappedReading(Protocol):
-    """A twin whose file says how the logger names the columns."""
+    """A twin whose file maps the logger's column names."""
 
     def column_mapping(self) -> ColumnMapping:
         """Return the mapping."""
@@ -73,8 +73,8 @@ def rename_columns(
 ) -> tuple[RecordedColumns, Mapping[str, SignalSpec]]:
     """Give columns the names that the twin file uses.
 
-    A column that the file lacks is passed over: then the twin file's own words count. Files that
-    gmfbo wrote name signals already and stay as they are.
+    A column that the file lacks is ignored, and the twin file's own names count. Files that gmfbo
+    wrote already name signals, and stay unchanged.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def rename_columns(
     file : RecordedColumns
         With renamed columns.
     specs : mapping of str to SignalSpec
-        Without scale and offset where the mapping says what the numbers are.
+        Without scale and offset where the mapping converts the numbers.
     """
     if file.notes.own or not mapping.columns:
         return file, specs

@@ -37,7 +37,7 @@ class Column:
 
 @dataclass(frozen=True)
 class FileNotes:
-    """What a file says about itself.
+    """Metadata of a file.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class FileNotes:
 
 @dataclass(frozen=True, eq=False)
 class RecordedColumns:
-    """What a file holds, before a twin gives it a meaning.
+    """Content of a file, before a twin gives it a meaning.
 
     Attributes
     ----------
@@ -76,11 +76,11 @@ class RecordedColumns:
     scalars : mapping of str to float
         Single values: candidates for FMU parameters in force.
     declared : bool
-        The scalars were written down as parameters, so that a slip in a name is an error.
+        Whether scalars are declared as parameters, so that an unknown name is an error.
     unreadable : mapping of str to str
         Messages about declared scalars that are no numbers, by name.
     notes : FileNotes
-        What the file says about itself.
+        Metadata of the file.
     row_name : callable
         Place of row k (from 0) in the file, for messages.
     """
@@ -94,7 +94,7 @@ class RecordedColumns:
     row_name: Callable[[int], str] = field(default=lambda row: f"row {row + 1}")
 
     def refuse(self, why: str) -> RecordingError:
-        """Error that names the file."""
+        """Make an error that names the file."""
         return RecordingError(f"{self.label}: {why}")
 
 
@@ -111,7 +111,7 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     Raises
     ------
     RecordingError
-        There is none; names the columns that there are.
+        There is none; the message names the columns.
     """
     for name in ("time", "t", "timestamp", "zeit"):
         for column in columns:

@@ -21,7 +21,7 @@ def columns_of_equal_length(
     label : str
         File name.
     arrays : mapping of str to array_like
-        Real numbers count, whatever else there is does not; vectors may be (n,), (n, 1), (1, n).
+        Only real numbers count; vectors may be (n,), (n, 1) or (1, n).
     units : mapping of str to str
         As written.
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Reading:
-    """What has been read so far."""
+    """Signals and parameters read so far."""
 
     signals: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
@@ -30,14 +30,14 @@ class _Reading:
 
 
 def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, Any]:
-    """Give a file's columns their meaning.
+    """Interpret a file's columns as signals and parameters.
 
     Parameters
     ----------
     file : RecordedColumns
         Columns, scalars and notes.
     twin : SignalReading or None
-        Says which columns are signals and which names are FMU parameters. Columns that it does
+        Tells which columns are signals and which names are FMU parameters. Columns that it does
         not name are kept as signals under their own name. Without it each column with numbers
         is a signal, and each scalar a parameter.
 
@@ -49,7 +49,7 @@ def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, 
     Raises
     ------
     RecordingError
-        The clock, a cell, a unit or a name does not fit; one line that says where.
+        The clock, a cell, a unit or a name does not fit; one line that names the place.
     """
     if not file.columns or file.columns[0].values.size == 0:
         raise file.refuse("expected a header and at least one row, got no row; record again")
@@ -66,7 +66,7 @@ def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, 
         for name in [name for name in others if name in tunable]:
             _read_parameter(file, others.pop(name), tunable[name], time, reading)
         kept = {n: c for n, c in others.items() if n not in reading.signals and not c.fault}
-        # A schedule of a parameter that this twin has not is a column like others.
+        # A schedule of a parameter unknown to this twin is an ordinary column.
         _read_all(kept, reading, schedules=frozenset())
         reading.parameters.update(_known_scalars(file, tunable))
     # A schedule keeps its value between its entries, so it has no instants of its own.
@@ -99,7 +99,7 @@ def _time(file: RecordedColumns, clock: Column) -> NDArray[np.float64]:
 
 
 def _read_all(columns: Mapping[str, Column], reading: _Reading, schedules: frozenset[str]) -> None:
-    """Keep columns under their own names; one that holds no number at all is text, and skipped."""
+    """Keep columns under their own names; a column without any number is text, and skipped."""
     for name, column in columns.items():
         if column.fault:
             if np.isfinite(column.values).any():

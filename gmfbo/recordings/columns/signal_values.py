@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def plain_values(values: NDArray[np.float64], unit: str) -> tuple[NDArray[np.float64], str]:
-    """Convert what the header's unit allows; an unknown unit and counts are kept as they are.
+    """Convert values by the header's unit; unknown units and counts stay unchanged.
 
     Parameters
     ----------
@@ -47,11 +47,11 @@ def signal_values(
     values : ndarray, shape (n,)
         As recorded.
     unit : str
-        As written; empty where none is, which is taken for SI.
+        As written; empty where none is, then taken for SI.
     spec : SignalSpec
         Scale, offset and SI unit.
     already_scaled : bool
-        The file holds the signal itself, so that scale and offset do not apply.
+        Whether the file holds the signal itself, so that scale and offset do not apply.
 
     Returns
     -------

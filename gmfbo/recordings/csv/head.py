@@ -1,6 +1,6 @@
 """The `# name = value` lines at the top of a CSV recording.
 
-Names of our own: `gmfbo` (version that wrote the file), `use`, `start_time` and those that begin
+Reserved names are `gmfbo` (version that wrote the file), `use`, `start_time` and names that begin
 with `gmfbo.`; any other number is an FMU parameter in force.
 """
 
@@ -21,12 +21,12 @@ RUN_KEYS = (
     "message",
     "stopped_at",
     "seconds",
-)  # what a Trajectory has beyond a Recording
+)  # fields of a Trajectory beyond a Recording's
 
 
 @dataclass(frozen=True)
 class CsvHead:
-    """What stands above the header.
+    """Content of the lines above the header.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class CsvHead:
     unreadable : dict of str to str
         Messages about values that are no numbers, by name.
     notes : FileNotes
-        What the file says about itself.
+        Metadata of the file.
     """
 
     parameters: dict[str, float] = field(default_factory=dict)
@@ -44,7 +44,7 @@ class CsvHead:
 
 
 def read_head(lines: Sequence[str], label: str) -> CsvHead:
-    """Understand the `#` lines; those without `=` are remarks.
+    """Parse the `#` lines; lines without `=` are remarks.
 
     Raises
     ------

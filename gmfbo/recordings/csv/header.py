@@ -27,12 +27,12 @@ def split_unit(cell: str) -> tuple[str, str]:
 
 
 def header_cell(name: str, unit: str) -> str:
-    """Cell for the header, quoted where a reader would else take it apart.
+    """Cell for the header, quoted where a reader would otherwise split it.
 
     Raises
     ------
     RecordingError
-        The name would not be read back as it is.
+        The name would not be read back unchanged.
     """
     cell = f"{name} [{unit}]" if unit else name
     if split_unit(cell) != (name, unit) or not name or re.search(r"[\r\n]", cell):
@@ -54,7 +54,7 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
     names, units = [], []
     for index, cell in enumerate(cells):
         name, unit = split_unit(cell)
-        # Spreadsheets and data frames leave the name of a row number blank.
+        # Spreadsheets and data frames leave the name of a row-number column blank.
         names.append(name or f"column {index + 1}")
         units.append(unit)
     if all(is_number(cell) for cell in cells if cell.strip()):
@@ -71,7 +71,7 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
 
 
 def read_units_row(cells: list[str]) -> list[str] | None:
-    """Units of the row below the header; None where it is no row of units."""
+    """Units in the row below the header; None where that is no row of units."""
     bare = [_bare(cell) for cell in cells]
     if is_number(bare[0]) or all(is_number(cell) for cell in bare if cell):
         return None

@@ -1,4 +1,4 @@
-"""CSV of many rows in bounded memory: names from its beginning, numbers by NumPy's own parser."""
+"""Read CSV of many rows in bounded memory, by NumPy's parser."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def read_numbers(path: Path, head: RecordedColumns, delimiter: str, first: int) 
     path : Path
         UTF-8 text.
     head : RecordedColumns
-        What the beginning of the file was read as.
+        The beginning of the file, as it was read.
     delimiter : str
         Between cells.
     first : int
@@ -41,7 +41,7 @@ def read_numbers(path: Path, head: RecordedColumns, delimiter: str, first: int) 
     Raises
     ------
     ValueError
-        A cell is something else, or a row has another number of cells.
+        A cell is no number, or a row has another number of cells.
     """
     with path.open(encoding="utf-8-sig", newline=None) as lines:
         table = np.loadtxt(

@@ -1,4 +1,4 @@
-"""How numbers are written in the cells of one column: decimal comma, thousands set apart."""
+"""Parse numbers of one column: decimal comma and thousands separators."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ import re
 
 _POINT = re.compile(r"\d\.|\.\d")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.' \u00a0\u202f]\d{3})+(?:,\d+)?")
-_SURE = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")  # 1.234,5 can mean one thing only
+_SURE = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")  # 1.234,5 is unambiguous
 _SEPARATORS = re.compile(r"[.' \u00a0\u202f]")
 
 
 def with_point(texts: list[str], delimiter: str, dialect: str) -> list[str]:
-    """Numbers with a decimal point; what is no number stays as it is.
+    """Numbers with a decimal point; other texts stay unchanged.
 
     Parameters
     ----------
     texts : list of str
         Cells of one column.
     delimiter : str
-        Between cells. A comma in a cell of a file with commas between them stood in quotation
-        marks; whether it sets thousands apart is known for the dialect `decimal_comma` only.
+        Between cells. If it is a comma, a comma inside a cell was quoted, and only the dialect
+        `decimal_comma` tells whether it separates thousands.
     dialect : str
         One of `gmfbo.recordings.columns.column_mapping.DIALECTS`.
     """
@@ -39,5 +39,5 @@ def _surely_comma(texts: list[str]) -> bool:
 def _from_comma(text: str) -> str:
     if _THOUSANDS.fullmatch(text):
         text = _SEPARATORS.sub("", text)
-    # A point that sets no thousands apart is a mistake, not a decimal point.
+    # A point that separates no thousands is a mistake, not a decimal point.
     return f"{text}?" if "." in text else text.replace(",", ".")

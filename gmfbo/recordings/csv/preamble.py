@@ -1,4 +1,4 @@
-"""Where the table of a text file begins: below what a logger or spreadsheet writes above it."""
+"""Find where the table of a text file begins, below a logger's or spreadsheet's preamble."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def stated_delimiter(line: str) -> str:
 
 
 def header_row(table: list[list[str]]) -> int:
-    """Row of the header: the first one of words that has numbers below it.
+    """Row of the header: the first row of words with numbers below it.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def header_row(table: list[list[str]]) -> int:
     Returns
     -------
     int
-        0 where no row looks like a header, so that the messages tell of the file's first line.
+        0 where no row looks like a header, so that messages name the file's first line.
     """
     width = len(next((row for row in reversed(table) if any(map(is_number, row))), table[0]))
     for k, row in enumerate(table[:_LOOKED_AT]):
@@ -46,7 +46,7 @@ def header_row(table: list[list[str]]) -> int:
 
 def _is_header(row: list[str], width: int) -> bool:
     named = [cell for cell in row if cell.strip()]
-    # The name of a row number, or that after a delimiter at the end, may be blank.
+    # The name of a row number, or one after a delimiter at the end, may be blank.
     return len(named) >= max(width - 1, 1) and not any(map(is_number, named))
 
 

@@ -1,4 +1,4 @@
-"""Recordings as CSV: our own format, and what loggers and spreadsheets write.
+"""Read CSV: our own format, and files of loggers and spreadsheets.
 
 Understood: `# name = value` lines, units in the header's brackets or in a row of their own,
 `,`, `;` or tab between cells, decimal comma, quoted names, a byte-order mark, any line ends.
@@ -58,7 +58,7 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
     if size > LARGE_BYTES:
         try:
             return _read_large(path, label, dialect)
-        except ValueError as error:  # not plain numbers: cell by cell, if that can be afforded
+        except ValueError as error:  # not plain numbers: read cell by cell, if not too large
             if size > LARGEST_LENIENT_BYTES or _line_count(path) > LARGEST_LENIENT_LINES:
                 raise refuse_lenient(label, size, error) from None
     lines = re.split(r"\r\n|\n|\r", _text(path.read_bytes(), label))
@@ -76,7 +76,7 @@ def _line_count(path: Path) -> int:
 
 
 def _read_large(path: Path, label: str, dialect: str) -> RecordedColumns:
-    """Read a large plain table; its beginning is read as any other file."""
+    """Read a large plain table; its beginning is read like any other file."""
     with path.open("rb") as file:
         content = file.read(HEAD_BYTES)
     lines = content[: content.rfind(b"\n") + 1].decode("utf-8-sig").splitlines()
@@ -141,7 +141,7 @@ def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
 
 
 def _cells_of(lines: list[str], delimiter: str, label: str) -> list[list[str]]:
-    """Cells of each line; none may reach over the end of its line."""
+    """Cells of each line; a cell must not span lines."""
     try:
         table = list(csv.reader(lines, delimiter=delimiter))
     except csv.Error:  # a cell beyond the module's limit of size
@@ -165,7 +165,7 @@ class _Rows:
         self.label = label
         self.dialect = dialect
         self.delimiter = delimiter
-        # A row of delimiters alone is what a spreadsheet makes of an empty line.
+        # A spreadsheet writes an empty line as a row of delimiters.
         keep = [k for k, row in enumerate(rows) if any(cell.strip() for cell in row)]
         self.rows = [rows[k] for k in keep]
         self.places = [places[k] for k in keep]
@@ -184,7 +184,7 @@ class _Rows:
                 )
 
     def column(self, index: int, name: str, unit: str, *, infinite: bool) -> Column:
-        """Numbers of one column; `infinite` lets infinity pass, as a diverged run may hold it."""
+        """Numbers of one column; `infinite` allows infinity, which a diverged run may hold."""
         cells = [row[index].strip() for row in self.rows]
         texts = ["nan" if cell in _BLANK else cell for cell in cells]
         texts = with_point(texts, self.delimiter, self.dialect)
@@ -199,7 +199,7 @@ class _Rows:
         return self._faulty(name, unit, cells, texts)
 
     def write_out_times(self, columns: list[Column]) -> str:
-        """Turn columns of written times into seconds; returns when the first of them began."""
+        """Convert columns of written times to seconds; returns the first one's start."""
         start = ""
         for index, column in enumerate(columns):
             if not column.fault or np.isfinite(column.values).any():
@@ -239,7 +239,7 @@ def _delimiter(header: str) -> str:
 
 
 def _table_delimiter(lines: list[str]) -> str:
-    """That of the rows, where they agree: above a table may stand lines with others or none."""
+    """Delimiter on which the rows agree; lines above the table may have another or none."""
     tail = [_QUOTED.sub("", line) for line in lines[-20:]]
     for mark in (";", "\t"):
         if all(mark in line for line in tail):

@@ -40,8 +40,8 @@ def read_times(texts: Sequence[str]) -> tuple[NDArray[np.float64], str] | None:
     Returns
     -------
     tuple or None
-        Seconds, shape (n,): since midnight, or where dates are written since the first row; and
-        that row's date and time (ISO 8601), empty without dates. None where a cell is no time.
+        Seconds, shape (n,), since midnight or, with dates, since the first row; and the first
+        row's date and time (ISO 8601), empty without dates. None where a cell is no time.
     """
     filled = [text for text in texts if text]
     form = next((form for form in _FORMS if filled and form.fullmatch(filled[0])), None)
@@ -57,7 +57,7 @@ def read_times(texts: Sequence[str]) -> tuple[NDArray[np.float64], str] | None:
         except ValueError:
             return None  # the 31st of April
     dated = "Y" in form.groupindex
-    # In whole picoseconds, since seconds since the year 1 would lose their decimals.
+    # In whole picoseconds: floats of seconds since the year 1 would lose their decimals.
     zero = next(tick for tick in ticks if tick is not None) if dated else 0
     seconds = [np.nan if tick is None else (tick - zero) / _TICKS_PER_S for tick in ticks]
     return np.array(seconds, dtype=np.float64), _iso(form, filled[0]) if dated else ""

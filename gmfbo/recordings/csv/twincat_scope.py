@@ -24,7 +24,7 @@ _KEYS = {
 _START = ("Starttime of export", "StartRecord", "StartTime")
 _HEAD = (*_START, "File", "Endtime of export", "EndRecord", "EndTime")
 _FILETIME_PER_S = 10**7
-_FILETIME_FROM = 10**15  # ticks of 100 ns since 1601; milliseconds of an export are never so many
+_FILETIME_FROM = 10**15  # ticks of 100 ns since 1601; an export's milliseconds are never as large
 
 _FILETIME_DIGITS = 18  # to the year 4770; more would not fit into 64 bits
 

@@ -19,8 +19,8 @@ from gmfbo.recordings.formats.hdf5_group import group_content, is_recording_grou
 def read_hdf5(path: Path) -> RecordedColumns:
     """Read the columns of an HDF5 file.
 
-    Plain files hold datasets of equal length, in groups if need be (`group/name`), with an
-    attribute `unit` or `units`; single values and numeric attributes of the root are scalars.
+    Plain files hold datasets of equal length, also in groups (`group/name`), with an attribute
+    `unit` or `units`; single values and numeric attributes of the root are scalars.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def open_hdf5(path: Path, kind: str) -> Iterator[Any]:
     OSError
         The file cannot be opened.
     """
-    with path.open("rb"):  # a missing right to read is an error of its own
+    with path.open("rb"):  # a file without read permission has its own error
         pass
     try:
         with h5py.File(path, "r", locking=False) as file:
@@ -71,14 +71,14 @@ def open_hdf5(path: Path, kind: str) -> Iterator[Any]:
 
 
 def _ours(label: str, file: Any) -> RecordedColumns:
-    """A recording or trial of ours taken apart, so that a twin can give it a meaning."""
+    """Columns of a recording or trial of ours, so that a twin can give them a meaning."""
     attributes = dict(file.attrs)
     content, run = group_content(file, attributes)
     gains = dict(
         zip(map(str, attributes.get("gain_names", ())), attributes.get("gains", ()), strict=True)
     )
     written_by = content["written_by"]
-    if run is not None:  # a trial file says it among its versions
+    if run is not None:  # a trial file states it among its versions
         written_by = written_by or str(attributes.get("version.gmfbo", ""))
     named = {**content["signals"], **content["schedules"]}
     columns = [Column("time", content["time"], "s")]

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 def group_content(
     group: Any, attributes: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Read what `gmfbo.recordings.writing.hdf5_group.write_recording_group` wrote.
+    """Read a group written by `gmfbo.recordings.writing.hdf5_group.write_recording_group`.
 
     Parameters
     ----------
     group : h5py.Group
         As it was written.
     attributes : mapping
-        Its attributes; `dict(group.attrs)` reads each once, which is most of the time it takes.
+        Its attributes, read once by `dict(group.attrs)`, since that takes most of the time.
 
     Returns
     -------

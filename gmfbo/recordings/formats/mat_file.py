@@ -39,11 +39,11 @@ def read_mat(path: Path) -> RecordedColumns:
 def _read_v5(path: Path) -> dict[str, Any]:
     from scipy.io import loadmat
 
-    with path.open("rb"):  # a missing right to read is an error of its own
+    with path.open("rb"):  # a file without read permission has its own error
         pass
     try:
         content = loadmat(path, simplify_cells=True)
-    except Exception as error:  # SciPy's reader raises what its parsing trips over
+    except Exception as error:  # any exception may come out of SciPy's reader
         raise RecordingError(
             f"{path.name}: expected a MATLAB file of version 5 or 7.3, got something else "
             f"({error}); save it again with `save -v7`"
@@ -67,7 +67,7 @@ def _read_v73(path: Path) -> dict[str, Any]:
     def visit(name: str, item: Any) -> None:
         matlab_class = item.attrs.get("MATLAB_class", b"double")
         text = matlab_class.decode() if isinstance(matlab_class, bytes) else str(matlab_class)
-        # `#refs#` holds what cells and objects point to.
+        # `#refs#` holds the targets of cells and objects.
         if isinstance(item, h5py.Dataset) and text in _NUMBERS and not name.startswith("#"):
             empty = "MATLAB_empty" in item.attrs
             arrays[name.replace("/", ".")] = np.empty(0) if empty else item[()]

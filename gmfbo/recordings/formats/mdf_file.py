@@ -29,7 +29,7 @@ def read_mdf(path: Path) -> RecordedChannels:
         The file cannot be read.
     """
     asammdf = load_package("asammdf", "mdf", path.name)
-    with path.open("rb"):  # a missing right to read is an error of its own
+    with path.open("rb"):  # a file without read permission has its own error
         pass
     try:
         with asammdf.MDF(path) as file:
@@ -38,7 +38,7 @@ def read_mdf(path: Path) -> RecordedChannels:
             start = file.start_time.isoformat()
     except OSError:
         raise
-    except Exception as error:  # asammdf raises what its parsing trips over
+    except Exception as error:  # any exception may come out of asammdf
         raise RecordingError(
             f"{path.name}: expected an MDF file, got something else or a damaged one "
             f"({' '.join(str(error).split())}); copy it again, or give it its right ending"

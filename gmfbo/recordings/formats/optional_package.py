@@ -1,4 +1,4 @@
-"""Packages that only some kinds of file need, loaded when such a file is read."""
+"""Load optional packages when a file that needs them is read."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ def load_package(module: str, extra: str, label: str) -> Any:
     Parameters
     ----------
     module : str
-        What is imported.
+        Module to import.
     extra : str
-        Name of the extra that brings it.
+        Extra that installs it.
     label : str
         File name, for the message.
 
     Raises
     ------
     RecordingError
-        It is not installed; names the command that installs it.
+        It is not installed; the message gives the command that installs it.
     """
     try:
         return import_module(module)

@@ -22,8 +22,8 @@ def read_parquet(path: Path) -> RecordedColumns:
     """Read the columns of a Parquet file.
 
     A column's unit is its metadata `unit`, or stands in brackets after its name. Numbers in the
-    metadata of the file are scalars. A column of points in time, which data frames keep as their
-    index, is the clock: seconds since its first row.
+    metadata of the file are scalars. A column of timestamps, as data frames have for their index,
+    is the clock: seconds since its first row.
 
     Raises
     ------
@@ -34,10 +34,10 @@ def read_parquet(path: Path) -> RecordedColumns:
     """
     arrow = load_package("pyarrow", "parquet", path.name)
     parquet = load_package("pyarrow.parquet", "parquet", path.name)
-    with path.open("rb"):  # a missing right to read is an error of its own
+    with path.open("rb"):  # a file without read permission has its own error
         pass
     try:
-        # The file itself, without the guess that its folder is part of a larger table.
+        # The file alone: pyarrow would take its folder for a part of a larger table.
         table = parquet.ParquetFile(path).read()
     except (arrow.ArrowException, OSError, ValueError) as error:
         raise RecordingError(
@@ -85,7 +85,7 @@ def _is_number(arrow: Any, kind: Any) -> bool:
 
 
 def _seconds(arrow: Any, data: Any, kind: Any) -> tuple[NDArray[np.float64], str]:
-    """Seconds since the first row; subtracted as integers, as seconds since 1970 lose digits."""
+    """Seconds since the first row, subtracted as integers, since floats would lose digits."""
     ticks = data.cast(arrow.int64()).combine_chunks()
     known = np.array(ticks.is_valid().to_pylist(), dtype=bool)
     count = np.asarray(ticks.fill_null(0).to_numpy(zero_copy_only=False), dtype=np.int64)

@@ -20,8 +20,8 @@ def read_tdms(path: Path) -> RecordedChannels:
     """Read the channels of a TDMS file.
 
     A waveform channel has a clock of its own (`wf_increment`, `wf_start_offset`,
-    `wf_start_time`); the others take the clock of their group: a channel `time`, one in a unit of
-    time, or one of points in time. The unit is the property `unit_string`. Numbers among the
+    `wf_start_time`). Other channels share the clock of their group: a channel `time`, one in a
+    unit of time, or one of timestamps. The unit is the property `unit_string`. Numbers among the
     properties of the file are scalars.
 
     Raises
@@ -32,13 +32,13 @@ def read_tdms(path: Path) -> RecordedChannels:
         The file cannot be read.
     """
     nptdms = load_package("nptdms", "tdms", path.name)
-    with path.open("rb"):  # a missing right to read is an error of its own
+    with path.open("rb"):  # a file without read permission has its own error
         pass
     try:
         file = nptdms.TdmsFile.read(path)
     except OSError:
         raise
-    except Exception as error:  # npTDMS raises what its parsing trips over
+    except Exception as error:  # any exception may come out of npTDMS
         raise RecordingError(
             f"{path.name}: expected a TDMS file, got something else or a damaged one "
             f"({' '.join(str(error).split())}); copy it again, or give it its right ending"
@@ -91,7 +91,7 @@ def _on_one_clock(label: str, group: str, plain: list[tuple[Any, NDArray[Any]]])
     try:
         clock = find_clock(f"{label}, group '{group}'", tuple(columns))
     except RecordingError as error:
-        # Such a group matters only if the twin needs one of its channels.
+        # A group without a clock matters only if the twin needs one of its channels.
         return [
             Channel(
                 c.name,
@@ -136,7 +136,7 @@ def _start(channel: Any) -> np.datetime64 | None:
 
 
 def _waveform(channel: Any, rows: int, first: np.datetime64 | None) -> NDArray[np.float64]:
-    """Times [s] of a waveform, from the earliest start of any."""
+    """Times [s] of a waveform, from the earliest start of all waveforms."""
     step = float(channel.properties["wf_increment"])
     offset = float(channel.properties.get("wf_start_offset", 0.0))
     start = _start(channel)

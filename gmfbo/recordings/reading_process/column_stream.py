@@ -1,6 +1,6 @@
 """Columns or channels of a file as bytes, for another process: a line of JSON, then the numbers.
 
-No pickle: what a hostile file makes of its reader must not run in the process that asked.
+Pickle is not used: code that a hostile file injects must not run in the process that asked.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from gmfbo.recordings.columns.columns import Column, FileNotes, RecordedColumns
 
 
 def write_columns(stream: IO[bytes], read: RecordedColumns | RecordedChannels | None) -> None:
-    """Write what a reader returned.
+    """Write the result of a reader.
 
     Parameters
     ----------
     stream : file
         Binary, open for writing.
     read : RecordedColumns, RecordedChannels or None
-        Numbers are written as 64-bit floats; `row_name` stays behind. None: it was only tried.
+        Numbers are written as 64-bit floats, and `row_name` is dropped. None for a mere trial.
     """
     if read is None:
         stream.write(b"null\n")
@@ -61,14 +61,14 @@ def write_refusal(stream: IO[bytes], message: str) -> None:
 
 
 def read_columns_from(stream: IO[bytes]) -> RecordedColumns | RecordedChannels | str | None:
-    """Read what `write_columns` or `write_refusal` wrote; a refusal is returned as its message.
+    """Read the stream of `write_columns`, or the message of `write_refusal`.
 
     Raises
     ------
     EOFError
-        The writer ended before it was done.
-    ValueError
-        It wrote something else.
+            The stream ended early.
+        ValueError
+            The stream holds something else.
     """
     line = stream.readline()
     if not line.endswith(b"\n"):

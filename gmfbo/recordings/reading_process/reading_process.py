@@ -22,10 +22,10 @@ from gmfbo.recordings.reading_process.column_stream import read_columns_from
 TIME_LIMIT_S = 20.0
 TIME_LIMIT_S_PER_MB = 1.0
 MEMORY_LIMIT_BYTES = 2 * 2**30
-MEMORY_LIMIT_PER_BYTE = 20  # of the file; text and compressed files grow by less
+MEMORY_LIMIT_PER_BYTE = 20  # per byte of the file; text and compressed files need less
 
 _PACKAGE_PARENT = Path(__file__).resolve().parents[3]
-# As for the FMU's worker: no module of the working folder stands in for ours.
+# As for the FMU's worker, no module of the working folder may shadow ours.
 _START = (
     f"import sys; sys.path.append({str(_PACKAGE_PARENT)!r}); "
     "from gmfbo.recordings.reading_process.reading_program import main; main()"
@@ -49,7 +49,7 @@ def read_apart(path: Path, reader: Reader) -> RecordedColumns | RecordedChannels
     Raises
     ------
     RecordingError
-        The reader refused the file, crashed, took too long, or wanted too much memory.
+        The reader refused the file, crashed, took too long, or needed too much memory.
     """
     answer = _ask(path, reader)
     assert answer is not None
@@ -57,7 +57,7 @@ def read_apart(path: Path, reader: Reader) -> RecordedColumns | RecordedChannels
 
 
 def try_apart(path: Path, attempt: Callable[..., None], **arguments: str) -> None:
-    """Let the reading process do something with a file that this process is to do next.
+    """Try an operation on a file in the reading process before this process does it.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def try_apart(path: Path, attempt: Callable[..., None], **arguments: str) -> Non
     Raises
     ------
     RecordingError
-        It refused the file, crashed, took too long, or wanted too much memory.
+        The process refused the file, crashed, took too long, or needed too much memory.
     """
     _ask(path, attempt, **arguments)
 
@@ -123,7 +123,7 @@ class ReadingProcess:
     def ask(
         self, order: dict[str, object], limit_s: float, label: str
     ) -> RecordedColumns | RecordedChannels | str | None:
-        """Let a file be read; a refusal is returned as its message.
+        """Have a file read; a refusal is returned as its message.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class ReadingProcess:
             ) from None
         finally:
             timer.cancel()
-            # After an interrupt an answer may be half read, so the process goes as well.
+            # After an interrupt an answer may be half read, so the process is ended too.
             if not done or late.is_set():
                 self.close()
 
@@ -176,7 +176,7 @@ class ReadingProcess:
             try:
                 pipe.close()
             except OSError:
-                continue  # what was left to write cannot be
+                continue  # buffered data can no longer be written
         self._process.wait()
 
 

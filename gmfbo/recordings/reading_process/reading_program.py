@@ -1,7 +1,7 @@
-"""The program of the reading process: reads the files that it is told, one after the other.
+"""Program of the reading process: reads files on request, one after the other.
 
-What reads HDF5, Parquet, MAT, MDF and TDMS is foreign native code; a damaged or hostile file may
-crash it, hang it or make it take all memory. Here that ends this process only.
+Readers of HDF5, Parquet, MAT, MDF and TDMS are foreign native code, which a damaged or hostile file
+may crash, hang or make use all memory. This then ends this process only.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from gmfbo.recordings.reading_process.column_stream import write_columns, write_
 
 
 def main() -> None:
-    """Answer on what was standard output, until standard input ends."""
+    """Answer on the original standard output, until standard input ends."""
     with os.fdopen(os.dup(1), "wb") as answers:
-        # Libraries print; nothing of that may stand among the answers.
+        # Prints of libraries must not mix with the answers.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who waits for the answer
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the waiting parent
         _write_no_core()
         answers.write(b"ready\n")
         answers.flush()
@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def _orders() -> Iterator[dict[str, Any]]:
-    """Orders of the parent process, each with the function to call; its own words, not a file's."""
+    """Orders of the parent process, which is trusted, each with the function to call."""
     with contextlib.suppress(EOFError):
         while True:
             yield pickle.load(sys.stdin.buffer)
@@ -55,7 +55,7 @@ def _answer(answers: IO[bytes], order: dict[str, Any]) -> None:
     except MemoryError:
         write_refusal(answers, f"{path.name}: {TOO_LARGE}")
     except Exception as error:
-        # Whatever a library trips over, the file is what made it.
+        # Any exception of a library is the file's fault.
         why = " ".join(f"{type(error).__name__}: {error}".split())
         write_refusal(
             answers,
@@ -67,7 +67,7 @@ def _answer(answers: IO[bytes], order: dict[str, Any]) -> None:
 
 
 def _end_after(seconds: float) -> None:
-    """Be ended by the system when who asked was killed meanwhile; 0 is never."""
+    """Have the system end this process after a time, in case the parent was killed; 0 is never."""
     if hasattr(signal, "setitimer"):
         signal.setitimer(signal.ITIMER_REAL, seconds)
 
@@ -86,7 +86,7 @@ TOO_LARGE = (
 
 
 def limit_memory(more_bytes: int) -> None:
-    """Let this process grow by so much; Windows and macOS have no such limit."""
+    """Limit the growth of this process; Windows and macOS have no such limit."""
     if not sys.platform.startswith("linux"):
         return
     import resource

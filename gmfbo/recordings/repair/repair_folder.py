@@ -1,7 +1,7 @@
-"""Repair of a study folder: what is damaged is found, mended or set aside, the rest goes on.
+"""Repair a study folder: damaged files are found, and mended or set aside.
 
-Nothing is deleted: a damaged file is moved to the folder `damaged`, beside what could be saved of
-it. Each step is a file written whole or moved, so a repair that is killed can be repeated.
+Nothing is deleted: a damaged file is moved to the folder `damaged`, with its recovered part beside
+it. Each step is a file written whole or moved, so a killed repair can be repeated.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ DAMAGED = "damaged"
 
 @dataclass
 class RepairReport:
-    """What a repair found and did.
+    """Report of a repair.
 
     Attributes
     ----------
     location : Path
-        The study that can be used now.
+        The usable study.
     whole, mended, lost : list of int
-        Trials that were whole, that were mended to the byte, and that were set aside.
+        Trials found whole, mended to the byte, and set aside.
     lines : list of str
-        What was damaged and what became of it, a line each; empty where nothing was.
+        Each damage and its outcome, a line each.
     """
 
     location: Path
@@ -106,7 +106,7 @@ def _repair(folder: Path, lock: WriterLock) -> RepairReport:
 
 
 def _repair_study_file(folder: Path, report: RepairReport) -> None:
-    """Bring the study file back from the index, which holds a copy."""
+    """Restore the study file from its copy in the index."""
     path, copy = folder / STUDY_NAME, study_text_in_index(folder)
     problem = _study_problem(path)
     if problem and copy is None:
@@ -160,7 +160,7 @@ def _repair_trial(path: Path, number: int, report: RepairReport) -> None:
 
 
 def _trial_problem(path: Path, number: int) -> str:
-    """What is wrong with a trial file; empty where nothing is."""
+    """Problem of a trial file; empty where there is none."""
     try:
         held = read_trial_file(path).number
     except StoreError as error:
@@ -219,7 +219,7 @@ def _aside(path: Path) -> Path:
 
 
 def _free(path: Path) -> Path:
-    """Name that nothing has: an earlier repair may have set a file of this name aside."""
+    """Free file name, since an earlier repair may have set aside a file of this name."""
     path.parent.mkdir(exist_ok=True)
     count, free = 1, path
     while free.exists():
@@ -229,7 +229,7 @@ def _free(path: Path) -> Path:
 
 
 def _read_only(folder: Path, error: OSError) -> str:
-    """Why nothing can be repaired here, and what is whole all the same."""
+    """Error that tells why nothing can be repaired, and which trials are whole."""
     reading, whole, damaged = FolderReading(folder), 0, []
     for number in reading.numbers():
         try:

@@ -1,4 +1,4 @@
-"""Repair of a packed study: its trials that are whole become a study folder."""
+"""Repair a packed study: its whole trials become a study folder."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from gmfbo.recordings.store.study_folder import StudyStore
 def repair_packed(path: str | Path) -> RepairReport:
     """Repair a packed study; the file itself stays as it is.
 
-    One wrong bit is mended into `NAME.repaired.h5`; otherwise each trial whose digest fits goes
-    into the study folder `NAME.repaired.study`.
+    One wrong bit is mended in `NAME.repaired.h5`; otherwise each trial with a valid digest goes
+    to the study folder `NAME.repaired.study`.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _save_trials(path: Path, why: str) -> RepairReport:
                 report.lines.append(f"trial {number}: cannot be saved ({error})")
         StudyStore.open_for_writing(made).close()
         made.rename(folder)
-        made.mkdir()  # for the temporary folder to be removed
+        made.mkdir()  # the temporary folder can then be removed
     report.lines.append(f"what is whole is the study folder {folder}")
     return report
 

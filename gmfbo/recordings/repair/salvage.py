@@ -1,4 +1,4 @@
-"""What can still be read of a damaged HDF5 file; runs in the reading process, as HDF5 may crash."""
+"""Recover content of a damaged HDF5 file; runs in the reading process, as HDF5 may crash."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MOST_MISSING = 2**30  # [B]
 
 
 def save_signals(path: Path, out: str) -> None:
-    """Write the signals of a damaged trial file that can be read as a recording.
+    """Write the readable signals of a damaged trial file as a recording.
 
     Parameters
     ----------
@@ -78,12 +78,12 @@ def list_packed_trials(path: Path, out: str) -> None:
 
 
 def save_packed_trial(path: Path, number: str, folder: str) -> None:
-    """Write one trial of a damaged packed study as a trial file, if it is what was packed.
+    """Write one trial of a damaged packed study as a trial file, if its digest is right.
 
     Raises
     ------
     RecordingError
-        Its content is not that of its digest.
+        Its content contradicts its digest.
     """
     name = trial_name(int(number))
     with _opened(path) as (file, _):
@@ -95,7 +95,7 @@ def save_packed_trial(path: Path, number: str, folder: str) -> None:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[tuple[Any, int]]:
-    """The file, filled up with zeros where it was cut off, and how many bytes it really holds."""
+    """The file, padded with zeros where it was cut off, and its true number of bytes."""
     content = without_seal(path.read_bytes())
     held = len(content)
     if held >= _END_AT + 8:
@@ -107,7 +107,7 @@ def _opened(path: Path) -> Iterator[tuple[Any, int]]:
 
 
 def _steady_rows(time: NDArray[np.float64]) -> int:
-    """Rows before the clock breaks off, as it does where one of its values was damaged."""
+    """Number of rows before the first damaged value of the clock."""
     if time.size < 2 or not np.isfinite(time[0]):
         return 0
     with np.errstate(all="ignore"):
@@ -125,6 +125,6 @@ def _values(file: Any, name: str, held: int) -> NDArray[np.float64] | None:
         if begin is None or begin + dataset.nbytes > held:
             return None
         values = np.asarray(dataset[()], dtype=np.float64)
-    except Exception:  # whatever HDF5 trips over, the other columns may be whole
+    except Exception:  # whatever exception HDF5 raises, the other columns may be whole
         return None
     return values if values.ndim == 1 else None

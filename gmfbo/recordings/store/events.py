@@ -1,8 +1,8 @@
-"""What happened in a study, one line an event, each with a checksum.
+"""Event log of a study: one line an event, each with a checksum.
 
 A line is JSON with the keys `event`, `time` (UTC), the event's own fields and, last, `crc32`:
-the CRC-32, eight hex digits, of the line without that key. A line that a killed process left
-unfinished fails its checksum; it is passed over and reported, the others stand.
+the CRC-32, eight hex digits, of the line without that key. A line left unfinished by a killed
+process fails its checksum; it is skipped and reported, and the others stay valid.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def parse_event_line(line: str) -> dict[str, Any] | None:
 def read_events(content: bytes) -> EventLines:
     """Read all lines, a torn last one included."""
     events, damaged = [], []
-    # Only the newline that ends an event ends a line: texts in JSON hold none.
+    # Texts in JSON hold no newline, so each newline ends an event.
     lines = content.decode("utf-8", errors="replace").split("\n")
     for number, line in enumerate(lines, start=1):
         if not line:
@@ -72,7 +72,7 @@ def read_events(content: bytes) -> EventLines:
 
 
 def mend_events(content: bytes) -> tuple[bytes, list[int]]:
-    """Turn back single wrong bits of damaged lines, found by their checksums.
+    """Correct single wrong bits of damaged lines, found by their checksums.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def append_event(path: Path, line: str) -> None:
     Raises
     ------
     OSError
-        It could not be written whole; the file is as it was.
+        The line could not be written whole; the file is unchanged.
     """
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | BINARY, 0o666)
     try:

@@ -23,8 +23,8 @@ def trial_name(number: int) -> str:
 def write_index(folder: Path, numbers: Iterable[int], study_text: str) -> Path:
     """Write `index.h5` anew: `/trials/000001` leads to `trials/000001.h5`.
 
-    It is derived from the folder, so it is not synced to the disk: after a power cut the next
-    writer makes it again.
+    It is derived from the folder, so it is not synced to the disk; after a power cut the next
+    writer rebuilds it.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def write_index(folder: Path, numbers: Iterable[int], study_text: str) -> Path:
     Raises
     ------
     OSError
-        It could not be written; an older index is untouched.
+        The index could not be written; an older one is untouched.
     """
 
     def fill(root: Any) -> None:

@@ -1,4 +1,4 @@
-"""A study in memory, for a process that hands it on as a value."""
+"""A study in memory, for a process that sends it on as a value."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gmfbo.recordings.store.trial_file import software_versions
 
 
 class TrialStore(Protocol):
-    """Where a running study keeps its trials and events."""
+    """Storage of a running study's trials and events."""
 
     location: Path
 
@@ -34,13 +34,13 @@ class TrialStore(Protocol):
         ...
 
     def refresh_index(self) -> None:
-        """Make what lists the trials show all of them."""
+        """Update the list of trials."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class StudyRecord:
-    """All that a study's folder would hold.
+    """Content of a study's folder.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class StudyRecord:
 
 
 class MemoryStore:
-    """A study that is nowhere on disk; it is lost with its process.
+    """A study in memory only, lost with its process.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ class MemoryStore:
         Parameters
         ----------
         event : str
-            What happened.
+            Name of the event.
         **fields
-            What JSON can hold, NumPy values included.
+            JSON values, or NumPy values.
         """
         line = event_line(event, fields)
         parsed = parse_event_line(line)
@@ -115,7 +115,7 @@ class MemoryStore:
         self._events.append(parsed)
 
     def refresh_index(self) -> None:
-        """Nothing: the trials are their own index."""
+        """Do nothing."""
 
     @property
     def record(self) -> StudyRecord:

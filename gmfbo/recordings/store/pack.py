@@ -25,9 +25,9 @@ from gmfbo.recordings.writing.hdf5_group import DIGEST, file_image, group_digest
 def pack_study(folder: str | Path, path: str | Path) -> Path:
     """Write a study folder as one HDF5 file.
 
-    Under `/trials/000001` lies what the file of that trial holds; the attributes `study` and
-    `events` of the root are the study file and the lines of `events.jsonl`. A study that still
-    runs is packed as far as it is.
+    The group `/trials/000001` has the content of that trial's file; the attributes `study` and
+    `events` of the root are the study file and the lines of `events.jsonl`. A running study is
+    packed with its finished trials.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ def pack_study(folder: str | Path, path: str | Path) -> Path:
 
 
 def pack_record(record: StudyRecord, path: str | Path) -> Path:
-    """Write a study that was kept in memory as one HDF5 file, as `pack_study` does a folder.
+    """Write a study in memory as one HDF5 file, as `pack_study` does for a folder.
 
     Parameters
     ----------
     record : StudyRecord
-        All of it.
+        Content of the study.
     path : str or Path
         File to write, ending `.h5`; an older one is replaced.
 
@@ -141,7 +141,7 @@ class PackedReading:
             raise _damaged_pack(path, "its checksum does not fit its content")
         if seal == "absent":
             try:
-                # Damage in HDF5 may crash its reader, so another process goes first.
+                # Damage in HDF5 may crash its reader, so another process tries first.
                 try_apart(path, try_packed)
             except RecordingError as error:
                 raise StoreError(
@@ -182,12 +182,12 @@ class PackedReading:
                 yield file
         except StoreError:
             raise
-        except Exception as error:  # h5py raises what its parsing trips over
+        except Exception as error:  # any exception may come out of h5py
             raise _damaged_pack(self.location, f"{type(error).__name__}: {error}") from error
 
 
 def try_packed(path: Path) -> None:
-    """Read a packed study where a crash does no harm; an HDF5 file of another kind is let pass."""
+    """Read a packed study where a crash does no harm; other HDF5 files are accepted."""
     with h5py.File(path, "r", locking=False) as file:
         if "packed_study" in file.attrs:
             for group in file["trials"].values():

@@ -1,7 +1,7 @@
-"""A line at the end of a file of ours that shows damage, and by which one wrong bit is mended.
+"""Seal: a line at the end of our files that shows damage, and lets one wrong bit be mended.
 
-HDF5 has no checksum of a whole file, so a flipped bit in a plain dataset would be read as another
-value. What stands behind the end that HDF5 knows is ignored by every reader of HDF5.
+HDF5 has no checksum of a whole file, so a flipped bit in a plain dataset would go unnoticed.
+Readers of HDF5 ignore bytes after the end that the file states.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Literal
 _SEAL = re.compile(rb"\n# gmfbo crc32=([0-9a-f]{8}) blake2b=([0-9a-f]{32})\n\Z")
 _LENGTH = len(b"\n# gmfbo crc32= blake2b=\n") + 8 + 32
 _POLYNOMIAL = 0xEDB88320
-LARGEST_MENDED = 32 * 2**20  # [B] looking for the bit takes about a second each 4 MB
+LARGEST_MENDED = 32 * 2**20  # [B] the search for the bit takes about a second for 4 MB
 
 
 @dataclass(frozen=True)
 class Seal:
-    """What the end of a file says of the bytes before it.
+    """State of a file by its seal.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ def sealed(content: bytes) -> bytes:
 
 
 def read_seal(stored: bytes) -> Seal:
-    """Hold a file against its seal.
+    """Check a file against its seal.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def read_seal(stored: bytes) -> Seal:
         return Seal("absent")
     crc32, digest = int(found[1], 16), found[2].decode("ascii")
     content = stored[: found.start()]
-    # Either of them suffices: the wrong bit may be one of the seal's own.
+    # One valid checksum suffices: the wrong bit may be in the seal itself.
     whole = zlib.crc32(content) == crc32 or _digest(content) == digest
     return Seal("intact" if whole else "damaged", crc32, digest)
 
@@ -66,10 +66,10 @@ def without_seal(stored: bytes) -> bytes:
 
 
 def mended(stored: bytes) -> tuple[bytes, int] | None:
-    """Turn back the one bit that is wrong.
+    """Correct a single wrong bit.
 
-    The difference of a stated and a computed CRC-32 is that of the wrong bits alone; stepped back
-    through the file it meets the difference of a single bit at that bit's place.
+    The difference of the stated and the computed CRC-32 depends on the wrong bits alone. Stepped
+    back through the file, it equals the difference by a single bit at that bit's place.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def mended(stored: bytes) -> tuple[bytes, int] | None:
     Returns
     -------
     tuple or None
-        The file as it was, and which byte (from 0) was wrong; None where more than one bit is.
+        The original file, and the wrong byte's index; None where more than one bit is wrong.
     """
     seal, content = read_seal(stored), without_seal(stored)
     if seal.state != "damaged" or len(content) > LARGEST_MENDED:
@@ -90,7 +90,7 @@ def mended(stored: bytes) -> tuple[bytes, int] | None:
     byte, bit = place
     corrected = bytearray(content)
     corrected[byte] ^= 1 << bit
-    # Damage of many bits may look like that of one: the second sum decides.
+    # Damage of many bits may look like that of one: the digest decides.
     if _digest(corrected) != seal.digest:
         return None
     return bytes(corrected) + stored[len(content) :], byte

@@ -1,4 +1,4 @@
-"""The folder of a study: each trial a file that is there whole or not at all."""
+"""The folder of a study: each trial is a file, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ _SHORT_STUDY = 50
 class StudyStore:
     """A study on disk, made by `create`, `open` or `open_for_writing`.
 
-    Readers take no lock and may read while a study runs. There is one writer at a time; what
-    `write_trial` and `log` have returned from survives `kill -9` and a power cut.
+    Readers take no lock and may read while a study runs. There is one writer at a time. Data
+    survives `kill -9` and a power cut once `write_trial` or `log` has returned.
 
     Attributes
     ----------
@@ -101,9 +101,9 @@ class StudyStore:
 
     @classmethod
     def open_for_writing(cls, folder: str | Path) -> StudyStore:
-        """Open a study folder as its one writer, and clear away what a killed writer left.
+        """Open a study folder as its one writer, and clean up after a killed writer.
 
-        Unfinished files are removed; those and damaged event lines are logged as `repair`.
+        Unfinished files are removed; they and damaged event lines are logged as `repair`.
 
         Raises
         ------
@@ -186,7 +186,7 @@ class StudyStore:
             raise StoreError(
                 f"{path}: cannot store trial {trial.number}: {cause(error)}"
             ) from error
-        # The trial is safe by now; an index that lags behind is mended by the next refresh.
+        # The trial is safe by now; the next refresh updates an outdated index.
         self._index_behind = True
         if trial.number <= _SHORT_STUDY or time.monotonic() >= self._index_due:
             with contextlib.suppress(StoreError):
@@ -199,14 +199,14 @@ class StudyStore:
         Parameters
         ----------
         event : str
-            What happened: `ask`, `tell`, `interrupt` ...
+            Name of the event: `ask`, `tell`, `interrupt` ...
         **fields
-            What JSON can hold, NumPy values included.
+            JSON values, or NumPy values.
 
         Raises
         ------
         StoreError
-            The line cannot be written; the file is as it was.
+            The line cannot be written; the file is unchanged.
         """
         path = self._writable().location / EVENTS_NAME
         new = not path.exists()
@@ -231,7 +231,7 @@ class StudyStore:
         Raises
         ------
         StoreError
-            It cannot be written; an older index is untouched.
+            The index cannot be written; an older one is untouched.
         """
         folder, began = self._writable(), time.monotonic()
         try:
@@ -253,7 +253,7 @@ class StudyStore:
             self._lock = None
 
     def clear_away(self) -> list[str]:
-        """Remove what a killed writer left, log it, each damaged line once, rebuild the index.
+        """Remove and log a killed writer's unfinished files, and rebuild the index.
 
         Returns
         -------

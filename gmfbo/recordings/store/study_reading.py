@@ -1,4 +1,4 @@
-"""What a study folder and a packed study have in common: reading."""
+"""Reading of studies: interface, and the study folder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EVENTS_NAME = "events.jsonl"
 
 
 class StudyReading(Protocol):
-    """A study that can be read, wherever it lies."""
+    """A readable study, in a folder or packed."""
 
     location: Path
 
@@ -67,7 +67,7 @@ class FolderReading:
 
     def study_text(self) -> str:
         """Study file as given."""
-        # No translation of line ends: the text is kept to the byte.
+        # Line ends are not translated, so the text stays the same to the byte.
         try:
             return self._read(STUDY_NAME).decode("utf-8")
         except UnicodeDecodeError as error:
@@ -89,7 +89,7 @@ class FolderReading:
         return read_trial_file(self.trial_path(number))
 
     def trial_path(self, number: int) -> Path:
-        """Where the file of this trial lies, or will lie."""
+        """Path of this trial's file, existing or not."""
         return self.location / "trials" / f"{trial_name(number)}.h5"
 
     def event_lines(self) -> EventLines:

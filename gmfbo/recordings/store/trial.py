@@ -1,4 +1,4 @@
-"""One run of one information source, with all that is needed to trust it later."""
+"""Trial: one run of an information source, with its provenance."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Trial:
     twin : str
         Content hash of the twin that ran; empty for a plant that is not an FMU.
     parent : int or None
-        For IS3, and for the IS2 run made for an IS1 trial: that IS1 trial.
+        IS1 trial that caused this IS2 or IS3 run.
     sigma_c : float or None
         IS3: root mean posterior variance of the correction [unit of the signal].
     accepted : bool or None

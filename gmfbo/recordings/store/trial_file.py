@@ -34,7 +34,7 @@ _OPTIONAL = ("parent", "sigma_c", "accepted")
 
 @cache
 def software_versions() -> Mapping[str, str]:
-    """Versions that decide a result, by package; only what is installed."""
+    """Versions of the installed packages that decide a result."""
     found = {"python": sys.version.split()[0]}
     for package in ("gmfbo", "numpy", "scipy", "h5py", "fmpy", "torch", "gpytorch", "botorch"):
         try:
@@ -71,7 +71,7 @@ def write_trial_group(group: Any, trial: Trial) -> None:
         Two columns have one name, or HDF5 cannot hold a name.
     """
     attributes = group.attrs
-    # Before the columns: of a file that is cut off, what comes last is lost.
+    # Before the columns: a file that is cut off loses its end.
     for key in ("number", "source", "objective", "status", "started", "seconds", "seed", "twin"):
         attributes[key] = getattr(trial, key)
     for key in _OPTIONAL:
@@ -93,7 +93,7 @@ def write_trial_group(group: Any, trial: Trial) -> None:
 
 
 def read_trial_group(group: Any) -> Trial:
-    """Read what `write_trial_group` wrote."""
+    """Read a group written by `write_trial_group`."""
     attributes = dict(group.attrs)
     names = [str(name) for name in attributes["gain_names"]]
     parent, sigma_c, accepted = (attributes.get(key) for key in _OPTIONAL)
@@ -122,8 +122,8 @@ def read_trial_file(path: Path) -> Trial:
     """Read one trial file; it takes no lock, as such a file is never written twice.
 
     A file without an intact seal is first read by another process, as damage in HDF5 may crash its
-    reader. It counts as whole if its content has the digest that it states: a program that opened
-    the file for writing changes bytes that hold nothing, and takes the seal away.
+    reader. It counts as whole if its content matches its digest, since any program that opens the
+    file for writing removes the seal.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def read_trial_file(path: Path) -> Trial:
             raise damaged_trial(path, str(error)) from error
     try:
         return _read(path)
-    except Exception as error:  # h5py raises what its parsing trips over
+    except Exception as error:  # any exception may come out of h5py
         raise damaged_trial(path, f"{type(error).__name__}: {error}") from error
 
 
@@ -151,7 +151,7 @@ def try_trial_file(path: Path) -> None:
     Raises
     ------
     RecordingError
-        Its content is not what was written.
+        Its content is damaged.
     """
     seal = read_seal(path.read_bytes()).state
     with h5py.File(path, "r", locking=False) as file:
@@ -162,19 +162,19 @@ def try_trial_file(path: Path) -> None:
 
 
 def check_digest(group: Any) -> None:
-    """Refuse a trial whose content has not the digest that it states.
+    """Raise for a trial whose content contradicts its digest.
 
     Raises
     ------
     RecordingError
-        It has another one, or states none.
+        The digest differs or is missing.
     """
     if group.attrs.get(DIGEST) != group_digest(group):
         raise RecordingError("its content is not what was written")
 
 
 def damaged_trial(path: Path, why: str) -> StoreError:
-    """Error that says how to go on without this trial."""
+    """Error that tells how to go on without this trial."""
     why = " ".join(why.split())
     return StoreError(
         f"{path}: expected a whole trial file, but it is damaged ({why}); run "

@@ -1,4 +1,4 @@
-"""One writer a study, by a lock that the operating system frees when the process dies."""
+"""Writer lock: one writer a study; the operating system frees it when the process dies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gmfbo.errors import StoreError
 
-# Locks of the operating system do not keep a process out that has the lock already.
+# A process that holds an operating-system lock may lock it again, so count here.
 _held: set[Path] = set()
 
 
@@ -43,7 +43,7 @@ class WriterLock:
             holder = os.read(self._descriptor, 32).decode("ascii", errors="replace").strip()
             os.close(self._descriptor)
             raise StoreError(self._refusal(f"process {holder or 'of another user'}")) from error
-        # The number is for people only, so a full disk must not keep a writer out.
+        # The process id is information only, so a full disk must not keep a writer out.
         with contextlib.suppress(OSError):
             os.ftruncate(self._descriptor, 0)
             os.lseek(self._descriptor, 0, os.SEEK_SET)
@@ -68,7 +68,7 @@ if os.name == "nt":
     import msvcrt
 
     def _lock(descriptor: int) -> None:
-        # Far behind the number, which others must be able to read.
+        # Lock a byte far behind the process id, which others must be able to read.
         os.lseek(descriptor, 1 << 20, os.SEEK_SET)
         try:
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]

@@ -1,4 +1,4 @@
-"""A recording as CSV text of our own."""
+"""Write a recording as CSV text of our own format."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gmfbo.recordings.recording import Recording, Trajectory
 
 
 def csv_text(recording: Recording, version: str) -> str:
-    """Our own CSV: numbers in full, so that reading gives the same bits; blank is not sampled.
+    """CSV text with numbers in full, so that reading gives the same bits; NaN is blank.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def csv_text(recording: Recording, version: str) -> str:
     Raises
     ------
     RecordingError
-        A name cannot be written so that it is read back.
+        A name would not be read back unchanged.
     """
     columns = {**recording.signals, **recording.schedules}
     if len(columns) < len(recording.signals) + len(recording.schedules) or "time" in columns:
@@ -70,6 +70,6 @@ def _head_lines(recording: Recording, version: str) -> list[str]:
 def is_ours(recording: Recording) -> bool:
     """Whether gmfbo made these signals, so that they follow its convention of time.
 
-    A recording of another logger does not become one of ours by being written again.
+    Another logger's recording stays its own when gmfbo writes it again.
     """
     return isinstance(recording, Trajectory) or bool(recording.written_by)

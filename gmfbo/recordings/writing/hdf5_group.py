@@ -27,7 +27,7 @@ _names_in_memory = itertools.count()
 def file_image(fill: Callable[[Any], None]) -> bytes:
     """Build an HDF5 file in memory and return its bytes.
 
-    HDF5 itself never touches the disk: on a full one it would bring the interpreter down.
+    HDF5 itself never writes to the disk: on a full disk it would crash the interpreter.
 
     Parameters
     ----------
@@ -36,13 +36,13 @@ def file_image(fill: Callable[[Any], None]) -> bytes:
     """
     name = f"in memory {next(_names_in_memory)}"
     with h5py.File(name, "w", driver="core", backing_store=False) as file:
-        fill(file["/"])  # each look at `file.attrs` would open it anew
+        fill(file["/"])  # each access to `file.attrs` would open it anew
         file.flush()
         return bytes(file.id.get_file_image())
 
 
 def write_recording_group(group: Any, recording: Recording) -> None:
-    """Write one dataset a column, and what else a recording holds as attributes.
+    """Write one dataset a column, and other fields of the recording as attributes.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def write_recording_group(group: Any, recording: Recording) -> None:
         attributes[key] = getattr(recording, key)
     if recording.use is not None:
         attributes["use"] = np.array(recording.use)
-    # HDF5 lists datasets by name; the order of the columns is worth keeping.
+    # HDF5 lists datasets by name, so the order of the columns is stored.
     attributes["signals"] = _texts(recording.signals)
     attributes["schedules"] = _texts(recording.schedules)
     write_values(group, "parameter", recording.parameters)
@@ -101,7 +101,7 @@ def write_values(group: Any, prefix: str, values: Mapping[str, float]) -> None:
     """Write each value as the attribute `<prefix>.<name>`."""
     scalar = h5py.h5s.create_simple(())
     for name, value in values.items():
-        # What `group.attrs` does, at a fifth of its time: a trial has a hundred of these.
+        # As `group.attrs`, in a fifth of its time: a trial has a hundred attributes.
         text = f"{prefix}.{name}".encode("utf-8", "surrogateescape")
         attribute = h5py.h5a.create(group.id, text, _NUMBER, scalar)
         attribute.write(np.array(value, dtype=np.float64))
@@ -118,7 +118,7 @@ def _texts(texts: Mapping[str, Any] | list[str]) -> NDArray[Any]:
 
 
 def group_digest(group: Any) -> str:
-    """BLAKE2b of all names and values of a group but its digest, however HDF5 lays them out."""
+    """BLAKE2b of all names and values of a group except its digest, whatever their layout."""
     digest = hashlib.blake2b(digest_size=16)
 
     def add(name: str, item: Any) -> None:

@@ -1,4 +1,4 @@
-"""Write a recording: the ending of the file name decides how."""
+"""Write a recording; the ending of the file name gives the format."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     Returns
     -------
     Path
-        The file, which is there whole or not at all.
+        The file, written whole or not at all.
 
     Raises
     ------

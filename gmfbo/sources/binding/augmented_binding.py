@@ -26,7 +26,7 @@ class PhysicsInstance:
     ports : tuple of str
         Ports that it serves.
     variables : mapping of str to BoundVariable
-        Its own, by their names in physics.fmu.
+        Variables of this instance, by their names in physics.fmu.
     """
 
     index: int
@@ -47,11 +47,11 @@ class AugmentedBinding:
     wires : tuple of Wire
         From the twin's states to physics, and from physics to the ports.
     late : bool
-        The command is computed after physics has acted on it, so physics sees that of the
+        Whether the command is computed after physics, which then sees the command of the
         communication step before.
     command_input : str or None
-        Recorded signal that drives the input at which the command port lies: it goes through
-        physics, whose effects see it without delay.
+        Recorded signal that drives the input at the command port; it passes through physics,
+        whose effects see it without delay.
     """
 
     binding: Binding
@@ -62,7 +62,7 @@ class AugmentedBinding:
 
 
 def augment(binding: Binding) -> AugmentedBinding:
-    """Place physics before the owners of the ports; nothing is computed one step late by it.
+    """Place physics before the owners of the ports, so that it delays nothing by a step.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def _wires(binding: Binding, instance: PhysicsInstance) -> list[Wire]:
         for state, name in file.states.items()
     ]
     if "command" not in file.states and "current" in file.states:
-        # What the actuator is told stands for what it does.
+        # The actuator's input stands for its unknown output.
         current = binding.variables[file.states["current"]]
         wires.append(own["state.command"].wire_from(current))
     wires += [

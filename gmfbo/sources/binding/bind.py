@@ -21,16 +21,16 @@ def bind(file: TwinFile, folder: Path, label: str) -> Binding:
     Parameters
     ----------
     file : TwinFile
-        What to bind.
+            The twin file.
     folder : Path
-        Where its paths begin.
+            Folder to which its paths are relative.
     label : str
         Name of the file, for messages.
 
     Raises
     ------
     TwinFileError
-        A name is not there, or cannot play its part: file, key and nearest name in one line.
+        A name does not exist or is of the wrong kind: file, key and nearest name in one line.
     FmuFileError
         An FMU cannot be read, or cannot run on this machine.
     """

@@ -1,4 +1,4 @@
-"""A twin file joined to its FMUs: each name it uses is a variable that can play its part."""
+"""A twin file joined to its FMUs: each name is a variable of the right kind."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Binding:
     Attributes
     ----------
     file : TwinFile
-        What was bound.
+        The bound twin file.
     label : str
         Name of the file, for messages.
     fmus : tuple of FmuDescription
@@ -54,7 +54,7 @@ class Binding:
 
     @property
     def wires(self) -> tuple[Wire, ...]:
-        """From outputs to inputs, as the twin file joins its FMUs."""
+        """Wires from outputs to inputs, as the twin file joins its FMUs."""
         return tuple(
             self.variables[target].wire_from(self.variables[source])
             for target, source in self.file.wires.items()

@@ -20,7 +20,7 @@ class BoundVariable:
     fmu : int
         Place of the FMU in the order of computation.
     variable : FmuVariable
-        What the FMU says of it.
+        The variable in the FMU's model description.
     """
 
     name: str
@@ -28,11 +28,11 @@ class BoundVariable:
     variable: FmuVariable
 
     def port(self, column: int) -> Port:
-        """Join it to a column of an array."""
+        """Join the variable to a column of an array."""
         return Port(self.fmu, self.variable.reference, self._type, column)
 
     def setting(self, value: float) -> Setting:
-        """Value [FMU's unit] before initialisation."""
+        """Setting of a value [FMU's unit] before initialisation."""
         return Setting(self.fmu, self.variable.reference, self._type, value)
 
     def wire_from(self, source: BoundVariable) -> Wire:

@@ -1,4 +1,4 @@
-"""What decides the outcome of a twin's runs, as one hash."""
+"""Hash of all content that decides the outcome of a twin's runs."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from gmfbo.sources.binding.binding import Binding
 
 
 def content_hash(binding: Binding, parameters: Mapping[str, float], step: float) -> str:
-    """SHA-256 of a twin's meaning: comments, paths and the name do not count.
+    """SHA-256 of a twin's content; comments, paths and the name do not count.
 
     Parameters
     ----------
     binding : Binding
         The twin.
     parameters : mapping of str to float
-        Given over the twin file's.
+        Parameters that override the twin file's.
     step : float
         [s] Communication step in force.
     """
-    # How a logger names its columns changes no run, and neither does what may be estimated.
+    # Neither a logger's column names nor the list of uncertain parameters changes a run.
     apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables"}
     file = binding.file.model_dump(mode="json", exclude=apart)
     meaning = {

@@ -8,7 +8,7 @@ from gmfbo.sources.binding.binding import Binding
 
 
 def fixed_step_advice(binding: Binding, step: float) -> str:
-    """Tail for the message of a failed run: the step that an FMU is made for; empty if it fits.
+    """Advice for a failed run: the only step that an FMU takes; empty where the step fits.
 
     Parameters
     ----------

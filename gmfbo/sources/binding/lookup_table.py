@@ -1,4 +1,4 @@
-"""Lookup tables inside an FMU that its twin file says are known only roughly."""
+"""Lookup tables inside an FMU that its twin file calls uncertain."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ class LookupTable:
     Attributes
     ----------
     name : str
-        For people.
+        Name for messages.
     nodes, parameters : tuple of str
-        FMU variables that hold the table in force, and FMU parameters that move it, row by row.
+        FMU variables with the table in force, and FMU parameters that change it, row by row.
     shape : tuple of int
         Of the table; one or two numbers.
     rising : int or None
         Axis along which the values do not fall.
     added : bool
-        The parameters are added to the table; otherwise they are the table.
+        Whether the parameters are added to the table; otherwise they are the table.
     """
 
     name: str
@@ -42,20 +42,20 @@ class LookupTable:
     def settings(
         self, nodes: NDArray[np.float64], change: NDArray[np.float64], before: NDArray[np.float64]
     ) -> dict[str, float]:
-        """Parameters that give the table another form.
+        """Parameter values that change the table.
 
         Parameters
         ----------
         nodes, change, before : ndarray, shape (n,)
-            [FMU's unit] The table as it is, what is to be added to it, and the parameters' values
-            with which it is so; row by row.
+            [FMU's unit] The table in force, the wanted change, and the parameters' values in force;
+            row by row.
         """
         values = before + change if self.added else nodes + change
         return dict(zip(self.parameters, map(float, values), strict=True))
 
 
 def tables_of(binding: Binding) -> tuple[LookupTable, ...]:
-    """Tables that a twin file names, checked when it was bound.
+    """Tables that a twin file names; binding has checked them.
 
     Parameters
     ----------

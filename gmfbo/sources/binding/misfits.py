@@ -1,4 +1,4 @@
-"""Names in a twin file that are no variable of its FMUs, or one that cannot play their part."""
+"""Names in a twin file that are no variable of its FMUs, or a variable of the wrong kind."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _is_input(variable: FmuVariable) -> bool:
 
 
 def _is_readable(variable: FmuVariable) -> bool:
-    # Many vendors leave what an engineer compares among the local variables.
+    # Many vendors declare the signals of interest as local variables, not as outputs.
     return variable.causality in ("output", "local") and variable.value_type is not None
 
 
@@ -32,7 +32,7 @@ _OUTPUT: Part = ("an output", _is_readable)
 
 
 def find_misfits(binding: Binding) -> Iterator[str]:
-    """Tell each name that is not there or cannot play its part, and each value out of bounds.
+    """Describe each unknown or unsuitable name, and each value out of bounds.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         yield f"{where}: expected a number, '{name}' is of type {found.variable.type}"
     elif not fits(found.variable):
         choices = [known for known, v in binding.variables.items() if fits(v.variable)]
-        # A name that exists is no slip of the pen, so the nearest spelling is no help.
+        # An existing name is no spelling error, so the nearest spelling is no help.
         shown = ", ".join(choices[:6]) + (", ..." if len(choices) > 6 else "")
         valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
@@ -114,7 +114,7 @@ def _table_problems(binding: Binding) -> Iterator[str]:
 
 
 def _column_slips(binding: Binding) -> Iterator[str]:
-    """A mapping may name what other twins use, but not almost what this one does."""
+    """Column names that nearly equal a signal of this twin; other twins' signals are allowed."""
     file = binding.file
     known = {*file.inputs, *file.outputs, *binding.parameters, "time"}
     for name in sorted(file.columns.keys() - known):
@@ -160,7 +160,7 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         *(("uncertain", name, pair) for name, pair in file.uncertain.items()),
     )
     moved = {entry.variable for entry in file.inputs.values()} | {*file.wires, *file.ports.values()}
-    # Exporters offer constants as inputs; one that nothing drives keeps the value it begins with.
+    # Exporters offer constants as inputs; an input that nothing drives keeps its start value.
     held = (
         "a parameter, or an input that nothing drives,",
         lambda v: is_parameter(v) or _is_input(v),

@@ -29,5 +29,5 @@ def elements(stem: str, names: Iterable[str]) -> dict[tuple[int, ...], str]:
 
 
 def shape_of(found: Iterable[tuple[int, ...]]) -> tuple[int, ...]:
-    """Shape of the table with these indices, counted from 1; holes are not looked for."""
+    """Shape of the table with these indices, counted from 1; missing elements go unnoticed."""
     return tuple(map(max, zip(*found, strict=True)))

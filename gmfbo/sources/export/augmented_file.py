@@ -1,4 +1,4 @@
-"""The twin file of an augmented twin: that of the twin, over one FMU."""
+"""The twin file of an augmented twin: the user's twin file, changed to one FMU."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from collections.abc import Mapping
 
 from gmfbo.sources.twin_file.twin_file import TwinFile
 
-# A table's nodes in force are local variables of the FMU, which the joined FMU does not show.
+# A table's nodes in force are local variables, which the container does not show.
 _LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters", "tables"}
 
 
 def augmented_twin_file(
     file: TwinFile, fmu: str, step: float, note: str, values: Mapping[str, float]
 ) -> str:
-    """Write the twin file; what [parameters] set is in the FMU now.
+    """Write the twin file; values of [parameters] have become start values of the FMU.
 
     Parameters
     ----------
@@ -27,9 +27,9 @@ def augmented_twin_file(
     step : float
         [s] Communication step.
     note : str
-        What the FMU is, for a comment at the top.
+        Description of the FMU, for a comment at the top.
     values : mapping of str to float
-        [FMU's unit] In the FMU; a fixed gain among them gets its value from here.
+        [FMU's unit] Values in the FMU, also of fixed gains.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def _key(name: str) -> str:
 
 
 def _entry(entry: object) -> str:
-    """An entry of a table, in the short form where that says it all."""
+    """An entry of a table, in the short form where possible."""
     if not isinstance(entry, Mapping):
         return _value(entry)
     if set(entry) == {"variable"}:

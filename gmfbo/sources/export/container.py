@@ -1,4 +1,4 @@
-"""Joining FMUs into one, with the runtime of fmu-manipulation-toolbox (BSD-2)."""
+"""Join FMUs into one, with the runtime of fmu-manipulation-toolbox (BSD-2)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LETTERS = {"real64": "R", "integer32": "I", "boolean": "B", "string": "T"}
 
 @dataclass(frozen=True)
 class Container:
-    """A container FMU without its model description and the library that a tool loads.
+    """A container FMU, still without model description and entry library.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Container:
     references : mapping of str to int
         Value references of its variables.
     types : mapping of str to str
-        Letters of what can be set: R, I or B; T where it is a text.
+        Type letter of each settable variable: R, I, B, or T for a text.
     time : int
         Value reference of the time.
     """
@@ -41,12 +41,12 @@ class Container:
 
 
 def build_container(wiring: Wiring, step: float, folder: Path) -> Container:
-    """Join FMUs; each internal step computes them one after the other on newest values.
+    """Join FMUs; each internal step computes them in order, on the newest values.
 
     Parameters
     ----------
     wiring : Wiring
-        What to join, and how.
+            FMUs to join, and their wires.
     step : float
         [s] Internal step.
     folder : Path
@@ -78,21 +78,21 @@ def _build(wiring: Wiring, step: float, folder: Path) -> Any:
     from fmu_manipulation_toolbox.container import FMUContainer
 
     class Described(FMUContainer):  # type: ignore[misc]  # the toolbox is untyped
-        """Leaves out the model description: the toolbox drops units, bounds, types and texts."""
+        """Toolbox container without model description, whose units and bounds the toolbox drops."""
 
         def make_fmu_xml(self, *arguments: Any) -> None:
             self.layout = arguments[-1]
 
         def make_fmu_package(self, *_: Any) -> None:
-            """The archive is written by us, its bytes a function of its content."""
+            """Write no archive: `container_archive` writes a reproducible one."""
 
         def make_fmu_cleanup(self, *_: Any) -> None:
-            """The folder is what is read."""
+            """Keep the folder, which is read afterwards."""
 
     container = Described(_NAME, folder)
     for name, path in wiring.members.items():
         member = container.get_fmu(str(path.resolve()), name)
-        member.step_size = None  # the vendor's preference; ours is the one that was fitted
+        member.step_size = None  # not the vendor's step: the fitted one holds
     # The toolbox takes outputs only where a wire begins or a value is read.
     for end in (*wiring.wires.values(), *wiring.readable.values()):
         container.involved_fmu[end.member].ports[end.variable].causality = "output"
@@ -122,7 +122,7 @@ def _resources(folder: Path) -> dict[str, bytes]:
 
 
 def toolbox_license() -> bytes:
-    """Text that has to go with the runtime."""
+    """License text that has to accompany the runtime."""
     files = importlib.metadata.files(_TOOLBOX) or []
     texts = [Path(str(file.locate())) for file in files if file.name.startswith("LICENSE")]
     return b"\n".join(path.read_bytes() for path in texts)
@@ -130,7 +130,7 @@ def toolbox_license() -> bytes:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep the toolbox's remarks from the console: what matters of them is checked beforehand."""
+    """Keep the toolbox's remarks off the console; `exportable` has checked what matters."""
     logger = logging.getLogger("fmu_manipulation_toolbox")
     handler, before = logging.NullHandler(), logger.propagate
     logger.addHandler(handler)

@@ -34,7 +34,7 @@ _DESCRIPTION = "modelDescription.xml"
 
 @dataclass(frozen=True)
 class Content:
-    """What an augmented FMU holds and says.
+    """Content of an augmented FMU.
 
     Attributes
     ----------
@@ -43,11 +43,11 @@ class Content:
     values : mapping of str to float
         [FMU's unit] Start values over the FMUs' own.
     exposed : tuple of ExposedParameter
-        Of the named effects.
+            Parameters of the named effects.
     step, internal_step : float
         [s]
     platforms : tuple of Platform
-        For which it has binaries.
+        Platforms with binaries.
     """
 
     binding: Binding
@@ -66,7 +66,7 @@ class Content:
 
     @property
     def description(self) -> str:
-        """What the model description tells an engineer first."""
+        """Description of the model, for its model description."""
         texts = dict.fromkeys(fmu.description for fmu in self.binding.fmus if fmu.description)
         effects = dict.fromkeys(parameter.name.split(".")[1] for parameter in self.exposed)
         added = f"Augmented by gmfbo with {', '.join(effects)}" if effects else "Refitted by gmfbo"
@@ -81,16 +81,16 @@ class Content:
 
 
 def container_archive(container: Container, wiring: Wiring, content: Content) -> bytes:
-    """Bytes of the augmented FMU, a function of what it holds.
+    """Bytes of the augmented FMU; the same content gives the same bytes.
 
     Parameters
     ----------
     container : Container
         As the toolbox built it.
     wiring : Wiring
-        What it was built from.
+            FMUs and wires of the container.
     content : Content
-        What it holds and says.
+            Values and description of the augmented FMU.
     """
     files = dict(_resources_on(container, content.platforms))
     files["documentation/licenses/fmu_manipulation_toolbox.txt"] = toolbox_license()
@@ -153,7 +153,7 @@ def _resources_on(
 
 
 def _starts(container: Container, wiring: Wiring, internal_step: float) -> str:
-    """What the entry library sets before a tool sets anything, as it reads it."""
+    """Text of the start values that the entry library sets first."""
     lines = [f"S 0 {_bits(internal_step)}"]
     for name, value in wiring.starts.items():
         kind = container.types[wiring.same_as.get(name, name)]

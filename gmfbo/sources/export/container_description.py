@@ -1,4 +1,4 @@
-"""The model description of a container: what its FMUs say, under the container's own references."""
+"""The model description of a container: its FMUs' variables under new value references."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ class Part:
 
 @dataclass(frozen=True)
 class ExposedParameter:
-    """A parameter that the container has and its FMUs do not show.
+    """A parameter of the container that its FMUs do not show.
 
     Attributes
     ----------
     name, unit, description : str
-        As the container tells them.
+        As the container declares them.
     value : float
         [unit] Start value.
     """
@@ -58,7 +58,7 @@ class ExposedParameter:
 
 @dataclass(frozen=True)
 class Heading:
-    """What the container says of itself.
+    """Model name and step of the container.
 
     Attributes
     ----------
@@ -81,12 +81,12 @@ def describe_container(
     references: Mapping[str, int],
     starts: Mapping[str, str],
 ) -> ET.Element:
-    """Write the model description; variables keep all that their FMUs say of them.
+    """Write the model description; variables keep all attributes of their FMUs.
 
     Parameters
     ----------
     heading : Heading
-        What the container says of itself.
+            Model name and step.
     parts : sequence of Part
         FMUs whose variables are shown; those without a reference are left out.
     added : sequence of ExposedParameter
@@ -130,7 +130,7 @@ def _attributes(heading: Heading, parts: Sequence[Part]) -> dict[str, str]:
     }
     for name in _HEAD:
         stated = [text for part in parts if (text := part.xml.get(name))]
-        # Dates are written so that the later sorts last; what several vendors own, all own.
+        # ISO dates sort by time; copyrights of several vendors are all listed.
         if stated:
             several = max(stated) if "Date" in name else "; ".join(dict.fromkeys(stated))
             attributes[name] = several
@@ -143,7 +143,7 @@ def _capabilities(heading: Heading, parts: Sequence[Part]) -> dict[str, str]:
     def says(flag: str) -> list[bool]:
         return [e is not None and e.get(flag) in ("true", "1") for e in stated]
 
-    # A tool steps an FMU by what it states: as it stepped the original, with no change to scripts.
+    # Tools use the stated step: the same as the original's, so that scripts stay unchanged.
     variable = all(says("canHandleVariableCommunicationStepSize"))
     once = any(says("canBeInstantiatedOnlyOncePerProcess"))
     return {
@@ -220,8 +220,8 @@ def _parameter(parameter: ExposedParameter, references: Mapping[str, int]) -> ET
 def _structure(variables: ET.Element) -> ET.Element:
     """Outputs and initial unknowns (FMI 2.0.2, section 2.2.8).
 
-    Dependencies are left out, which says that each may depend on all: physics adds paths that the
-    FMUs do not know of.
+    Dependencies are left out, so that each output may depend on all inputs: physics adds paths
+    that the FMUs do not state.
     """
     structure = ET.Element("ModelStructure")
     outputs, initial = [], []

@@ -1,4 +1,4 @@
-"""Which FMUs an augmented FMU holds, how they are wired, and what it shows of them."""
+"""Wiring of an augmented FMU: its FMUs, their wires and the variables it shows."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class End:
 
 @dataclass(frozen=True)
 class Wiring:
-    """FMUs of a container in order of computation, their wires and what is shown outside.
+    """FMUs of a container in order of computation, their wires and the variables shown outside.
 
     Attributes
     ----------
@@ -42,18 +42,18 @@ class Wiring:
     wires : dict of End to End
         Input = output.
     settable : dict of str to list of End
-        Inputs and parameters of the container, by name, and what they set. Those that only start
-        values reach have names that no variable has.
+        Inputs and parameters of the container by name, and the variables that they set. Entries
+        set by start values only have names that no variable has.
     readable : dict of str to End
         Other variables of the container.
     starts : dict of str to float
         Start values [unit of the variable] over the FMUs' own, by names of `settable`.
     same_as : dict of str to str
-        Variables of the container that the FMU gives the same value reference.
+        Variables of the container that share a value reference in their FMU.
     times : set of str
-        Variables of the container that are the time.
+        Variables of the container that hold the time.
     hidden : list of str
-        Inputs that only a wire inside drives.
+        Inputs that only an internal wire drives.
     physics : list of str
         Members that are instances of physics.fmu with the effects.
     """
@@ -69,7 +69,7 @@ class Wiring:
     physics: list[str] = field(default_factory=list)
 
     def start_unseen(self, variable: str, members: Sequence[str], value: float) -> None:
-        """Give a parameter of some FMUs a start value, and show it to nobody.
+        """Give a hidden parameter of some FMUs a start value.
 
         Parameters
         ----------

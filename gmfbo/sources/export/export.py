@@ -40,7 +40,7 @@ class PhysicsParameter:
     unit : str
         Empty where there is none.
     description : str
-        For the engineer who edits it.
+        Text for the engineer who edits it.
     """
 
     name: str
@@ -56,13 +56,13 @@ class AugmentedFmu:
     Attributes
     ----------
     fmu, twin_file : Path
-        What was written.
+        The files written.
     platforms : tuple of str
-        Folders below `binaries/`: where it runs.
+        Folders below `binaries/`, one for each platform on which it runs.
     step : float
         [s] Internal step; communication steps are whole multiples of it.
     dropped : tuple of str
-        What the twin's own FMUs can do and it cannot.
+        Abilities of the twin's own FMUs that the exported FMU lacks.
     """
 
     fmu: Path
@@ -91,20 +91,20 @@ def export_augmented(
     Parameters
     ----------
     twin : FmuTwin
-        What is augmented; its own parameter values become start values too.
+        The twin to augment; its own parameter values become start values too.
     folder : Path
         Exists; the two files are written there, both or none.
     parameters : mapping of str to float
         [FMU's unit] Refitted parameters, over the twin's values.
     physics : sequence of PhysicsParameter
-        Of the named effects; those of other effects stay zero and hidden.
+        Parameters of the named effects; those of other effects stay zero and hidden.
     settings : mapping of str to float
         Fixed values of physics.fmu, such as `settings.command_lateness` [s].
     substeps : int
         Internal steps within one communication step.
     from_rest : bool
-        [initial] is left out of the twin file, so that a run is first held at its first reference
-        until the twin has settled: physics may push it where [initial] put it.
+        Leave [initial] out of the twin file: a run then begins at its first reference once the
+        twin has settled, since physics may push it away from the state in [initial].
 
     Raises
     ------
@@ -161,7 +161,7 @@ def _expose(
             wiring.start_unseen(name, wiring.physics, value)
     prefix = "physics"
     while any(name.startswith(f"{prefix}.") for name in binding.variables):
-        prefix += "_"  # an augmented twin that is augmented again
+        prefix += "_"  # the twin is an augmented one itself
     exposed = []
     for parameter in physics:
         name = f"{prefix}.{parameter.name}"

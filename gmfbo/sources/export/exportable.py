@@ -1,4 +1,4 @@
-"""Whether the FMUs of a twin can go into one FMU, and what they lose there."""
+"""Check whether a twin's FMUs can be exported as one, and what is lost by it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ARM64, _MACHO_64, _FAT = 0x0100000C, b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe"
 
 
 def check_exportable(binding: Binding) -> None:
-    """Refuse what no container can hold.
+    """Raise where a container cannot hold the twin's FMUs.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def common_platforms(fmus: Sequence[FmuDescription]) -> tuple[Platform, ...]:
     Raises
     ------
     ExportError
-        There is none: it says which FMU has which.
+        There is none; the message lists each FMU's platforms.
     """
     common = tuple(
         platform
@@ -113,7 +113,7 @@ def library_for(fmu: FmuDescription, platform: Platform) -> PurePosixPath | None
 
 
 def losses(binding: Binding, platforms: Sequence[Platform]) -> Iterator[str]:
-    """Tell what the container cannot do and its FMUs can.
+    """List abilities of the FMUs that the container lacks.
 
     Parameters
     ----------

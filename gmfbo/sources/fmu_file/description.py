@@ -1,4 +1,4 @@
-"""What an FMU says of itself, read without running any of its code."""
+"""Read an FMU's model description without running any of its code."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class FmuDescription:
         Raises
         ------
         FmuFileError
-            The FMU cannot run here: it says what it has and what to ask the vendor for.
+            The FMU cannot run here; the message lists its platforms and what to ask the vendor for.
         """
         here = platform or this_platform()
         self._check_steppable()
@@ -99,7 +99,7 @@ class FmuDescription:
                 for member in map(PurePosixPath, self.libraries)
                 if member.parts[1] == folder and member.suffix == here.suffix
             ]
-            # Some exporters name the library other than the identifier that they state.
+            # Some exporters' library names differ from the stated identifier.
             named = [member for member in found if member.stem == self.identifier]
             if named or len(found) == 1:
                 return str((named or found)[0])
@@ -112,7 +112,7 @@ class FmuDescription:
         raise FmuFileError(self._no_binary(here))
 
     def _check_steppable(self) -> None:
-        """Refuse what cannot be stepped from communication point to communication point."""
+        """Raise unless the FMU can be stepped from communication point to communication point."""
         ask = f"ask its vendor to export FMI {3 if self.major == 3 else 2}.0 co-simulation"
         if "co-simulation" not in self.kinds:
             own = "brings its own solver"
@@ -136,7 +136,7 @@ class FmuDescription:
             )
 
     def _folders(self, here: Platform) -> tuple[str, ...]:
-        """Where a library for a platform may lie, the version's own folder first."""
+        """Folders in which a library for a platform may lie, those of the FMI version first."""
         return here.fmi_folders if self.major == 2 else here.fmi_folders[::-1]
 
     def _no_binary(self, here: Platform) -> str:
@@ -154,7 +154,7 @@ class FmuDescription:
 def read_description(path: Path) -> FmuDescription:
     """Read the model description of an FMU; no code of the FMU runs.
 
-    Violations of the schema are no reason to refuse: `inspect_fmu` lists them.
+    Violations of the schema are tolerated; `inspect_fmu` lists them.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def _parse(path: Path) -> ModelDescription:
     try:
         return read_model_description(str(path), validate=False)
     except Exception as error:
-        # fmpy raises whatever its XML reader and its own checks raise.
+        # fmpy lets exceptions of its XML reader and of its own checks through.
         raise FmuFileError(
             f"'{path.name}': modelDescription.xml cannot be read ({in_short(error)}); ask its "
             "vendor for a valid FMI 2.0 export"

@@ -1,4 +1,4 @@
-"""One variable of an FMU, as its model description tells it."""
+"""One variable of an FMU's model description."""
 
 from __future__ import annotations
 
@@ -52,8 +52,8 @@ class FmuVariable:
     description : str
         The vendor's words.
     value_type : ValueType or None
-        How the value crosses the interface; None for what is no single number: texts, clocks,
-        arrays.
+        Type of the value at the FMI interface; None for texts, clocks and arrays, which are no
+        single numbers.
     shape : tuple of int
         Of an array; empty for a scalar.
     """
@@ -75,7 +75,7 @@ class FmuVariable:
 
     @property
     def tunable(self) -> bool:
-        """A parameter that may change during a run."""
+        """Whether it is a parameter that may change during a run."""
         return self.causality == "parameter" and self.variability == "tunable"
 
     @property
@@ -86,7 +86,7 @@ class FmuVariable:
 
 
 def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) -> FmuVariable:
-    """Take over a variable from fmpy.
+    """Convert a variable from fmpy.
 
     Parameters
     ----------
@@ -161,5 +161,5 @@ def number_from(text: object) -> float | None:
 
 
 def is_parameter(variable: FmuVariable) -> bool:
-    """A parameter that is a number."""
+    """Whether a variable is a parameter and a number."""
     return variable.causality == "parameter" and variable.value_type is not None

@@ -1,4 +1,4 @@
-"""One run of wired FMUs, told in value references: what is set, stepped and read."""
+"""Job: one run of wired FMUs in terms of value references."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class ValueType(IntEnum):
 
     @property
     def is_real(self) -> bool:
-        """Not a whole number or truth value."""
+        """Whether the type is a floating-point number."""
         return self in (ValueType.REAL, ValueType.FLOAT32)
 
 
 class Port(NamedTuple):
-    """A variable of one FMU and the column of the array it is read from or written to."""
+    """A variable of one FMU, and the array column that it is read from or written to."""
 
     fmu: int
     reference: int
@@ -67,7 +67,7 @@ class Setting(NamedTuple):
 
 @dataclass(frozen=True)
 class Job:
-    """A whole run; arrays travel beside it.
+    """A whole run, without its arrays.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class Job:
 
 
 class Stage(IntEnum):
-    """What an FMU is being asked for."""
+    """Stage of a run: the request that an FMU is working on."""
 
     IDLE = 0
     LOAD = 1
@@ -131,7 +131,7 @@ class Stage(IntEnum):
 
     @property
     def words(self) -> str:
-        """For messages: crashed while ..."""
+        """Words for messages: "crashed while ..."."""
         return {
             Stage.IDLE: "waiting",
             Stage.LOAD: "being loaded",
@@ -150,7 +150,7 @@ class Outcome:
     Attributes
     ----------
     status : {"ok", "diverged", "failed", "crashed", "timeout"}
-        As that of a trajectory.
+        Same words as the status of a trajectory.
     rows : int
         Leading rows of y that are valid.
     message : str
@@ -158,7 +158,7 @@ class Outcome:
     warnings : int
         FMI calls that answered with a warning.
     stage : Stage
-        What was asked of the FMU when it failed.
+        Request to the FMU during which it failed.
     """
 
     status: Status

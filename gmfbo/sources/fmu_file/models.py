@@ -1,4 +1,4 @@
-"""Where the project's own FMUs and twin files lie."""
+"""Paths of the project's own FMUs and twin files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""This machine, as FMUs and the C master name it."""
+"""Names of this machine's platform, in FMUs and for the C master."""
 
 from __future__ import annotations
 

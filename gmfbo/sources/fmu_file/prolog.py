@@ -1,4 +1,4 @@
-"""What stands before the first element of a model description: no document type, no entities."""
+"""Refuse model descriptions with a document type, whose entities could expand without end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class _DocumentType(Exception):
 
 
 def check_prolog(name: str, content: bytes) -> None:
-    """Refuse a document type: FMI has none, and its entities can expand without end or read files.
+    """Raise if a model description has a document type: FMI has none, and entities are unsafe.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def check_prolog(name: str, content: bytes) -> None:
     Raises
     ------
     FmuFileError
-        There is one, or the text is larger than a description can be.
+        There is a document type, or the text is larger than any description.
     """
     if len(content) > LARGEST_BYTES:
         raise FmuFileError(
@@ -59,7 +59,7 @@ def _has_document_type(content: bytes) -> bool:
     except _FirstElement:
         return False
     except (expat.ExpatError, ValueError, LookupError):
-        # The reader of the description forgives what this parser does not, a wrong encoding say.
+        # The reader of the description tolerates more than this parser, such as a wrong encoding.
         return _has_document_type_to_libxml2(content)
     return False
 
@@ -71,7 +71,7 @@ def _has_document_type_to_libxml2(content: bytes) -> bool:
     try:
         tree = etree.parse(io.BytesIO(content), parser)
     except etree.XMLSyntaxError:
-        return False  # told by the reader of the description
+        return False  # the reader of the description will report the damage
     return tree.docinfo.internalDTD is not None or bool(tree.docinfo.doctype)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class UnpackedFmu:
-    """Where an FMU was unpacked to.
+    """An FMU unpacked to a folder.
 
     Attributes
     ----------
@@ -16,7 +16,7 @@ class UnpackedFmu:
     guid, identifier : str
         As in the model description.
     folder : str
-        Where it is unpacked.
+        Folder that it is unpacked to.
     library : str
         Path of the shared library.
     fmi : int

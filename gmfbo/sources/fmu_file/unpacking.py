@@ -1,4 +1,4 @@
-"""Opening FMU archives: nothing outside the folder, nothing that fills the disk."""
+"""Open and unpack FMU archives safely: within one folder and a bounded size."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def open_archive(path: Path) -> zipfile.ZipFile:
     Raises
     ------
     FmuFileError
-        It is missing, cannot be read, is no zip archive, or would unpack to too much.
+        It is missing, cannot be read, is no zip archive, or would unpack to too many bytes.
     """
     if not path.exists():
         raise FmuFileError(f"no FMU at '{path}'; check the path")
@@ -41,7 +41,7 @@ def open_archive(path: Path) -> zipfile.ZipFile:
         ) from None
     except OSError as error:
         raise FmuFileError(f"cannot read '{path}': {error.strerror or error}") from None
-    except Exception as error:  # zipfile raises what its parsing trips over
+    except Exception as error:  # any exception may come out of zipfile's parsing
         raise _damaged(path, error) from None
     try:
         _check_sizes(path, archive)
@@ -70,7 +70,7 @@ def read_member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
     """
     try:
         return archive.read(name)
-    except Exception as error:  # zipfile, zlib and lzma raise what their parsing trips over
+    except Exception as error:  # any exception may come out of zipfile, zlib and lzma
         raise _damaged(path, error) from None
 
 
@@ -131,17 +131,17 @@ def unpack(path: Path, folder: Path, wanted: Callable[[PurePosixPath], bool]) ->
                     f"'{path}' is refused: the names of its members cannot be those of files "
                     f"({error.strerror}); export it again"
                 ) from None
-            if error.errno is None:  # what bz2 raises for damaged data
+            if error.errno is None:  # bz2's error for damaged data
                 raise _damaged(path, error) from None
             raise FmuFileError(
                 f"cannot unpack '{path}' into '{folder}': {error.strerror or error}; free some "
                 "space or set TMPDIR to a folder with room"
             ) from None
-        except Exception as error:  # zipfile, zlib and lzma raise what their parsing trips over
+        except Exception as error:  # any exception may come out of zipfile, zlib and lzma
             raise _damaged(path, error) from None
 
 
-# A file where a folder is wanted, a name that is too long or of letters that no file may have.
+# A file in place of a folder, a name that is too long, or forbidden characters.
 _NAMES = {
     errno.EEXIST,
     errno.EISDIR,

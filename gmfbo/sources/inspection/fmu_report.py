@@ -1,4 +1,4 @@
-"""What an FMU is, as values."""
+"""Report on an FMU, as values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gmfbo.sources.fmu_file.fmu_variable import FmuVariable
 
 @dataclass(frozen=True)
 class FmuReport:
-    """What `gmfbo inspect` tells.
+    """Report of `gmfbo inspect`.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class FmuReport:
     default_step : float or None
         [s] Step of the default experiment.
     findings : tuple of str
-        Violations of the standard; many FMUs with findings work.
+        Violations of the standard; many FMUs work in spite of them.
     """
 
     path: Path

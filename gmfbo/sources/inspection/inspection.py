@@ -1,4 +1,4 @@
-"""What an FMU is, for somebody who sees it for the first time; none of its code runs."""
+"""Inspect an unknown FMU without running any of its code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["FmuReport", "FmuVariable", "inspect_fmu", "starting_twin_file"]
 
 
 def inspect_fmu(path: str | Path) -> FmuReport:
-    """Read what an FMU says of itself and check it against the standard.
+    """Read an FMU's model description, and check it against the standard.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def inspect_fmu(path: str | Path) -> FmuReport:
 
 
 def try_fmu(report: FmuReport) -> str:
-    """Run the FMU's code for a few steps, shut in as any run is; what came of it, in a line.
+    """Run the FMU's code for a few steps in the sandbox; returns the outcome in a line.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def _obstacle(description: FmuDescription) -> str:
     return ""
 
 
-# Each name takes the grammar's parser some 5 ms, a long one the square of its length in time and
-# memory: one of a million letters fills any machine.
+# The grammar's parser takes some 5 ms a name, and time and memory that grow with the square of
+# its length: a name of a million letters fills any machine.
 _MOST_NAMES, _LONGEST_NAME = 300, 300
 
 
@@ -105,7 +105,7 @@ def _findings(path: Path, variables: Sequence[str]) -> tuple[str, ...]:
         )
     except ValidationError as error:
         found += error.problems
-    except Exception as error:  # fmpy raises whatever its checks trip over
+    except Exception as error:  # any exception may come out of fmpy's checks
         found.append(error)
     with open_archive(path) as archive:
         slips = [i.orig_filename for i in archive.infolist() if "\\" in i.orig_filename]

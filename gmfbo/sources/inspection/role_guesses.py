@@ -1,7 +1,7 @@
-"""What the variables of an unknown FMU may mean, by names, units, causality and descriptions.
+"""Guess the roles of an unknown FMU's variables by names, units, causality, descriptions.
 
-Only guesses: an engineer has to look at each. Units come first, since a name may be anything, and
-the descriptions of Modelica's own library say more than its names.
+An engineer has to check each guess. Units count most, since a name may be anything, and
+descriptions of Modelica's own library say more than its names.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ _AVOIDED = re.compile(
 
 @dataclass(frozen=True)
 class Guess:
-    """A variable and the part that it may play.
+    """A variable and its likely role.
 
     Attributes
     ----------
     key : str
         Signal, port, state or role.
     variable : FmuVariable
-        Which.
+            The variable.
     why : str
-        What speaks for it.
+            Reason for the guess.
     """
 
     key: str
@@ -65,16 +65,16 @@ class Guess:
 
 @dataclass(frozen=True)
 class Guesses:
-    """Parts of a twin file.
+    """Guessed entries of a twin file.
 
     Attributes
     ----------
     inputs, idle : list of FmuVariable
-        Inputs that a recording drives, and those that keep their start value.
+        Inputs that a recording drives, and inputs that keep their start value.
     drive : FmuVariable or None
-        Force, current or voltage of a plant without a controller.
+        Force, current or voltage that drives a plant without a controller.
     outputs : list of Guess
-        Local variables that say more than the outputs do.
+        Local variables that are more informative than the outputs.
     ports, states, roles : list of Guess
         At most one for each key.
     gains, uncertain : list of FmuVariable
@@ -98,7 +98,7 @@ def guess_roles(
     parameters: Sequence[FmuVariable],
     local: Sequence[FmuVariable] = (),
 ) -> Guesses:
-    """Guess what the variables of an FMU mean.
+    """Guess the roles of an FMU's variables.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def guess_roles(
         if key not in [guess.key for guess in ports]:
             ports.append(Guess(key, drive, f"it drives the plant{_unit_words(drive)}"))
     states = list(_states(outputs, local, driven))
-    # An output without a name or unit that tells what it is may stand for a local one that does.
+    # A local variable with a clear name or unit is better than an unclear output.
     shown = [guess for guess in states if guess.variable not in outputs]
     numeric = [v for v in parameters if v.value_type is not None]
     return Guesses(
@@ -136,7 +136,7 @@ def guess_roles(
 
 
 def _ports(inputs: Iterable[FmuVariable]) -> Iterable[Guess]:
-    """Inputs that add to a signal and are zero unless somebody drives them."""
+    """Inputs that add to a signal, and are zero unless driven."""
     found: dict[str, Guess] = {}
     for variable in inputs:
         name = re.sub(r"[._]", " ", variable.name)
@@ -159,9 +159,9 @@ def _port_of(variable: FmuVariable) -> str:
 
 
 def _driven(inputs: Sequence[FmuVariable]) -> tuple[list[FmuVariable], list[FmuVariable]]:
-    """Inputs that a recording drives, and those that are left at their start value."""
+    """Inputs that a recording drives, and inputs left at their start value."""
     references = [v for v in inputs if _REFERENCE.search(v.name)]
-    # Those of velocity and torque feed forward, and are zero in many recordings.
+    # Inputs of velocity and torque are feed-forwards, which are zero in many recordings.
     positions = [v for v in references if _has_unit(v, _WAY)]
     # Exporters offer constants as inputs: a spring rate that begins at 1 is no signal.
     driven = positions[:1] or references or [v for v in inputs if not v.start]
@@ -169,7 +169,7 @@ def _driven(inputs: Sequence[FmuVariable]) -> tuple[list[FmuVariable], list[FmuV
 
 
 def _drive(driven: Sequence[FmuVariable]) -> FmuVariable | None:
-    """Where nothing is controlled inside, what drives the plant."""
+    """Input that drives a plant without a controller."""
     if any(_REFERENCE.search(v.name) for v in driven):
         return None
     return next((v for v in driven if _has_unit(v, (*_FORCE, "A", "V"))), None)
@@ -182,7 +182,7 @@ def _states(
 ) -> Iterable[Guess]:
     found: dict[str, FmuVariable] = {}
     for key, (units, pattern) in _STATES.items():
-        said = [v for v in local if v.unit]  # a name alone says little among thousands
+        said = [v for v in local if v.unit]  # among thousands of variables a name alone says little
         for group, where in ((outputs, ""), (said, "a local variable, ")):
             best = max(group, key=lambda v: _score(v, units, pattern), default=None)
             if best is None or _score(best, units, pattern) < 2 or best in found.values():
@@ -197,7 +197,7 @@ def _states(
 
 
 def _score(variable: FmuVariable, units: Sequence[str], pattern: str) -> int:
-    """Two where it may be meant, more where it is likely."""
+    """Score of a variable: two where it is possible, more where it is likely."""
     if variable.value_type is None or not re.search(pattern, variable.name, re.IGNORECASE):
         return 0
     if variable.unit and not _has_unit(variable, units):
@@ -207,7 +207,7 @@ def _score(variable: FmuVariable, units: Sequence[str], pattern: str) -> int:
 
 
 def _inertia(parameters: Sequence[FmuVariable], states: Sequence[Guess]) -> Iterable[Guess]:
-    """Mass or inertia that fits the position's unit; that of a load before that of a motor."""
+    """Mass or inertia that fits the position's unit; a load's is preferred to a motor's."""
     way = next((g.variable for g in states if g.key in ("position", "velocity")), None)
     linear = way is not None and _has_unit(way, ("m", "m/s"))
     fitting = [v for v in parameters if v.start and _has_unit(v, ("kg" if linear else "kg.m2",))]

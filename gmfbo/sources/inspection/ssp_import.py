@@ -1,4 +1,4 @@
-"""An SSP package as a twin: its FMUs in a folder, and a twin file that joins them."""
+"""Import an SSP package: its FMUs in a folder, and a twin file that joins them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _STEP_S = 1e-3
 
 @dataclass(frozen=True)
 class ImportedTwin:
-    """What was written.
+    """Result of an import.
 
     Attributes
     ----------
     twin : Path
         The twin file.
     fmus, wires, inputs, outputs : int
-        How many it joins and names.
+        Numbers of FMUs, wires, inputs and outputs in it.
     """
 
     twin: Path
@@ -47,7 +47,7 @@ def import_ssp(path: str | Path, folder: str | Path) -> ImportedTwin:
     Raises
     ------
     FmuFileError
-        The package cannot be read, or says what a twin file cannot.
+        The package cannot be read, or holds what a twin file cannot express.
     InputError
         A twin file of that name lies in the folder already.
     TwinFileError
@@ -71,7 +71,7 @@ def import_ssp(path: str | Path, folder: str | Path) -> ImportedTwin:
 
 
 def _check(text: str, twin: Path, folder: Path) -> None:
-    """A name that no FMU has is told before anything is written under the twin's name."""
+    """Raise for a name that no FMU has, before the twin file is written."""
     from gmfbo.sources.binding.bind import bind
     from gmfbo.sources.twin_file.twin_file import TwinFile
 
@@ -79,11 +79,11 @@ def _check(text: str, twin: Path, folder: Path) -> None:
 
 
 def _check_units(path: Path, system: SspSystem, fmus: Mapping[str, FmuDescription]) -> None:
-    """SSP converts units on its connections, wires do not."""
+    """Raise where a connection joins different units: SSP converts them, wires do not."""
     for end, source in system.wires.items():
         ends = [fmus[place].variables.get(name) for place, name in (end, source)]
         if None in ends:
-            continue  # told when the twin file is bound
+            continue  # reported when the twin file is bound
         into, out_of = ends
         assert into is not None
         assert out_of is not None
@@ -103,7 +103,7 @@ def _twin_text(system: SspSystem, fmus: Mapping[str, FmuDescription]) -> str:
     for end, name in system.inputs.items():
         key, first = free_key(bare_key(name), taken), bare_key(name)
         entry = _name(end)
-        if key != first:  # one input of the system that drives several
+        if key != first:  # one input of the system drives several of the FMUs
             entry = f"{{ variable = {entry}, column = {toml_text(first)} }}"
         inputs.append(f"{key} = {entry}")
     shown = system.outputs.items() or [("_".join(end), end) for end in system.offered]

@@ -1,4 +1,4 @@
-"""An SSP 1.0 package (System Structure and Parameterization), read by fmpy and made flat."""
+"""Read an SSP 1.0 package (System Structure and Parameterization) by fmpy, and flatten it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ End = tuple[str, str]
 
 @dataclass(frozen=True)
 class SspSystem:
-    """FMUs and how they are joined.
+    """FMUs of a package and their connections.
 
     Attributes
     ----------
@@ -62,7 +62,8 @@ def read_system(path: Path) -> SspSystem:
     Raises
     ------
     FmuFileError
-        It is missing, no SSP 1.0 package, or says what a twin file cannot: the message names it.
+        It is missing, no SSP 1.0 package, or holds something, named in the message, that a twin
+        file cannot express.
     """
     with open_archive(path) as archive:
         names = archive.namelist()
@@ -82,7 +83,7 @@ def read_system(path: Path) -> SspSystem:
 def _parse(path: Path, texts: Mapping[str, bytes]) -> Any:
     from fmpy.ssp.ssd import read_ssd
 
-    # fmpy gets what was checked and no more, and leaves no file open when it fails.
+    # fmpy gets only checked files, and leaves no file open when it fails.
     package = io.BytesIO()
     with zipfile.ZipFile(package, "w") as archive:
         for name, text in texts.items():
@@ -90,7 +91,7 @@ def _parse(path: Path, texts: Mapping[str, bytes]) -> Any:
     try:
         return read_ssd(package)
     except Exception as error:
-        # fmpy raises whatever its XML reader and its own checks raise.
+        # fmpy lets exceptions of its XML reader and of its own checks through.
         reason = " ".join(str(error).split()) or type(error).__name__
         raise FmuFileError(
             f"'{path.name}': {STRUCTURE} cannot be read ({reason}); expected SSP 1.0"
@@ -98,7 +99,7 @@ def _parse(path: Path, texts: Mapping[str, bytes]) -> Any:
 
 
 def _refuse_what_fmpy_passes_over(path: Path, name: str, text: bytes) -> None:
-    """Entities, which a package has no use for, and elements that would change the values."""
+    """Raise for entities, and for elements that fmpy ignores and that change values."""
     from lxml import etree
 
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
@@ -131,7 +132,7 @@ class _Flat:
     name: str = ""
 
     def add(self, system: Any, place: str) -> None:
-        """Take over a system that lies at a place, such as `drive` in the whole."""
+        """Add a system nested at a place, such as `drive` in the whole."""
         self.name = self.name or system.name or self.path.stem
         self._add_connectors(system, place)
         for element in system.elements:
@@ -152,7 +153,7 @@ class _Flat:
                 self.parameters[inner, name] = value
         for connection in system.connections:
             self._connect(connection, place)
-        # After those of the components, which an outer system may set otherwise.
+        # Set after the components' values, since an outer system overrides them.
         for name, value in _parameters(system):
             self.parameters[self._parameter(place, name)] = value
 
@@ -186,7 +187,7 @@ class _Flat:
         )
 
     def system(self, members: frozenset[str]) -> SspSystem:
-        """Follow every connection to the component that it begins at."""
+        """Trace every connection back to the component at which it begins."""
         for name, member in self.fmus.items():
             if member not in members or ".." in PurePosixPath(member).parts:
                 raise FmuFileError(
@@ -235,7 +236,7 @@ class _Flat:
 
 
 def _inner(place: str, name: str) -> str:
-    """Where an element lies: its name with those of the systems around it."""
+    """Full name of an element: its name after those of the systems around it."""
     plain = str(name).replace(".", "_")
     return f"{place}_{plain}" if place else plain
 

@@ -1,4 +1,4 @@
-"""A twin file to begin from, written from what an FMU says of itself."""
+"""Write a first twin file from an FMU's model description."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def starting_twin_file(report: FmuReport) -> str:
 
 
 def _guessed(guesses: Guesses) -> Iterator[str]:
-    """Tables that change what gmfbo does: all of their lines are comments."""
+    """Tables by guesses, all of whose lines are comments."""
     story = "guesses, remove the # where one is right"
     yield toml_table(
         "gains", f"what tuning may move = [low, high]; {story}", _ranges(guesses.gains)
@@ -88,7 +88,7 @@ def _guessed(guesses: Guesses) -> Iterator[str]:
 
 
 def _controller(report: FmuReport, guesses: Guesses) -> str:
-    """How to close a loop around a plant that has none, in comments of its own kind."""
+    """Comments that show how to close a loop around a plant without a controller."""
     position = [g.variable.name for g in guesses.states if g.key == "position"]
     if guesses.drive is None or not position:
         return ""

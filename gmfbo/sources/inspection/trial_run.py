@@ -1,4 +1,4 @@
-"""First steps of an FMU, before anybody relies on it."""
+"""Trial run: the first steps of an FMU, before it is used."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ def try_out(twin_file: Path) -> None:
     Parameters
     ----------
     twin_file : Path
-        Over the exported FMU.
+        Twin file of the exported FMU.
 
     Raises
     ------
     ExportError
-        It does not run, though its parts do.
+        The FMU does not run, though its parts do.
     """
     file = TwinFile.read(twin_file)
     try:
@@ -39,7 +39,7 @@ def try_out(twin_file: Path) -> None:
 
 
 def take_first_steps(binding: Binding, step: float) -> int:
-    """Instantiate FMUs in a process of their own and step them; the number of steps.
+    """Step FMUs in a process of their own; returns the number of steps.
 
     Parameters
     ----------

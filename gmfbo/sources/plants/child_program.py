@@ -1,4 +1,4 @@
-"""Another program, run to its end: within a time limit, and ended with all that it started."""
+"""Run another program within a time limit, and end it with all processes that it started."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Ended:
     Attributes
     ----------
     status : int or None
-        Exit status, negative where a signal ended it; None where it took too long.
+        Exit status, negative where a signal ended it; None where it exceeded the time limit.
     last_line : str
         Last line of its standard error, or where that is empty, of its standard output.
     """
@@ -49,8 +49,8 @@ class Ended:
 def find_program(word: str, folder: Path) -> str:
     """Find the program that the first word of a command names.
 
-    A word with a path in it begins at `folder`, any other is looked for on PATH; `python` is also
-    found where PATH has none: it is then the one that runs gmfbo.
+    A word with a path is relative to `folder`, any other is searched on PATH. Where PATH has no
+    `python`, the interpreter that runs gmfbo is used.
 
     Parameters
     ----------
@@ -96,9 +96,9 @@ def run_program(
     logs : Path
         Folder where `stdout.txt` and `stderr.txt` are written.
     time_limit_s : float
-        [s] Then it is asked to end, and after `grace_s` killed with all that it started.
+        [s] After it the program is asked to end, and after `grace_s` more it is killed.
     grace_s : float
-        [s] Between both; also when gmfbo is interrupted.
+        [s] Time between both; also when gmfbo is interrupted.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def run_program(
         except subprocess.TimeoutExpired:
             status = None
         finally:
-            # On Ctrl-C as well: an axis must not go on moving for nobody.
+            # On Ctrl-C as well: an axis must not go on moving unwatched.
             _end(process, grace_s)
     return Ended(status, _last_line(err) or _last_line(out))
 
@@ -147,7 +147,7 @@ if sys.platform == "win32":
             process.send_signal(signal.CTRL_BREAK_EVENT)
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(grace_s)
-        # Children have no group to be killed by; taskkill walks the tree.
+        # Windows has no process group to kill; taskkill ends the whole tree.
         subprocess.run(
             ["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False
         )
@@ -165,7 +165,7 @@ else:
             stdin=subprocess.DEVNULL,
             stdout=stdout,
             stderr=stderr,
-            # A group of its own, so that what it starts can be ended with it.
+            # A group of its own, so that its children can be ended with it.
             start_new_session=True,
         )
 
@@ -175,8 +175,8 @@ else:
                 _signal_group(process, signal.SIGTERM)
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     process.wait(grace_s)
-        finally:  # a second Ctrl-C cuts the grace short
-            # What the program started and left behind would hold the axis against the next run.
+        finally:  # a second Ctrl-C ends the grace time
+            # Children left behind by the program would block the axis for the next run.
             _signal_group(process, signal.SIGKILL)
             process.wait()
 

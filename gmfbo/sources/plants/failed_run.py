@@ -1,4 +1,4 @@
-"""A run that failed, as the result that it is."""
+"""A failed run as a result."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ def failed_run(
     Parameters
     ----------
     reference : Recording
-        What should have been followed.
+        Reference of the run.
     message : str
-        What happened; made one line.
+        Cause of the failure; made one line.
     name : str
         Of the source.
     status : str
-        How it ended.
+        Status of the run.
     seconds : float
         [s] Wall-clock time of the run.
     left : Recording or None
-        What was recorded before the failure; its rows are kept.
+        Recording up to the failure; its rows are kept.
     """
     kept = left or Recording(time=reference.time[:1], signals={})
     return Trajectory(

@@ -1,4 +1,4 @@
-"""A plant in Python: any function from gains and reference to what was measured."""
+"""A plant in Python: a function from gains and reference to a recording."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class PythonPlant:
     ----------
     function : callable
         Takes the gains by name and the reference, and returns a `Recording`, the path of one, or
-        arrays by name: ``{"time": ..., "position": ...}``. What it raises is a failed run.
+        arrays by name: ``{"time": ..., "position": ...}``. An exception makes a failed run.
     reading : SignalReading or None
-        Says which columns of a recorded file are signals, as a twin file does.
+        Tells which columns of a recorded file are signals, as a twin file does.
     """
 
     function: PlantFunction
@@ -36,16 +36,16 @@ class PythonPlant:
 
     @property
     def name(self) -> str:
-        """Name of the function, or of what it belongs to."""
+        """Name of the function, or of the object that it belongs to."""
         return str(getattr(self.function, "__name__", type(self.function).__name__))
 
     @property
     def content_hash(self) -> str:
-        """Empty: what a function does is not known from its name."""
+        """Empty, since the behaviour of a function cannot be hashed."""
         return ""
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
-        """Call the function; whatever goes wrong is the status and message of the result."""
+        """Call the function; an error becomes the status and message of the result."""
         began = time.perf_counter()
         try:
             return self._recording(self.function(dict(gains), reference))
@@ -58,7 +58,7 @@ class PythonPlant:
         return failed_run(reference, f"{self.name}: {message}", name=self.name, seconds=seconds)
 
     def close(self) -> None:
-        """The function stays with its owner."""
+        """Do nothing."""
 
     def _recording(self, result: object) -> Recording:
         if isinstance(result, Recording):

@@ -1,4 +1,4 @@
-"""A plant run by a program: gains as arguments and as a file, a recording comes back."""
+"""A plant run by a program, which takes gains and leaves a recording."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class CommandPlant:
     """Runs a program once an experiment.
 
     The program is called as ``COMMAND --set NAME=VALUE ... --request FILE.json --reference
-    FILE.csv --out FOLDER/recording.csv``. It leaves a recording there, or under the same name with
-    another ending that can be read, and ends with status 0. The request file holds all of it too:
+    FILE.csv --out FOLDER/recording.csv``. It writes a recording there, or with another readable
+    ending, and ends with status 0. The request file holds the same arguments:
     ``{"gains": {NAME: VALUE}, "reference": FILE, "out": FILE}``.
 
     Parameters
@@ -37,11 +37,11 @@ class CommandPlant:
     folder : Path
         Working folder of the program, where relative paths in the command begin.
     time_limit_s : float
-        [s] A run that takes longer is ended and has failed.
+        [s] A run that takes longer is ended, and counts as failed.
     retries : int
         How often a failed run is repeated before it counts.
     reading : SignalReading or None
-        Says which columns of the recording are signals, as a twin file does.
+        Tells which columns of the recording are signals, as a twin file does.
     """
 
     command: tuple[str, ...]
@@ -57,11 +57,11 @@ class CommandPlant:
 
     @property
     def content_hash(self) -> str:
-        """Empty: what a program does is not known from its name."""
+        """Empty, since the behaviour of a program cannot be hashed."""
         return ""
 
     def check(self) -> None:
-        """Refuse a command whose program does not exist.
+        """Raise if the command's program does not exist.
 
         Raises
         ------
@@ -71,7 +71,7 @@ class CommandPlant:
         find_program(self.command[0], self.folder)
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
-        """Run the program; whatever goes wrong is the status and message of the result."""
+        """Run the program; an error becomes the status and message of the result."""
         result = self._once(gains, reference)
         for _ in range(self.retries):
             if not _is_failed(result):
@@ -80,7 +80,7 @@ class CommandPlant:
         return result
 
     def close(self) -> None:
-        """Nothing is held between runs."""
+        """Do nothing."""
 
     def _once(self, gains: Mapping[str, float], reference: Recording) -> Recording:
         folder = Path(tempfile.mkdtemp(prefix="gmfbo-run-"))
@@ -90,7 +90,7 @@ class CommandPlant:
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
-        # What a failed run left may have cost an hour.
+        # A failed run's partial recording may have cost an hour.
         if not (_is_failed(result) and _left(folder)):
             shutil.rmtree(folder, ignore_errors=True)
         return result
@@ -130,7 +130,7 @@ class CommandPlant:
         )
 
     def _left_in(self, folder: Path) -> tuple[Recording | None, str]:
-        """The recording that a program left, or why there is none."""
+        """Recording that a program left, or the reason why there is none."""
         found = sorted(folder.glob(f"{RECORDING}.*"))
         if len(found) != 1:
             names = ", ".join(path.name for path in found)

@@ -1,4 +1,4 @@
-"""A plant that was measured beforehand at many gains, and is replayed."""
+"""A plant measured beforehand at many gains, whose recordings are replayed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """One recording, and the gains that it was made at.
+    """One recording and its gains.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class RecordedRun:
     path: Path | None
 
     def made_at(self, gains: Mapping[str, float]) -> bool:
-        """Whether it was made at these gains; those that it does not name are not compared."""
+        """Whether it was made at these gains; only gains that it names are compared."""
         return all(
             np.isclose(value, gains[name], rtol=SAME)
             for name, value in self.gains.items()
@@ -49,18 +49,18 @@ class RecordedRun:
 
 @dataclass(frozen=True)
 class RecordedGrid:
-    """Replays recordings; each counts once, since repeating one would teach nothing.
+    """Replays recordings, each only once, since a repetition carries no information.
 
     Attributes
     ----------
     folder : Path
-        Where the recordings are.
+        Folder of the recordings.
     runs : tuple of RecordedRun
         In the order of their names.
     reading : SignalReading or None
         Says which columns are signals, as a twin file does.
     content_hash : str
-        Of all files that decide what is replayed.
+        Hash of all files that are replayed.
     """
 
     folder: Path
@@ -70,19 +70,19 @@ class RecordedGrid:
 
     @classmethod
     def open(cls, folder: Path, reading: SignalReading | None = None) -> Self:
-        """Look at what was recorded.
+        """Open a folder of recordings.
 
         Parameters
         ----------
         folder : Path
-            With recordings, and `gains.csv` where they do not name their gains themselves.
+            Recordings, and `gains.csv` where these do not name their gains themselves.
         reading : SignalReading or None
-            Says which columns are signals.
+            Tells which columns are signals.
 
         Raises
         ------
         StudyFileError
-            There is no such folder, nothing in it, or a recording whose gains nobody knows.
+            The folder does not exist, is empty, or holds a recording without known gains.
         """
         if not folder.is_dir():
             raise StudyFileError(f"[is1] recorded: no folder {folder}; give one with recordings")
@@ -106,12 +106,12 @@ class RecordedGrid:
         return self.folder.name
 
     def knowing(self, names: Iterable[str]) -> Self:
-        """Take only the gains of these names from the recordings' parameters.
+        """Grid whose recordings have only the gains of these names.
 
         Raises
         ------
         StudyFileError
-            A recording does not say one of them.
+            A recording lacks one of them.
         """
         wanted, kept = tuple(names), []
         for run in self.runs:
@@ -141,7 +141,7 @@ class RecordedGrid:
         return left
 
     def after(self, played: Sequence[Mapping[str, float]]) -> Self:
-        """Return the grid without what was replayed; repeats at the same gains come one by one."""
+        """Grid without the replayed recordings; repeats at equal gains are removed one by one."""
         return replace(self, runs=tuple(self.left(played)))
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
@@ -150,7 +150,7 @@ class RecordedGrid:
         Raises
         ------
         InputError
-            There is none.
+            There is no such recording.
         """
         found = next((run for run in self.runs if run.made_at(gains)), None)
         if found is None:
@@ -164,7 +164,7 @@ class RecordedGrid:
             return failed_run(reference, str(error), name=self.name)
 
     def close(self) -> None:
-        """No file is open between runs."""
+        """Do nothing."""
 
 
 def _named_in_files(folder: Path, reading: SignalReading | None) -> list[RecordedRun]:

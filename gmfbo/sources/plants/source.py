@@ -1,4 +1,4 @@
-"""Information source: whoever can run an experiment."""
+"""Information source: a plant or twin that can run an experiment."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ class Source(Protocol):
 
     @property
     def content_hash(self) -> str:
-        """Hash of all that decides the outcome; empty where there is none, as for a real axis."""
+        """Hash of all content that decides the outcome; empty for a real axis."""
         ...
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
-        """Follow the reference at these gains and return what was measured.
+        """Follow the reference at these gains, and return the trajectory.
 
         Parameters
         ----------
         gains : mapping of str to float
             All gains by name [unit of the FMU parameter].
         reference : Recording
-            What is to be followed.
+            Reference to follow.
         """
         ...
 

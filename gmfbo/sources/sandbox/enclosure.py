@@ -1,4 +1,4 @@
-"""Shutting this process in, and telling what that shuts off."""
+"""Enclose this process in the sandbox, and report which parts are in force."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TRUNCATION_SINCE, _TCP_SINCE = 3, 4
 
 @dataclass(frozen=True)
 class Enclosure:
-    """Which parts of the sandbox there are.
+    """Parts of the sandbox that are available or in force.
 
     Attributes
     ----------
@@ -37,12 +37,12 @@ class Enclosure:
 
     @property
     def is_whole(self) -> bool:
-        """Files, network and programs are all shut off."""
+        """Whether files, network and programs are all shut off."""
         return not self.missing
 
     @property
     def missing(self) -> str:
-        """What stays open, in words; empty where nothing does."""
+        """Words for the parts that stay open; empty where none does."""
         parts = []
         if not self.landlock:
             parts.append("it can read and write your files (the kernel has no landlock)")
@@ -55,7 +55,7 @@ class Enclosure:
 
 
 def available() -> Enclosure:
-    """What this machine offers; nothing is shut off by asking."""
+    """Parts that this machine offers; asking shuts nothing off."""
     if sys.platform != "linux":
         return Enclosure()
     from gmfbo.sources.sandbox import landlock
@@ -64,22 +64,22 @@ def available() -> Enclosure:
 
 
 def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure:
-    """Shut this process in for good; it must have one thread.
+    """Enclose this process for good; it must have one thread.
 
     Parameters
     ----------
     policy : Policy
         What the user lets it have.
     own : list of Path
-        Folders that it may do anything in.
+        Folders in which the process may do anything.
     shared : list of Path
-        Folders with files that it may overwrite in place; it can neither shorten nor remove them,
-        which would end whoever maps them.
+        Folders with files that the process may overwrite in place; shortening or removing them
+        would crash other processes that map them, and is denied.
 
     Returns
     -------
     Enclosure
-        What is in force.
+        Parts in force.
     """
     forgo_dumps()
     if policy.enclosed:
@@ -94,7 +94,7 @@ def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure
     allowed |= dict.fromkeys(own, landlock.OWN)
     allowed |= dict.fromkeys(shared, landlock.OVERWRITE)
     version, filtered = 0, False
-    # A kernel may offer what a container then refuses; what is not in force is told.
+    # A container may refuse what its kernel offers, so report the parts in force.
     with contextlib.suppress(OSError):
         version = landlock.restrict(allowed, network=policy.network)
     with contextlib.suppress(OSError):
@@ -103,7 +103,7 @@ def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure
 
 
 def protection(policy: Policy) -> list[str]:
-    """What protects the user on this machine when an FMU runs, a line each.
+    """Protections in force on this machine while an FMU runs, a line each.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""System calls that Python has no function for."""
+"""Linux system calls without a Python function."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def system_call(number: int, *arguments: int | ctypes.Structure | None) -> int:
     Raises
     ------
     OSError
-        It answered with an error.
+        The call failed.
     """
     return _checked(_libc().syscall, number, *arguments)
 
@@ -46,7 +46,7 @@ def adopt_orphans() -> None:
 
 
 def renounce_privileges() -> None:
-    """No program started from here on gains rights; a condition of landlock and seccomp."""
+    """Let no program started from here on gain rights, as landlock and seccomp require."""
     _control(_SET_NO_NEW_PRIVILEGES, 1)
 
 
@@ -56,7 +56,7 @@ def set_filter(program: ctypes.Structure | None) -> None:
 
 
 def has_filters() -> bool:
-    """Whether the kernel knows seccomp filters: it looks for one at the null pointer then."""
+    """Whether the kernel has seccomp filters: it then fails at a null pointer."""
     try:
         set_filter(None)
     except OSError as error:

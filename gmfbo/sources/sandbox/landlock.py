@@ -55,7 +55,7 @@ OWN = (
     | Access.MAKE_SYM
 )
 _OF_FILES = OVERWRITE | Access.EXECUTE | Access.TRUNCATE | Access.IOCTL_DEV
-# Version of the interface since which a right is known; the others since the first.
+# First version of the interface that has a right; rights not listed are in version 1.
 _SINCE = {Access.REFER: 2, Access.TRUNCATE: 3, Access.IOCTL_DEV: 5}
 
 
@@ -81,14 +81,14 @@ def version() -> int:
 
 
 def restrict(allowed: Mapping[Path, Access], *, network: bool) -> int:
-    """Deny this thread, and what it starts, all files but those allowed.
+    """Deny this thread and its children all files but the allowed ones.
 
-    To be called while the process has one thread: others would stay free.
+    Call it while the process has one thread: other threads would stay free.
 
     Parameters
     ----------
     allowed : mapping of Path to Access
-        What is allowed on a file, or on a folder and all below it; missing ones are passed over.
+        Rights on a file, or on a folder with all its content; missing paths are ignored.
     network : bool
         Leave TCP alone.
 
@@ -109,7 +109,7 @@ def restrict(allowed: Mapping[Path, Access], *, network: bool) -> int:
         _TCP_BIND_AND_CONNECT if offered >= _TCP_SINCE and not network else 0,
         _ABSTRACT_SOCKETS_AND_SIGNALS if offered >= _SCOPES_SINCE else 0,
     )
-    # An older kernel takes the longer structure as long as what it does not know is zero.
+    # An older kernel accepts the longer structure if the fields unknown to it are zero.
     ruleset = system_call(_CREATE_RULESET, rules, ctypes.sizeof(rules), 0)
     try:
         for path, access in allowed.items():

@@ -1,4 +1,4 @@
-"""How much a process may use (POSIX setrlimit)."""
+"""Resource limits of a process (POSIX setrlimit)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ else:
         memory : int
             [bytes] Private memory; 0 for no limit.
         """
-        if memory and sys.platform == "linux":  # macOS knows the limit and does not keep it
+        if memory and sys.platform == "linux":  # macOS accepts the limit without enforcing it
             _lower(resource.RLIMIT_DATA, memory)
         _lower(resource.RLIMIT_FSIZE, LARGEST_FILE_BYTES)
         _lower(resource.RLIMIT_NOFILE, MOST_OPEN_FILES)

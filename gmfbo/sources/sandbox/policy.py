@@ -1,4 +1,4 @@
-"""What the user lets FMUs have: the environment variable GMFBO_SANDBOX."""
+"""Sandbox policy: rights of FMUs, by the environment variable GMFBO_SANDBOX."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ _EXPECTED = (
 
 @dataclass(frozen=True)
 class Policy:
-    """What is shut off.
+    """Rights of FMUs.
 
-    It is no entry of a twin file: a file that comes with a foreign FMU must not open the door.
+    The policy is no entry of a twin file, since a file from a stranger must not grant rights.
 
     Attributes
     ----------
     enclosed : bool
-        False: an FMU may do what the user may do.
+        Whether the sandbox is on; without it an FMU has all rights of the user.
     network : bool
-        It may open connections, to a licence server for example.
+        Whether an FMU may open connections, such as to a licence server.
     read : tuple of str
-        Files or folders that it may read besides its own and the system's.
+        Files or folders that an FMU may read besides its own and the system's.
     memory : int
-        [bytes] It may hold; 0 for half of the machine's.
+        [bytes] Largest memory of an FMU's process; 0 for half of the machine's.
     """
 
     enclosed: bool = True
@@ -53,7 +53,7 @@ class Policy:
         Raises
         ------
         InputError
-            A word is unknown, a folder does not exist, or a number is none.
+            A word is unknown, a folder does not exist, or a number is invalid.
         """
         policy = cls()
         for word in environment.get(VARIABLE, "").split(","):
@@ -71,7 +71,7 @@ class Policy:
 
     @property
     def memory_limit(self) -> int:
-        """[bytes] Memory that it may hold; 0 where nothing is known of the machine's."""
+        """[bytes] Memory limit; 0 where the machine's memory is unknown."""
         if self.memory:
             return self.memory
         try:

@@ -1,4 +1,4 @@
-"""What a process that runs FMUs has to read: interpreter, libraries, devices."""
+"""Files that a process running FMUs has to read: interpreter, libraries, devices."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PACKAGE_FOLDERS = ("site-packages", "dist-packages")
 
 
 def readable() -> dict[Path, Access]:
-    """Files and folders by what may be done with them; the user's own are not among them."""
+    """Files and folders with their rights; the user's own files are not among them."""
     allowed = {Path(name): READ for name in _SYSTEM}
     allowed |= {Path(name): OVERWRITE for name in _DEVICES}
     allowed |= dict.fromkeys(_of_python(), READ)

@@ -39,14 +39,14 @@ class _Program(ctypes.Structure):
 
 
 def is_available() -> bool:
-    """Whether the kernel has filters, and the numbers of its calls are known here."""
+    """Whether the kernel has filters, and its call numbers are known here."""
     return platform.machine() in _MACHINES and sys.maxsize > 2**32 and has_filters()
 
 
 def restrict(*, network: bool) -> bool:
-    """Refuse this thread, and what it starts, the calls of `system_calls`.
+    """Deny this thread and its children the calls of `system_calls`.
 
-    A refused call fails with EPERM, as many do without any sandbox, so that an FMU can say so.
+    A denied call fails with EPERM, an ordinary error that an FMU can report.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def restrict(*, network: bool) -> bool:
 def _program(column: int, machine: int, *, network: bool) -> Iterator[_Step]:
     yield _LOAD, 0, 0, _MACHINE_AT
     yield _JUMP_IF_EQUAL, 1, 0, machine
-    yield _fail(errno.EPERM)  # numbers mean something else in 32-bit programs
+    yield _fail(errno.EPERM)  # call numbers differ in 32-bit programs
     yield _LOAD, 0, 0, _NUMBER_AT
     yield _JUMP_IF_GREATER_OR_EQUAL, 0, 1, _X32
     yield _fail(errno.EPERM)
@@ -102,7 +102,7 @@ def _only_with_first_argument(number: int, value: int) -> Iterator[_Step]:
 
 
 def _threads_only(clone: int, clone3: int) -> Iterator[_Step]:
-    # The flags of clone3 lie behind a pointer; without it the C library takes clone.
+    # A filter cannot read the flags of clone3 behind a pointer; without clone3, libc uses clone.
     yield _JUMP_IF_EQUAL, 0, 1, clone3
     yield _fail(errno.ENOSYS)
     yield _JUMP_IF_EQUAL, 0, 4, clone

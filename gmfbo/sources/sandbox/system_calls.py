@@ -1,4 +1,4 @@
-"""System calls that an FMU is refused, with their numbers on (x86-64, ARM64).
+"""System calls that an FMU is denied, with their numbers on (x86-64, ARM64).
 
 From the kernel's `asm/unistd_64.h`; a test compares them with the headers that ziglang carries.
 """
@@ -54,7 +54,7 @@ OTHER_PROCESSES: Numbers = {
     "tkill": (200, 130),
 }
 
-# What would outlive the process.
+# Objects that would outlive the process.
 LEFT_BEHIND: Numbers = {
     "shmget": (29, 194),
     "semget": (64, 190),

@@ -1,4 +1,4 @@
-"""One FMU's library, loaded once, and its instances."""
+"""An FMI 2.0 FMU's library, loaded once, and its instances."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _FOREIGN = r"invalid ELF header|wrong ELF class|not a valid Win32|incompatible a
 
 
 class FmuCallError(SimulationError):
-    """An FMU refused a call; the text says which, and what the FMU logged.
+    """An FMU refused a call; the text holds the call and the FMU's log.
 
     Attributes
     ----------
     stage : Stage
-        What it was asked for.
+            Request to the FMU.
     status : int
         FMI status of the answer.
     """
@@ -70,7 +70,7 @@ class LoadedFmu:
     Parameters
     ----------
     unpacked : UnpackedFmu
-        Where it lies.
+        The unpacked FMU.
 
     Raises
     ------
@@ -106,7 +106,7 @@ class LoadedFmu:
             # fmpy raises a bare Exception with the loader's text.
             raise FmuFileError(_load_problem(unpacked, str(error))) from None
         finally:
-            os.chdir(folder)  # fmpy leaves it elsewhere when loading fails
+            os.chdir(folder)  # fmpy leaves another working folder when loading fails
         missing = sorted(set(self.required) & self._slave.absent)
         if missing:
             raise FmuFileError(
@@ -135,14 +135,14 @@ class LoadedFmu:
         return Instance(self, self._slave, ctypes.c_void_p(self._slave.component))
 
     def refusal(self, call: str, status: int | None) -> str:
-        """Message for a call that was not answered with ok.
+        """Message for a call that did not return ok.
 
         Parameters
         ----------
         call : str
             FMI function.
         status : int or None
-            What it answered; None where it returns a pointer.
+            Its status; None where the call returns a pointer.
         """
         answer = "" if status is None else f" with '{_status_word(status)}'"
         said = f": {'; '.join(self._log.lines)}" if self._log.lines else ""
@@ -191,7 +191,7 @@ class Instance:
         Parameters
         ----------
         kind : ValueType
-            One that the interface has.
+            Type that the interface has.
         references, values : ctypes array
             Of `c_uint` and of the interface's type.
         stage : Stage
@@ -211,7 +211,7 @@ class Instance:
         Parameters
         ----------
         kind : ValueType
-            One that the interface has.
+            Type that the interface has.
         references, values : ctypes array
             Of `c_uint` and of the interface's type; `values` is filled.
 
@@ -229,14 +229,14 @@ class Instance:
         Parameters
         ----------
         time : float
-            [s] Communication point that it begins at.
+            [s] Communication point at which it begins.
         step : float
             [s] Its length.
 
         Raises
         ------
         FmuCallError
-            The FMU refused, or asks for what is not provided.
+            The FMU refused, or asks for an unsupported feature.
         """
         return self.call(self.interface.do_step, Stage.STEP, time, step, 1)
 
@@ -264,7 +264,7 @@ class Instance:
             raise FmuCallError(refused, stage, error.status) from None
 
     def has_ended(self) -> bool:
-        """Whether the FMU, having discarded a step, says that it ended the simulation."""
+        """Whether the FMU discarded a step because it ended the simulation."""
         told = ctypes.c_int(0)
         try:
             self.call("fmi2GetBooleanStatus", Stage.STEP, _TERMINATED, ctypes.byref(told))
@@ -299,10 +299,10 @@ def _status_word(status: int) -> str:
 
 
 def _load_problem(unpacked: UnpackedFmu, text: str) -> str:
-    """What is wrong and what to do, from the loader's words."""
+    """Problem and cure, from the loader's message."""
     beginning = f"'{unpacked.name}': its library cannot be loaded"
     missing = re.search(r"(\S+): cannot open shared object", text)
-    # The loader says that the library itself is not there when its processor is another.
+    # For another processor, the loader reports the library itself as missing.
     if missing and missing[1] != unpacked.library:
         return (
             f"{beginning}: it needs the system library {missing[1]}, which is not installed; "

@@ -1,6 +1,6 @@
-"""One FMI 3.0 FMU's library and its instances; all else is as in FMI 2.0 (`fmu`).
+"""An FMI 3.0 FMU's library and its instances; the rest is as in `fmi2`.
 
-Event mode is not used: the FMU is told so when it is instantiated, and handles its events itself.
+Event mode is not used: the FMU handles its events itself, as instantiation tells it to.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _DISCARD = 2
 
 
 class StepDemand(FmuCallError):
-    """A step was made, and the FMU asks for what a master at fixed points cannot do.
+    """A step was made, and the FMU asks for something that a fixed-step master cannot do.
 
     Attributes
     ----------
@@ -37,13 +37,13 @@ class StepDemand(FmuCallError):
 
 
 class FMU3TolerantSlave(fmpy.fmi3.FMU3Slave):  # type: ignore[misc]  # fmpy is untyped
-    """A slave whose library may have another name than the identifier, and lack optional functions.
+    """A slave whose library may have another name, and lack optional functions.
 
     fmpy tells the FMI version by the first letters of the class name.
     """
 
     def __init__(self, **arguments: Any) -> None:
-        # fmpy's own puts the library's path together from the identifier.
+        # fmpy's class derives the library's path from the identifier.
         fmpy.fmi1._FMU.__init__(self, **arguments)
 
     def _loadFunctions(self) -> None:
@@ -108,18 +108,18 @@ class Instance3(Instance):
     interface = FMI3
 
     def has_ended(self) -> bool:
-        """False: in FMI 3.0 the answer to a step itself says so."""
+        """False: in FMI 3.0 the step itself reports an ended simulation."""
         return False
 
     def set_values(
         self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
     ) -> int:
-        """Set values of one type; FMI 3.0 counts them apart from the variables."""
+        """Set values of one type; FMI 3.0 counts values and variables separately."""
         count = len(references)
         return self.call(FMI3.setter(kind), stage, references, count, values, count)
 
     def get_values(self, kind: ValueType, references: Values, values: Values) -> int:
-        """Read values of one type; FMI 3.0 counts them apart from the variables."""
+        """Read values of one type; FMI 3.0 counts values and variables separately."""
         count = len(references)
         return self.call(FMI3.getter(kind), Stage.STEP, references, count, values, count)
 
@@ -129,7 +129,7 @@ class Instance3(Instance):
         Parameters
         ----------
         time : float
-            [s] Communication point that it begins at.
+            [s] Communication point at which it begins.
         step : float
             [s] Its length.
 
@@ -138,7 +138,7 @@ class Instance3(Instance):
         FmuCallError
             The FMU refused.
         StepDemand
-            It asks for event mode, returned early, or ended the simulation.
+            The FMU asks for event mode, returned early, or ended the simulation.
         """
         event, terminate, early = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()
         last = ctypes.c_double(time + step)

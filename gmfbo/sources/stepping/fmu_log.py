@@ -1,4 +1,4 @@
-"""What FMUs log: the last lines of each, through one callback for all."""
+"""Log of each FMU: its last lines, through one callback for all."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class FmuLog:
     Attributes
     ----------
     callbacks : ctypes.Structure
-        To be handed to `fmi2Instantiate`; the FMU returns its `componentEnvironment`, which
-        tells whose line it is.
+        Argument of `fmi2Instantiate`; its `componentEnvironment` comes back with each line and
+        tells the FMU.
     lines : list of str
         Newest last.
     """
@@ -46,13 +46,13 @@ class FmuLog:
 
 @lru_cache(maxsize=1)
 def _shared_callbacks() -> Any:
-    """Callbacks that all FMUs share, since the part of fmpy in C knows one logger only."""
+    """Callbacks that all FMUs share, since fmpy's C library has a single logger."""
     callbacks = fmpy.fmi2.fmi2CallbackFunctions()
     callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(_keep)
     callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
     callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    # A message is a printf format with arguments, which only C can put together; fmpy has no
-    # library for that on some machines, and then the bare format is kept.
+    # A message is a printf format with arguments, which only C can format. On some machines fmpy
+    # has no library for that, and the bare format is kept.
     with contextlib.suppress(Exception):
         from fmpy.logging import addLoggerProxy
 

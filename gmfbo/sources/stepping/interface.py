@@ -1,4 +1,4 @@
-"""How a version of FMI names its calls for values, and how wide a value is there."""
+"""Names of a FMI version's calls for values, and the C types of these values."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Interface:
     major : int
         2 or 3.
     words : mapping of ValueType to str
-        What the calls of a type end in; types that the version lacks are not there.
+        Ending of the calls of each type that the version has.
     c_types : mapping of ValueType to type
-        What the calls take.
+        C type of the calls' values.
     """
 
     major: int
@@ -46,7 +46,7 @@ class Interface:
         return f"fmi{self.major}Get{self.words[kind]}"
 
     def room(self, kind: ValueType, count: int) -> Values:
-        """Room for values of a type."""
+        """Array for values of a type."""
         return (self.c_types[kind] * count)()
 
 
@@ -95,7 +95,7 @@ FMI3 = Interface(
 
 
 def crossing(value: float, kind: ValueType) -> float | int | bool:
-    """Value as a call takes it; halves round away from zero, as in C.
+    """Convert a value for a call; halves round away from zero, as in C.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Stepping FMUs over arrays: by the C master, or in Python where there is none."""
+"""Step FMUs over arrays: by the C master, or in Python where there is none."""
 
 from __future__ import annotations
 
@@ -77,18 +77,18 @@ def step_all(
     instances : sequence of Instance
         In step mode, in order of computation.
     job : Job
-        What is set and read; `settings` are already in force.
+        Variables that are set and read; `settings` are already in force.
     u, s : ndarray, shape (steps, n)
         Inputs and scheduled parameters, C-contiguous.
     y : ndarray, shape (steps + 1, n)
         Outputs, C-contiguous; filled row by row.
     native : bool
-        Use the C master if there is one; both ways give the same bits.
+        Use the C master if there is one; Python gives the same bits.
 
     Returns
     -------
     Stop
-        How it ended.
+        Outcome of the run.
     """
     path = master_path() if native else None
     if path is None:
@@ -128,7 +128,7 @@ def _step_natively(
         ctypes.byref(result),
     )
     if status > _STOPPED:
-        # Out of memory, or arguments that no job of ours can hold.
+        # Out of memory, or arguments that no valid job has.
         raise MemoryError(f"the C master refused a run with status {status}")
     return Stop(
         stopped=status == _STOPPED,

@@ -1,7 +1,7 @@
-"""The C master's loop in Python, for machines that it is not built for: some four times slower.
+"""The C master's loop in Python, about four times slower, for other machines.
 
-Calls, their order and their grouping are those of `fmu_build/master/master.c`, so that both give
-the same bits.
+Calls, their order and grouping are those of `fmu_build/master/master.c`, so that results agree to
+the bit.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class _Group:
     values: dict[int, float] = field(default_factory=dict)
 
     def read(self, instance: Instance) -> int:
-        """Fetch all values; answers the number of warnings."""
+        """Read all values; returns the number of warnings."""
         if not self.values:
             return 0
         references, raw = self._arrays(instance)
@@ -37,7 +37,7 @@ class _Group:
         return status
 
     def write(self, instance: Instance) -> int:
-        """Set all values; answers the number of warnings."""
+        """Set all values; returns the number of warnings."""
         if not self.values:
             return 0
         references, raw = self._arrays(instance)
@@ -50,7 +50,7 @@ class _Group:
 
 
 class _Loop:
-    """A run under way."""
+    """State of a run."""
 
     def __init__(
         self,

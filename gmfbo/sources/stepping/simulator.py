@@ -1,4 +1,4 @@
-"""Runs of loaded FMUs in this process; the worker and the in-process mode both use it."""
+"""Run loaded FMUs in this process; used by the worker and by the in-process mode."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _DEMANDS = {
 
 
 def ignore_mark(stage: Stage, fmu: int) -> None:
-    """Forget progress, where nobody outlives a crash."""
+    """Ignore progress, which only a surviving parent process could report."""
 
 
 class Simulator:
@@ -43,7 +43,7 @@ class Simulator:
     fmus : sequence of UnpackedFmu
         In order of computation.
     mark : callable
-        Told what is about to be asked of which FMU, so that a crash can be explained.
+        Called with the stage and FMU before each request, so that a crash can be explained.
     native : bool
         Step by the C master where there is one.
 
@@ -72,7 +72,7 @@ class Simulator:
         Parameters
         ----------
         job : Job
-            What is set, stepped and read.
+            The run.
         u, s : ndarray, shape (steps, n)
             Inputs and scheduled parameters.
         y : ndarray, shape (steps + 1, n)

@@ -1,4 +1,4 @@
-"""How a pass of the master ended."""
+"""Outcome of a run of the master."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import IntEnum
 
 
 class LoopStage(IntEnum):
-    """Which call of a communication step did not end well; numbers as in `master.h`."""
+    """Call of a communication step that failed; numbers as in `master.h`."""
 
     NONE = 0
     SET = 1
@@ -20,20 +20,20 @@ class LoopStage(IntEnum):
 
 @dataclass(frozen=True)
 class Stop:
-    """The result of the master, native or in Python.
+    """Outcome of the master, native or in Python.
 
     Attributes
     ----------
     stopped : bool
-        An FMU refused, or gave a value that is not finite; else all steps were made.
+        Whether an FMU refused, or gave a value that is not finite; else all steps were made.
     fmu : int
-        Which.
+        Index of the FMU.
     stage : int
         A `LoopStage`.
     step : int
         Index of the step under way; -1 while row 0 is read. Rows 0 to `step` are valid.
     fmi_status : int
-        What the FMU answered.
+        Status of the FMU's call.
     warnings : int
         Calls that answered with a warning.
     """

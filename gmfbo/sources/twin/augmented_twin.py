@@ -1,4 +1,4 @@
-"""A twin and the physics wired to its ports, run along recordings."""
+"""A twin with physics wired to its ports, run along recordings."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class RunPlan:
     Attributes
     ----------
     recording : Recording
-        What is followed.
+            Recording that is followed.
     experiment : Experiment
-        The same on the grid.
+            The recording on the grid.
     lead : int
-        Communication steps under the first row before the recording begins.
+            Communication steps under the first row before the recording begins.
     substeps : int
         Steps of physics and twin within each.
     inputs : ndarray, shape ((lead + rows - 1) * substeps, n_inputs)
@@ -53,16 +53,16 @@ class RunPlan:
     def after(
         cls, recording: Recording, experiment: Experiment, lead: int, substeps: int
     ) -> RunPlan:
-        """Lay out a run that begins after a time under the first row.
+        """Plan a run that holds the first row for some steps before the recording begins.
 
         Parameters
         ----------
         recording : Recording
-            What is followed.
+                Recording that is followed.
         experiment : Experiment
-            The same on the grid.
+                The recording on the grid.
         lead : int
-            Communication steps under the first row.
+                Communication steps under the first row.
         substeps : int
             Steps of physics and twin within each.
         """
@@ -84,20 +84,20 @@ class RunPlan:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What an augmented twin did along a recording, on the communication grid.
+    """Response of an augmented twin to a recording, on the communication grid.
 
     Attributes
     ----------
     outcome : Outcome
-        How it ended; the columns hold NaN where it did not get.
+        How the run ended; columns hold NaN after its end.
     held : mapping of str to ndarray, shape (rows,)
         [SI] Signals of [outputs] at t_k, before the inputs of t_k act.
     new : mapping of str to ndarray, shape (rows,)
-        [SI] The same right after the inputs of t_k have acted.
+        [SI] Signals of [outputs] right after the inputs of t_k have acted.
     states : mapping of str to ndarray, shape (rows,)
         [FMU's units] Of [states].
     ports : mapping of str to ndarray, shape (rows,)
-        [FMU's units] What physics adds at each port from t_k on.
+        [FMU's units] Signal that physics adds at each port from t_k on.
     effort : ndarray, shape (rows,)
         [unit of the torque port] Of the tracking loop.
     """
@@ -119,7 +119,7 @@ class AugmentedTwin:
     Parameters
     ----------
     twin : FmuTwin
-        Its parameters and isolation count; its own worker is not used.
+        Gives parameters and isolation; its own worker is not used.
     substeps : int
         Steps of physics and twin within one communication step.
     isolated : bool
@@ -127,7 +127,7 @@ class AugmentedTwin:
     time_limit_s : float
         [s] Wall-clock time that one simulation may take in the worker.
     sensor_included : bool
-        The state `position` is the reading, which holds what is added at the sensor port.
+        Whether the state `position` is the reading, which contains the sensor port's signal.
 
     Raises
     ------
@@ -151,7 +151,7 @@ class AugmentedTwin:
 
     @property
     def step(self) -> float:
-        """[s] At which twin and physics are stepped."""
+        """[s] Step of twin and physics."""
         return self.twin.step / self.substeps
 
     @property
@@ -173,7 +173,7 @@ class AugmentedTwin:
         }
 
     def plan(self, recording: Recording, parameters: Mapping[str, float]) -> RunPlan:
-        """Lay a recording on the grid and find out how long the twin takes to rest before it.
+        """Plan a run along a recording, with the time that the twin needs to come to rest first.
 
         Parameters
         ----------
@@ -270,7 +270,7 @@ class AugmentedTwin:
         return self._runner
 
     def _settles_after(self, experiment: Experiment) -> int:
-        """Communication steps under the first row until the outputs stay put; 0 where never."""
+        """Communication steps under the first row until the outputs are at rest; 0 where never."""
         first, *longer = probe_lengths(experiment.step)
         probe = self._started().run(experiment.probe_at_start(first))[0]
         if probe.outcome.status != "ok" or settled_after(probe.y, experiment.step) == 0:
@@ -311,7 +311,7 @@ class AugmentedTwin:
         return ports, columns
 
     def _through_physics(self, inputs: tuple[Port, ...], plan: RunPlan) -> tuple[Port, ...]:
-        """Let a recorded command reach its port by way of physics, which hands it on."""
+        """Route a recorded command through physics to its port."""
         name = self._augmented.command_input
         if name is None or name not in plan.experiment.inputs:
             return inputs
@@ -353,7 +353,7 @@ class AugmentedTwin:
             column += 1
         effort = np.zeros(points.size)
         if "torque" in ports:
-            # The mean of each step moves the shaft; a value at its beginning leans on one side.
+            # The mean over each step moves the shaft; the value at its beginning would be biased.
             steps = y[1 + self.substeps * plan.lead :, column].reshape(-1, self.substeps)
             effort[:-1] = steps.mean(axis=1)
             effort[-1] = effort[-2]
@@ -361,10 +361,10 @@ class AugmentedTwin:
 
 
 def _between_rows(measured: NDArray[np.float64], rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Recorded column at fractional rows; its slope at a row is that of the motion.
+    """Recorded column at fractional rows, by a spline with the motion's slope at each row.
 
-    Straight lines would lag the velocity by half a step, and the tracking loop would take that
-    for an inertia of its damping times half a step.
+    Linear interpolation delays the velocity by half a step; to the tracking loop this looks like
+    an inertia of its damping times half a step.
     """
     from scipy.interpolate import CubicSpline
 

@@ -16,12 +16,12 @@ from gmfbo.sources.fmu_file.job import Setting
 
 @dataclass(frozen=True, eq=False)
 class RunParameters:
-    """What is set before a run and what changes during it.
+    """Parameters set before a run, and parameters that change during it.
 
     Attributes
     ----------
     settings : tuple of Setting
-        Before initialisation.
+            Set before initialisation.
     in_force : mapping of str to float
         Values [FMU's unit] that this run set over the twin file's, by name.
     schedules : mapping of str to ndarray, shape (n,)
@@ -39,7 +39,7 @@ def run_parameters(
     override: Mapping[str, float],
     gains: Mapping[str, float],
 ) -> RunParameters:
-    """Settle each parameter's value: twin file < recording < [initial] < override < gains.
+    """Choose each parameter's value: twin file < recording < [initial] < override < gains.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def run_parameters(
     InputError
         A name is unknown, or a value outside the FMU's bounds.
     RecordingError
-        The same in the recording, or a parameter changes that is not tunable.
+        A name or value of the recording is wrong, or a parameter changes that is not tunable.
     """
     label = recording.name or "recording"
     for name in (*recording.parameters, *recording.schedules):
@@ -83,7 +83,7 @@ def run_parameters(
 
 
 def check_parameters(binding: Binding, override: Mapping[str, float]) -> None:
-    """Refuse a parameter of the twin file, or one given over it, before anything is run.
+    """Raise for an invalid parameter of the twin file or the override, before any run.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ def _check_names(binding: Binding, given: Mapping[str, float]) -> None:
 def _split_schedules(
     binding: Binding, recording: Recording, explicit: Mapping[str, float]
 ) -> tuple[dict[str, float], dict[str, NDArray[np.float64]]]:
-    """First value of each schedule, and those that change after it."""
+    """First value of each schedule, and the schedules that change after it."""
     first, changing = {}, {}
     for name, column in recording.schedules.items():
         if name in explicit:
-            continue  # given for this run: it holds throughout
+            continue  # a value given for this run holds throughout
         sampled = np.flatnonzero(~np.isnan(column))
         if sampled.size == 0:
             continue
@@ -141,14 +141,14 @@ def _split_schedules(
 
 
 def starts_as_recorded(binding: Binding, recording: Recording) -> bool:
-    """Whether [initial] says where the recording starts, so that nothing has to settle.
+    """Whether [initial] states the recording's start, so that nothing has to settle.
 
     Parameters
     ----------
     binding : Binding
         The twin.
     recording : Recording
-        A reference to follow holds no measured signal; then [initial] has nothing to say.
+        A bare reference holds no measured signal, and [initial] then does not apply.
     """
     initial = binding.file.initial
     return bool(initial) and all(

@@ -1,4 +1,4 @@
-"""One run of a twin: from a recording to a job, and from outputs to a trajectory."""
+"""Run plan: from a recording to a job, and from outputs to a trajectory."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from gmfbo.sources.worker.runner import Order, Result
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """What one run follows, on the communication grid.
+    """Inputs and parameters of one run on the communication grid.
 
     Attributes
     ----------
     binding : Binding
         The twin.
     parameters : RunParameters
-        What is set.
+            Parameters of the run.
     name : str
-        Of the recording that is followed.
+            Of the recording that is followed.
     step : float
         [s] Communication step.
     grid : ndarray, shape (rows,)
@@ -51,16 +51,16 @@ class Experiment:
     def prepare(
         cls, binding: Binding, recording: Recording, parameters: RunParameters, step: float
     ) -> Experiment:
-        """Lay a recording on the communication grid.
+        """Sample a recording on the communication grid.
 
         Parameters
         ----------
         binding : Binding
             The twin.
         recording : Recording
-            What is followed.
+                Recording that is followed.
         parameters : RunParameters
-            What is set.
+                Parameters of the run.
         step : float
             [s] Communication step.
 
@@ -85,7 +85,7 @@ class Experiment:
         )
 
     def order(self, lead: int) -> Order:
-        """Order the run, after `lead` steps under the first row."""
+        """Order of the run, after `lead` steps under the first row."""
         steps = self.grid.size - 1
         rows = np.concatenate([np.zeros(lead, dtype=int), np.arange(steps)])
         schedules = tuple(
@@ -98,15 +98,15 @@ class Experiment:
         )
 
     def probe_at_start(self, steps: int) -> Order:
-        """Order some steps under the first row, from the first communication point."""
+        """Order of some steps under the first row, from the first communication point."""
         return self._probe(steps, self.grid[0])
 
     def probe_before_start(self, steps: int) -> Order:
-        """Order some steps under the first row, up to the first communication point."""
+        """Order of some steps under the first row, up to the first communication point."""
         return self._probe(steps, self.grid[0] - steps * self.step)
 
     def trajectory(self, result: Result, lead: int, seconds: float) -> Trajectory:
-        """Make the trajectory of a run; one row of NaN where there is none.
+        """Make the trajectory of a run; one row of NaN where the run gave none.
 
         Parameters
         ----------

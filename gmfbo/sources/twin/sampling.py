@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 
-# A sample that comes late by less than this share of a step belongs to the grid point before:
-# a clock's jitter of 10 ns must not delay a held reference by a whole step.
+# A sample later than a grid point by less than this share of a step belongs to that point: a
+# clock's jitter of 10 ns must not delay a held reference by a whole step.
 _LATE_SHARE = 0.1
-# Quartz clocks of two devices differ by up to 100 ppm each; beyond twice that they are no clocks.
+# Quartz clocks are off by up to 100 ppm each: two of them differ by at most twice that.
 _CLOCKS_APART = 4e-4
 # A recording that ends this share of a step after a grid point needs no further point.
 _END_SHARE = 1e-3
@@ -40,10 +40,10 @@ def sample(
 ) -> NDArray[np.float64]:
     """Values of a recorded signal at grid points, shape of `grid`.
 
-    Before its first sample a signal has the value of that sample; rows that hold NaN were not
-    sampled and do not count. Even rows that are held come with the steps of the grid, or with every
-    n-th of them, where only two clocks that differ say otherwise: else a clock that is 150 ppm fast
-    would put a reference off by a whole sample from 0.7 s on.
+    Before its first sample a signal has the value of that sample; rows with NaN were not sampled.
+    Evenly spaced, held rows are assigned to the grid's steps, or to every n-th step, where the
+    clocks of logger and grid differ only by their tolerance. Otherwise a clock 150 ppm fast would
+    shift a reference by a whole sample from 0.7 s on.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def sample(
     Raises
     ------
     RecordingError
-        There is no sample at all, or an infinite one.
+        The signal has no sample, or an infinite one.
     """
     sampled = ~np.isnan(values)
     if not sampled.any():
@@ -72,7 +72,7 @@ def sample(
     known_time, known = time[sampled], values[sampled]
     if interpolation == "linear":
         return np.interp(grid, known_time, known)
-    # Between rows of both clocks: jitter counts against the finer of the two.
+    # Jitter is compared with the finer of the two spacings.
     spacing = min(
         float(np.median(np.diff(known_time))) if known_time.size > 1 else np.inf,
         float(grid[1] - grid[0]) if grid.size > 1 else np.inf,
@@ -85,7 +85,7 @@ def sample(
 
 
 def _by_the_clock_of(step: float, time: NDArray[np.float64], late: float) -> NDArray[np.float64]:
-    """Times of rows by the clock of the grid, where only that differs."""
+    """Times of rows by the grid's clock, where the two clocks differ only by their tolerance."""
     count = time.size - 1
     if count < 1:
         return time

@@ -1,9 +1,9 @@
-"""How long the first reference is held before a run, so that the twin starts at rest.
+"""Settling time before a run: the first reference is held until the twin is at rest.
 
-Probes of 0.05, 1 and 5 s under the first reference are made until one settles. A twin that is at
-rest from its start is not held at all, so that its run begins with its own start values. One that
-never settles (an open-loop plant under force, a limit cycle) is not held either: it begins where
-its FMU begins, and the warm-up is left out of the score.
+Probes of 0.05, 1 and 5 s under the first reference are made until one settles. A twin at rest from
+its start is not held at all, so that its run begins with its own start values. A twin that never
+settles (an open-loop plant under force, a limit cycle) also begins with its start values, and the
+warm-up is left out of the score.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ABSOLUTE = 1e-9  # [SI] rounding at standstill; far below any encoder's or driv
 
 
 def probe_lengths(step: float) -> list[int]:
-    """Steps of the probes under the first reference, to be tried in this order.
+    """Steps of the probes under the first reference, in the order of trial.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Signals of a twin: between the recording's SI values and the FMU's own units."""
+"""Convert a twin's signals between the recording's SI units and the FMU's units."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from gmfbo.units import parse_unit
 
 
 def signal_specs(binding: Binding, override: Mapping[str, float]) -> dict[str, SignalSpec]:
-    """How each recorded column becomes a signal.
+    """Conversion of each recorded column to a signal.
 
     Parameters
     ----------
     binding : Binding
         The twin.
     override : mapping of str to float
-        Parameters given for the twin; one of them may be a scale.
+        Parameters given for the twin; a parameter may serve as a scale.
     """
     entries: dict[str, SignalEntry] = {**binding.file.inputs, **binding.file.outputs}
     return {
@@ -52,14 +52,14 @@ def input_columns(
     binding : Binding
         The twin.
     recording : Recording
-        What is followed; an input that it lacks keeps the FMU's start value.
+        Recording that is followed; an input that it lacks keeps the FMU's start value.
     grid : ndarray, shape (rows,)
         [s] Communication points.
 
     Raises
     ------
     RecordingError
-        It holds none of the inputs, or one in another kind of unit, or one without values.
+        It holds none of the inputs, or an input with a wrong dimension or without values.
     """
     inputs = binding.file.inputs
     label = recording.name or "recording"
@@ -95,7 +95,7 @@ def to_si(variable: FmuVariable, values: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def as_logged(entry: OutputEntry, column: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What the logger stores at each communication point, shape (rows,).
+    """Values that the logger stores at each communication point, shape (rows,).
 
     The FMU's output at t_k is the command still held there. A logger of kind `new` stores the
     command computed at t_k, which the FMU shows after the step from t_k: one row later. The last
@@ -104,7 +104,7 @@ def as_logged(entry: OutputEntry, column: NDArray[np.float64]) -> NDArray[np.flo
     Parameters
     ----------
     entry : OutputEntry
-        Says what the logger stores; held is assumed where unknown.
+        Tells what the logger stores; held is assumed where unknown.
     column : ndarray, shape (rows,)
         FMU's output at the communication points.
     """

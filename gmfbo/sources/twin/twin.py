@@ -36,19 +36,19 @@ if TYPE_CHECKING:
 
 
 class FmuTwin:
-    """One or several FMUs, told in the recording's words by a twin file.
+    """One or several FMUs whose signals a twin file names in the recording's words.
 
-    Nothing of the FMU runs until the first `run`; then it runs in a worker process of its own,
-    since a crash, `exit()` or hang inside an FMU takes its process with it. Such a run gives a
-    trajectory with status `crashed` or `timeout`, and the next run gets a fresh worker.
+    The FMU's code first runs at the first `run`, in a worker process of its own, since a crash,
+    `exit()` or hang inside an FMU takes its process with it. Such a run gives a trajectory with
+    status `crashed` or `timeout`, and the next run gets a fresh worker.
 
-    Row k of a trajectory holds the FMU's outputs read at communication point t_k, before the
-    inputs of t_k act; for an output with `logged = "new"`, what such a logger stores at t_k: the
-    output one communication step later, where the last row repeats the one before.
+    Row k of a trajectory holds the FMU's outputs at communication point t_k, before the inputs of
+    t_k act. For an output with `logged = "new"` it holds the output one communication step later,
+    as such a logger stores it; the last row repeats the one before.
 
-    Without [initial], or with one that names signals which the recording lacks, the first
-    reference is held until the outputs stay put, for at most 5 s; a twin that does not settle
-    starts with its FMU's own start values.
+    Without [initial], or if the recording lacks its signals, the first reference is held until the
+    outputs are at rest, for at most 5 s. A twin that does not settle starts with its FMU's own
+    start values.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class FmuTwin:
         return MappingProxyType(self._parameters)
 
     def nominal(self, name: str) -> float:
-        """Value [FMU's unit] of a parameter as this twin leaves it to its runs.
+        """Value [FMU's unit] of a parameter in the twin's runs, unless a run overrides it.
 
         Parameters
         ----------
@@ -131,12 +131,12 @@ class FmuTwin:
 
     @cached_property
     def content_hash(self) -> str:
-        """Hash of the twin file's meaning, the FMUs' bytes, the parameters and the step."""
+        """Hash of the twin file's content, the FMUs' bytes, the parameters and the step."""
         return content_hash(self._binding, self._parameters, self.step)
 
     @cached_property
     def gains(self) -> GainSpace:
-        """Box of the gains that tuning may move; those that the file fixes are left out."""
+        """Box of the gains that tuning may move; gains fixed by the file are left out."""
         from gmfbo.space import Gain, GainSpace
 
         return GainSpace(
@@ -148,15 +148,15 @@ class FmuTwin:
         )
 
     def signal_specs(self) -> Mapping[str, SignalSpec]:
-        """Return the signals that the twin file names, by name."""
+        """Signals of the twin file, by name."""
         return signal_specs(self._binding, self._parameters)
 
     def column_mapping(self) -> ColumnMapping:
-        """Return how the logger names the columns, as the twin file's `columns` says."""
+        """Mapping of the logger's columns, from the twin file's `columns`."""
         return column_mapping(self.file.columns, self.file.dialect)
 
     def parameter_tunable(self) -> Mapping[str, bool]:
-        """Return each FMU parameter, and whether it may change during a run."""
+        """Each FMU parameter, and whether it may change during a run."""
         parameters = self._binding.parameters
         return {name: bound.variable.tunable for name, bound in parameters.items()}
 
@@ -172,8 +172,8 @@ class FmuTwin:
         Parameters
         ----------
         gains : mapping of str to float, or sequence of float
-            [FMU's unit] By name, or one for each of `self.gains` in order. A gain that is not
-            named keeps the recording's, twin file's or FMU's value.
+            [FMU's unit] By name, or one for each of `self.gains` in order. Other gains keep the
+            value of the recording, twin file or FMU.
         reference : Recording
             Signals of [inputs] in SI, schedules, and parameters in force. The communication
             grid begins at its first row and covers its last.
@@ -255,7 +255,7 @@ class FmuTwin:
                 self._runner = None
 
     def __reduce__(self) -> tuple[Callable[[], FmuTwin], tuple[()]]:
-        """Pickle as the way to open it: a copy in another process gets a worker of its own."""
+        """Pickle the arguments only: a copy in another process opens a worker of its own."""
         opened = partial(
             FmuTwin,
             self._path.resolve(),
@@ -297,9 +297,9 @@ class FmuTwin:
 
 
 def _run_from_rest(runner: Runner, experiment: Experiment) -> tuple[int, Result]:
-    """Hold the first reference until the twin settles, then run: steps held, and the result."""
+    """Hold the first reference until the twin settles, then run; returns steps held, and result."""
     first, *longer = probe_lengths(experiment.step)
-    # Most runs begin at rest: then the run is done by the time the probe has told so.
+    # Most runs begin at rest, so the run is ordered together with the first probe.
     probe, *run = runner.run(experiment.probe_at_start(first), experiment.order(0))
     if probe.outcome.status == "timeout":
         return 0, Result(replace(probe.outcome, rows=0), probe.y)  # do not wait for it twice

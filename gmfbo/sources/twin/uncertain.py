@@ -1,4 +1,4 @@
-"""Parameters of a twin that its file calls uncertain."""
+"""Uncertain parameters of a twin, from its file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Uncertain:
-    """A parameter of the twin that is known only roughly.
+    """An uncertain parameter of the twin.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Uncertain:
 
 
 def uncertain_of(twin: FmuTwin) -> tuple[Uncertain, ...]:
-    """Parameters of [uncertain], about their values in the twin; a range holds its value.
+    """Parameters of [uncertain], with ranges that contain the twin's values.
 
     Parameters
     ----------

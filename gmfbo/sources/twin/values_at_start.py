@@ -1,4 +1,4 @@
-"""The shortest run of a twin, made only to read what its FMUs computed at their start."""
+"""Order of the shortest run, made to read variables after initialisation."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from gmfbo.sources.worker.runner import Order
 
 
 def initial_order(binding: Binding, names: Sequence[str], parameters: Mapping[str, float]) -> Order:
-    """Order one communication step, reading some variables.
+    """Order of one communication step that reads some variables.
 
     Parameters
     ----------
     binding : Binding
         The twin.
     names : sequence of str
-        What is read.
+        Variables to read.
     parameters : mapping of str to float
         [FMU's unit] Over the twin file's.
 

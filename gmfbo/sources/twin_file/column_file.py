@@ -1,4 +1,4 @@
-"""A column mapping as a file of its own, which several twin files may share."""
+"""A column mapping in a file of its own, which several twin files may share."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class ColumnEntry(Table):
     column : str
         Its name in the file.
     unit : str or None
-        Of the value; that of the file's header unless given.
+        Unit of the value; the unit in the file's header unless given.
     scale : float or None
         [unit / column unit]
     offset : float
@@ -78,7 +78,7 @@ class ColumnFile(Table):
         Raises
         ------
         TwinFileError
-            It is missing, not TOML, or says what a column mapping cannot say.
+            It is missing, not TOML, or no valid column mapping.
         """
         try:
             raw = parse_toml(read_toml_text(path))
@@ -96,7 +96,7 @@ class ColumnFile(Table):
 
 
 def column_mapping(columns: Mapping[str, ColumnEntry], dialect: str) -> ColumnMapping:
-    """What a reader needs of a mapping.
+    """Column mapping for a reader.
 
     Parameters
     ----------

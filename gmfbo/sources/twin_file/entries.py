@@ -17,7 +17,7 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 def _as_number(value: object) -> object:
-    # A Boolean parameter is set by true and false; TOML keeps them apart from numbers.
+    # A Boolean parameter is set by true and false, which TOML distinguishes from numbers.
     return float(value) if isinstance(value, bool) else value
 
 
@@ -34,20 +34,20 @@ Pair = Annotated[tuple[float, float], BeforeValidator(_as_pair)]
 
 
 class Table(BaseModel):
-    """A table of the file; keys that it does not know are refused."""
+    """A table of the file; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class TableEntry(Table):
-    """A lookup table inside the FMU whose nodes are known only roughly.
+    """A lookup table inside the FMU whose nodes are uncertain.
 
     Attributes
     ----------
     nodes : str
         FMU variables `NODES[i]` or `NODES[i,j]`, from 1, that hold the table in force.
     deltas : str or None
-        FMU parameters `DELTAS[i,j]` that are added to it; None where the nodes are parameters.
+        FMU parameters `DELTAS[i,j]` added to the table; None where the nodes are parameters.
     rising : {"rows", "columns"} or None
         Index along which no value is smaller than the one before it: `rows` is the first.
     """
@@ -67,7 +67,7 @@ class GainRange(Table):
     scale : {"linear", "log"}
         Whether the range is searched by its values or by their logarithm.
     integer : bool
-        Only whole numbers are taken.
+        Whether only whole numbers are allowed.
     """
 
     low: Number
@@ -96,7 +96,7 @@ class GainRange(Table):
 
     @property
     def fixed(self) -> bool:
-        """The range holds one value only."""
+        """Whether the range is a single value."""
         return self.low == self.high
 
 
@@ -116,7 +116,7 @@ class SignalEntry(Table):
     uncertain_scale : float or None
         Share of the scale that the diagnosis may refit.
     shift_range : tuple of float or None
-        [s] Within which the diagnosis may shift the signal in time.
+        [s] Range of the time shift that the diagnosis may fit.
     """
 
     variable: Text
@@ -165,7 +165,7 @@ class ControllerEntry(BaseModel):
     Attributes
     ----------
     kind : {"pd_filtered", "cascade_p_pi", "pid"}
-        Which FMU of `models/` it is.
+        FMU of `models/`.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True)

@@ -1,4 +1,4 @@
-"""What is wrong with a file, in one line: from pydantic's list of errors."""
+"""Describe pydantic's list of errors of a file in one line."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _SHOWN = 3
 
 
 def describe_problems(error: ValidationError, model: type[BaseModel]) -> str:
-    """Tell the first few problems with key, what was expected and what came.
+    """Describe the first few problems: key, expected and given value.
 
     Parameters
     ----------
     error : ValidationError
-        What the model raised.
+        Exception of the model.
     model : type
         The model, to name the keys that would be valid.
     """
@@ -46,7 +46,7 @@ def _describe(entry: Any, model: type[BaseModel]) -> str:
 
 
 def _where(place: list[str]) -> str:
-    """[outputs] 'position' scale: ... , as the file writes it."""
+    """Place of a problem in the file's words: "[outputs] 'position' scale"."""
     if not place:
         return ""
     # A union's branch (`str`, `float`) is no key of the file.
@@ -63,12 +63,12 @@ def _is_branch(part: str) -> bool:
 
 
 def _keys(model: type[BaseModel], table: list[str]) -> list[str]:
-    """Keys that the table at this place knows."""
+    """Valid keys of the table at this place."""
     found: object = model
     for part in table:
         if isinstance(found, type) and issubclass(found, BaseModel):
             found = found.model_fields[part].annotation if part in found.model_fields else None
-        elif get_origin(found) is dict:  # the part is a key of the user's own
+        elif get_origin(found) is dict:  # the part is a name chosen by the user
             found = get_args(found)[1]
     is_model = isinstance(found, type) and issubclass(found, BaseModel)
     return list(found.model_fields) if is_model else []  # type: ignore[attr-defined]

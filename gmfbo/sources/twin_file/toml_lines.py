@@ -1,4 +1,4 @@
-"""Writing a twin file's text."""
+"""Write the text of a twin file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def toml_text(value: str) -> str:
 
 
 def toml_table(name: str, story: str, lines: Iterable[str]) -> str:
-    """Text of a table; empty where it has no entries, but for [outputs], which has to be there."""
+    """Text of a table; empty without entries, except for the obligatory [outputs]."""
     body = list(lines)
     if not body and name != "outputs":
         return ""
@@ -26,7 +26,7 @@ def bare_key(name: str) -> str:
 
 
 def free_key(name: str, taken: set[str]) -> str:
-    """The name, or with a number where it is taken; it is taken from then on."""
+    """A free key by this name, numbered where taken; the key is then added to `taken`."""
     number, free = 1, name
     while free in taken:
         number += 1

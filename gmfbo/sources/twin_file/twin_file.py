@@ -1,4 +1,4 @@
-"""The twin file: an FMU told in the recording's words."""
+"""The twin file: names an FMU's variables in the recording's words."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class TwinFile(Table):
     Attributes
     ----------
     name : str
-        For people.
+            Name for messages.
     fmu : str or None
         Path of the FMU; None where `fmus` is given.
     fmus : dict of str to str or ControllerEntry
@@ -68,19 +68,19 @@ class TwinFile(Table):
     step : float
         [s] Communication step.
     warmup : float or None
-        [s] Simulated, but not scored.
+        [s] Start of a run that is simulated, but not scored.
     inputs, outputs : dict
         Recorded signal = FMU variable.
     parameters : dict of str to float
-        Set before initialisation.
+        Values set before initialisation.
     gains : dict of str to GainRange
-        What tuning may move.
+        Ranges of the gains that tuning may move.
     uncertain : dict of str to tuple of float
-        Known only roughly: [low, high].
+        Ranges [low, high] of uncertain parameters.
     tables : dict of str to TableEntry
-        Lookup tables that are known only roughly, by a name for people.
+        Uncertain lookup tables, by a name for messages.
     ports, states, roles : dict of str to str
-        FMU inputs where physics may act, outputs it may depend on, parameters with a meaning.
+        FMU inputs where physics may act, outputs that it may depend on, parameters with a role.
     initial : dict of str to str or float
         FMU parameter = recorded signal, number, or "fit".
     columns : dict of str to ColumnEntry
@@ -112,7 +112,7 @@ class TwinFile(Table):
     @field_validator("fmus", mode="before")
     @classmethod
     def _known_controllers(cls, value: object) -> object:
-        # Said here, since a union of a text and a table would report both of its failures.
+        # Checked here, since a union of a text and a table would report both failures.
         for name, entry in value.items() if isinstance(value, dict) else ():
             if isinstance(entry, dict) and entry.get("kind") not in CONTROLLER_KINDS:
                 kind = str(entry.get("kind", ""))
@@ -157,7 +157,7 @@ class TwinFile(Table):
         label : str
             Name of the file, for messages.
         folder : Path, optional
-            Where the file lies, and so the column mapping that it may name.
+            Folder of the file, and of a column mapping that it may name.
 
         Raises
         ------
@@ -189,7 +189,7 @@ class TwinFile(Table):
         Raises
         ------
         TwinFileError
-            It is missing, not UTF-8, not TOML, or says what a twin file cannot say.
+            It is missing, not UTF-8, not TOML, or no valid twin file.
         """
         path = Path(path)
         try:
@@ -207,7 +207,7 @@ class TwinFile(Table):
 
 
 def twin_files(path: Path) -> tuple[Path, ...]:
-    """A twin file and all files that it names; what ships with gmfbo is not among them.
+    """A twin file and all files that it names, without those that ship with gmfbo.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a worker answers or leaves, read with care: foreign code runs in the same process."""
+"""Read a worker's answers defensively, since foreign code runs in its process."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from gmfbo.sources.worker.post_mortem import plain_line
 def read_outcomes(
     answer: Mapping[str, Any], outputs: Sequence[NDArray[np.float64]]
 ) -> list[Outcome] | None:
-    """How each run ended, as the worker says; None where it says nothing that can be.
+    """Outcome of each run from the worker's answer; None where the answer is invalid.
 
     Parameters
     ----------
     answer : mapping
         From JSON.
     outputs : sequence of ndarray, shape (rows, n)
-        One for each run that was asked for.
+        One array for each run asked for.
     """
     outcomes = []
     try:

@@ -1,4 +1,4 @@
-"""Runs of a twin in a process of its own, which may crash, exit or hang."""
+"""Run a twin's FMUs in a process of its own, which may crash, exit or hang."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ START_LIMIT_S = 60.0
 """[s] For a worker to start and load the libraries; a cold disk is slow."""
 
 _WARM_UP_ANSWERS = 20
-_WARM_UP_BYTES = 256 * 2**20  # an FMU may fill its caches first; what grows later leaks
+_WARM_UP_BYTES = 256 * 2**20  # an FMU may fill its caches first; later growth is a leak
 _GROWTH_BYTES = 12 * 2**20
 _LEAST_ROOM = 2**15
 _told = False
@@ -55,7 +55,7 @@ _MADE_AGAIN = {
 
 @dataclass
 class _Belongings:
-    """What has to be given back, also when the runner is merely forgotten."""
+    """Worker, folder and memory of a runner, released also when it is garbage collected."""
 
     folder: PrivateFolder
     worker: WorkerProcess | None = None
@@ -68,7 +68,7 @@ class _Belongings:
 
 
 class Isolated:
-    """Runs jobs in a worker process; a worker that died or grew is replaced.
+    """Runs jobs in a worker process; a dead or leaking worker is replaced.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Isolated:
     FmuFileError
         An FMU cannot be unpacked.
     InputError
-        GMFBO_SANDBOX says what it cannot say.
+        GMFBO_SANDBOX is invalid.
     """
 
     def __init__(self, binding: Binding, *, time_limit_s: float) -> None:
@@ -99,7 +99,7 @@ class Isolated:
         Parameters
         ----------
         *orders : Order
-            What is set, stepped and read. A worker that dies ends the last one it began.
+            Jobs with their arrays. If a worker dies, the order that it was running has failed.
 
         Raises
         ------
@@ -150,7 +150,7 @@ class Isolated:
         return results
 
     def _run_anew(self, orders: Sequence[Order]) -> list[Result]:
-        """Run orders whose first fell in a process that had made instances before."""
+        """Run orders again after the first one crashed in a process with earlier instances."""
         self._drop_worker()
         results = self._run_apart(orders)
         outcome = results[0].outcome
@@ -173,8 +173,8 @@ class Isolated:
         results: list[Result] = []
         in_vain = 0
         try:
-            # A worker may fall after its last answer, or between two runs, while it frees
-            # instances or waits: then the next one goes on.
+            # A worker may crash after its last answer, or between two runs while it frees
+            # instances: then the next worker goes on.
             while len(results) < len(orders) and in_vain < _MOST_IN_VAIN:
                 got = self._ask(orders[len(results) :])
                 results += got
@@ -182,7 +182,7 @@ class Isolated:
                 if got and got[-1].outcome.status != "ok":
                     break
         except BaseException:
-            self._drop_worker()  # the answer under way is nobody's
+            self._drop_worker()  # nobody will read the pending answer
             raise
         if in_vain:
             raise SimulationError(
@@ -192,7 +192,7 @@ class Isolated:
         return results
 
     def _ask(self, orders: Sequence[Order]) -> list[Result]:
-        """Run on the present worker; fewer results where it fell between two runs."""
+        """Run on the present worker; returns fewer results where it crashed between two runs."""
         shapes = tuple(shape for order in orders for shape in order.job.shapes)
         arrays = self._room_for(sum(rows * columns for rows, columns in shapes))
         tables = arrays.arrays(shapes)
@@ -232,7 +232,7 @@ class Isolated:
         return self._belongings.worker
 
     def _tell_what_is_open(self, what: str) -> None:
-        """Warn, once a process, of a sandbox with a hole."""
+        """Warn of an incomplete sandbox, once a process."""
         global _told
         if what and not _told and self._policy.enclosed and sys.platform == "linux":
             _told = True
@@ -272,11 +272,11 @@ class Isolated:
         outputs: Sequence[NDArray[np.float64]],
         exit_code: int | None,
     ) -> list[Outcome]:
-        """What became of each order when the worker died, or without exit code, hung."""
+        """Outcome of each order after the worker died or, without an exit code, hung."""
         stage, fmu = self._stage(), self._fmu()
         filled = [filled_rows(y) for y in outputs]
         if stage == Stage.ANSWER and not any(filled):
-            stage = Stage.IDLE  # it stood at the answer before, and has begun nothing since
+            stage = Stage.IDLE  # the worker had answered, and begun nothing since
         if stage == Stage.FREE and not self._once_only:
             self._once_only = True
             self._warn("falls when it is freed: each run gets a process of its own from now on")
@@ -313,7 +313,7 @@ class Isolated:
         assert self._arrays is not None
         try:
             return Stage(int(self._arrays.progress[0]))
-        except ValueError:  # foreign code can write there
+        except ValueError:  # foreign code can overwrite the header
             return Stage.STEP
 
     def _fmu(self) -> int:

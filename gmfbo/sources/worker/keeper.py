@@ -1,8 +1,8 @@
-"""The process between gmfbo and the one that runs FMUs: it ends what is left and tidies up.
+"""Keeper: the process between gmfbo and the worker, which ends leftovers and cleans up.
 
-gmfbo starts it; it forks the worker before anything large is loaded, waits, and takes no part in
-a run. The worker shuts itself in, so that it could not remove its own folder; and what an FMU
-starts and forgets has to end with it. On Windows there is no fork: worker and keeper are one.
+gmfbo starts the keeper, which forks the worker before anything large is loaded, waits, and takes no
+part in a run. The worker encloses itself and so cannot remove its own folder, and processes that an
+FMU leaves behind have to end with it. On Windows there is no fork: worker and keeper are one.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ PEAK_MEMORY = "peak_memory"
 
 
 def main() -> None:
-    """Keep a worker until it ends, gmfbo ends or asks for it by SIGTERM."""
+    """Keep a worker until it ends, gmfbo ends, or SIGTERM comes."""
     folder = Path(sys.argv[1])
-    # An interrupt from the keyboard goes to the whole group; the parent decides what it means.
+    # A keyboard interrupt reaches the whole group; the parent alone decides about it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "win32":
         from gmfbo.sources.worker.worker_start import serve
@@ -65,7 +65,7 @@ if sys.platform != "win32":
 
         def keep(self) -> NoReturn:
             nothing = os.open(os.devnull, os.O_RDWR)
-            os.dup2(nothing, _ANSWERS)  # so that gmfbo sees the end of the pipe with the worker's
+            os.dup2(nothing, _ANSWERS)  # so that the pipe ends for gmfbo when the worker ends
             status = None
             while status is None and not self._is_alone() and not self._asked_to_end:
                 self._wait()
@@ -101,24 +101,24 @@ if sys.platform != "win32":
 
         def _wait(self) -> None:
             waiting = select.poll()
-            waiting.register(_COMMANDS, 0)  # tells of the end of the pipe only
+            waiting.register(_COMMANDS, 0)  # reports the end of the pipe only
             waiting.register(self._awake, select.POLLIN)
             waiting.poll(_CHECK_MS)
             with contextlib.suppress(BlockingIOError):
                 os.read(self._awake, 4096)
 
         def _is_alone(self) -> bool:
-            """gmfbo has ended, or closed the pipe, which it does when it needs no worker.
+            """Whether gmfbo has ended, or closed the pipe since it needs no worker.
 
             A process forked from gmfbo may hold the pipe open after gmfbo's end, so the parent's
-            number is looked at too.
+            process id is checked too.
             """
             hang_up = select.poll()
             hang_up.register(_COMMANDS, 0)
             return bool(hang_up.poll(0)) or os.getppid() != self._parent
 
         def _ended(self) -> int | None:
-            """Status of the worker if it ended; other children are reaped on the way."""
+            """Status of the worker if it ended; other ended children are reaped too."""
             with contextlib.suppress(ChildProcessError):
                 while (ended := os.wait4(-1, os.WNOHANG))[0]:
                     if ended[0] == self._worker:
@@ -151,7 +151,7 @@ if sys.platform != "win32":
             os._exit(0)
 
     def _leave_as(status: int | None) -> NoReturn:
-        """End as the worker ended, so that gmfbo sees how."""
+        """End with the status or signal of the worker, for gmfbo to see."""
         if status is not None and os.WIFSIGNALED(status):
             number = os.WTERMSIG(status)
             with contextlib.suppress(OSError, ValueError):

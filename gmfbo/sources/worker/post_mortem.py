@@ -1,4 +1,4 @@
-"""What to say of a worker that crashed, left or hung."""
+"""Messages about a worker that crashed, exited or hung."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ _CURES = {
 
 @dataclass(frozen=True)
 class WhereItStood:
-    """What is known of a worker that gave no answer.
+    """Last known state of a worker that gave no answer.
 
     Attributes
     ----------
     names : sequence of str
         FMUs in order of computation.
     stage : Stage
-        What the worker was busy with.
+        Stage of the worker's run.
     fmu : int
-        Which FMU, outside of steps.
+        Index of the FMU, outside of steps.
     time : float or None
-        [s] Last communication point that was reached.
+        [s] Last communication point reached.
     said : str
-        What it printed last.
+        Its last printed line.
     policy : Policy
-        What it was let have.
+        Sandbox policy of the worker.
     held : int
-        [bytes] The most memory that it held; 0 where that is not known.
+        [bytes] Its peak memory; 0 where unknown.
     """
 
     names: Sequence[str]
@@ -51,36 +51,36 @@ class WhereItStood:
 
     @property
     def ran_out_of_memory(self) -> bool:
-        """Whether it held all that it may when it fell."""
+        """Whether the worker had reached its memory limit."""
         limit = self.policy.memory_limit if self.policy.enclosed else 0
         return limit > 0 and self.held > _NEARLY_ALL * limit
 
     @property
     def who(self) -> str:
-        """FMU that is to blame, or all that stepped together."""
+        """FMU to blame, or all FMUs that were stepped together."""
         if self.stage == Stage.STEP and len(self.names) > 1:
             return "one of " + ", ".join(f"'{name}'" for name in self.names)
         return f"'{self.names[self.fmu]}'"
 
     @property
     def doing(self) -> str:
-        """What it was doing, and when."""
+        """Words for the stage and time of the run."""
         at = f" after t = {self.time:g} s" if self.time is not None else ""
         return self.stage.words + (at if self.stage == Stage.STEP else "")
 
     @property
     def quote(self) -> str:
-        """Its last words, to append."""
+        """Last printed line, to append to a message."""
         return f"; it printed last: {self.said!r}" if self.said else ""
 
 
 def crash_message(where: WhereItStood, exit_code: int) -> str:
-    """One line on a worker that is gone.
+    """One line about a dead worker.
 
     Parameters
     ----------
     where : WhereItStood
-        What is known.
+            Last known state.
     exit_code : int
         Negative where a signal ended it.
     """
@@ -100,12 +100,12 @@ def crash_message(where: WhereItStood, exit_code: int) -> str:
 
 
 def garbled_message(names: Sequence[str]) -> str:
-    """One line on a worker whose answer is none.
+    """One line about a worker with an invalid answer.
 
     Parameters
     ----------
     names : sequence of str
-        FMUs in it.
+        FMUs of the worker.
     """
     who = " or ".join(f"'{name}'" for name in names)
     return (
@@ -115,26 +115,26 @@ def garbled_message(names: Sequence[str]) -> str:
 
 
 def plain_line(text: object) -> str:
-    """One line without control characters of a text that foreign code may have written.
+    """Text of foreign code as one line without control characters.
 
     Parameters
     ----------
     text : object
-        Meant to be a text.
+        A text, if the foreign code behaved.
     """
     line = " ".join(str(text).split())[:_LONGEST_LINE]
     return "".join(letter if letter.isprintable() else "?" for letter in line)
 
 
 def timeout_message(where: WhereItStood, limit_s: float) -> str:
-    """One line on a worker that did not answer in time.
+    """One line about a worker that did not answer in time.
 
     Parameters
     ----------
     where : WhereItStood
-        What is known.
+            Last known state.
     limit_s : float
-        [s] Wall-clock time that it had.
+            [s] Its wall-clock limit.
     """
     if where.stage == Stage.LOAD:
         return (

@@ -1,4 +1,4 @@
-"""Whoever runs jobs: this process, or a worker of its own."""
+"""Runners of jobs: this process, or a worker process."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Order(NamedTuple):
 
 
 class Result(NamedTuple):
-    """How a job ended, and its outputs y, shape (steps + 1, n): rows up to `outcome.rows`."""
+    """Outcome of a job, and its outputs y, shape (steps + 1, n), valid up to `outcome.rows`."""
 
     outcome: Outcome
     y: NDArray[np.float64]
@@ -56,7 +56,7 @@ def unpack_fmus(binding: Binding, folder: Path) -> list[UnpackedFmu]:
     binding : Binding
         The twin.
     folder : Path
-        Gets one folder for each FMU.
+        Parent of a new folder for each FMU.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _is_needed(binaries: PurePosixPath, member: PurePosixPath) -> bool:
 
 
 class InProcess:
-    """Runs trusted FMUs in this process: a crash, exit or hang of theirs is one of ours.
+    """Runs trusted FMUs in this process, which their crash, exit or hang would end too.
 
     Parameters
     ----------

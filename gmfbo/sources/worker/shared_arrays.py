@@ -1,4 +1,4 @@
-"""Arrays that a twin's process and its worker both see, through a mapped file."""
+"""Arrays shared by a twin's process and its worker, through a mapped file."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class SharedArrays:
 
     @property
     def room(self) -> int:
-        """Doubles that fit."""
+        """Number of doubles that fit."""
         return (len(self._map) - _HEADER_BYTES) // 8
 
     def arrays(self, shapes: tuple[tuple[int, int], ...]) -> list[NDArray[np.float64]]:
@@ -56,9 +56,9 @@ class SharedArrays:
 
 
 def reserve(path: Path, doubles: int) -> None:
-    """Make a file with room for arrays, its disk space taken.
+    """Make a file with room for arrays, and allocate its disk space.
 
-    A mapped file without space of its own kills the process that writes to it on a full disk.
+    On a full disk, writing to a mapped file without allocated space kills the process.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """The process that runs a twin's FMUs; `keeper` forks it, `worker_start` prepares it.
 
-Commands come as lines of JSON on standard input, answers go as lines of JSON to what was standard
-output; arrays travel through a mapped file. The FMU's own standard output and error go to a log
-file. It must start fast, so it loads neither pydantic nor SciPy nor torch.
+Commands come as lines of JSON on standard input, and answers go as lines of JSON to the original
+standard output; arrays pass through a mapped file. The FMU's own standard output and error go to a
+log file. The process must start fast, so it loads neither pydantic nor SciPy nor torch.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Worker:
         Parameters
         ----------
         open_to_it : str
-            What the sandbox leaves open, for the first answer.
+            Rights that the sandbox leaves open, for the first answer.
         """
         np.seterr(all="ignore")
         self._map(self._first)
@@ -71,7 +71,7 @@ class Worker:
             self._run(simulator, json.loads(line))
 
     def _run(self, simulator: Simulator, command: Mapping[str, Any]) -> None:
-        """Run jobs until one does not end well; they share the room of the arrays."""
+        """Run jobs until one fails; they share the room of the arrays."""
         arrays = self._map(command)
         limit_processor_time(command["limit_s"])
         jobs = [Job.from_json(raw) for raw in command["jobs"]]
@@ -81,7 +81,7 @@ class Worker:
             outcomes.append(simulator.run(job, next(tables), next(tables), next(tables)))
             if outcomes[-1].status != "ok":
                 break
-        # Answered before the last instances are freed, since some FMUs crash when freed.
+        # Answer before the last instances are freed, since some FMUs crash when freed.
         answer = [asdict(outcome) for outcome in outcomes]
         self._mark(Stage.ANSWER, 0)
         self._answer({"number": command["number"], "outcomes": answer, "memory": _resident_bytes()})

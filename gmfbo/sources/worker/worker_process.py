@@ -1,4 +1,4 @@
-"""A worker as its parent sees it: started, asked, ended."""
+"""A worker from its parent's side: started, asked, ended."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from typing import IO, Any
 from gmfbo.sources.worker.keeper import PEAK_MEMORY
 
 _PACKAGE_PARENT = Path(__file__).resolve().parents[3]
-# -P keeps modules of the user's working folder from standing in for ours; the parent's copy of
-# this package is found even where it is not installed.
+# -P keeps modules of the user's working folder from shadowing ours; the parent's copy of this
+# package is found even where it is not installed.
 _START = (
     f"import sys; sys.path.append({str(_PACKAGE_PARENT)!r}); "
     "from gmfbo.sources.worker.keeper import main; main()"
@@ -44,14 +44,14 @@ class WorkerTimeout(Exception):
 
 
 class WorkerGarbled(Exception):
-    """What came on the worker's channel is no answer to what was asked."""
+    """The worker's channel held no valid answer."""
 
 
 class WorkerProcess:
     """One worker, behind the keeper that starts and outlives it.
 
-    It is no `multiprocessing` process, so that a user's script needs no `__main__` guard and a
-    notebook works.
+    It does not use `multiprocessing`, so a user's script needs no `__main__` guard, and notebooks
+    work.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class WorkerProcess:
         WorkerTimeout
             It took longer, and is killed.
         WorkerGarbled
-            The answer is none.
+            The answer is invalid.
         """
         self._asked += 1
         asked = {**command, "number": self._asked, "limit_s": limit_s}
@@ -108,7 +108,7 @@ class WorkerProcess:
         return self._parsed(line)
 
     def end(self) -> None:
-        """Let it leave by itself, and kill it if it does not."""
+        """Ask the worker to end, and kill it if it does not."""
         with contextlib.suppress(OSError):
             self._commands.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -116,12 +116,12 @@ class WorkerProcess:
         self.kill()
 
     def kill(self) -> None:
-        """End it at once and wait until it is gone."""
+        """Kill the worker at once, and wait for its end."""
         _end(self._process)
         self._reap()
 
     def last_words(self) -> str:
-        """End of what it and its FMUs printed, in one line."""
+        """End of the output of worker and FMUs, in one line."""
         try:
             with self._log.open("rb") as log:
                 log.seek(max(log.seek(0, os.SEEK_END) - _TAIL_BYTES, 0))
@@ -131,7 +131,7 @@ class WorkerProcess:
         return " ".join(tail.decode("utf-8", "replace").split())
 
     def peak_memory(self) -> int:
-        """[bytes] The most that it held before it fell; 0 where that is not known."""
+        """[bytes] Peak memory of the worker; 0 where unknown."""
         try:
             return int(self._peak.read_text())
         except (OSError, ValueError):
@@ -154,7 +154,7 @@ class WorkerProcess:
         return self._process.wait()
 
     def _read_line(self, limit_s: float) -> bytes:
-        """Read up to a newline, or to the end of the pipe where the worker is gone."""
+        """Read up to a newline, or to the end of a dead worker's pipe."""
         line = b""
         deadline = time.monotonic() + limit_s
         with _killed_at_limit(self._process, limit_s) as killed:
@@ -174,7 +174,7 @@ class WorkerProcess:
                     if len(line) > _LONGEST_LINE_BYTES:
                         raise WorkerGarbled
                 elif self._process.poll() is not None:
-                    break  # gone, while a process that its FMU started holds the pipe open
+                    break  # the worker is dead, while a child of its FMU holds the pipe open
         return line
 
 
@@ -190,7 +190,7 @@ if sys.platform == "win32":
         process.kill()
 
     def _readable(pipe: IO[bytes], wait_s: float) -> bool:
-        return True  # pipes cannot be waited for; reading ends when the timer kills the worker
+        return True  # Windows cannot wait for a pipe; reading ends when the timer kills the worker
 
     @contextlib.contextmanager
     def _killed_at_limit(
@@ -206,7 +206,7 @@ if sys.platform == "win32":
 else:
 
     def _end(process: subprocess.Popen[bytes]) -> None:
-        # Asked politely, the keeper ends the worker and all that it started, and reaps them.
+        # At SIGTERM, the keeper ends the worker with its children, and reaps them.
         process.terminate()
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(_END_LIMIT_S)

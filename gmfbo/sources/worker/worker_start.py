@@ -1,4 +1,4 @@
-"""How a worker begins: its channels, then the sandbox, and only then anything large or foreign."""
+"""Start of a worker: first its channels, then the sandbox, then large or foreign code."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def serve(folder: Path) -> None:
     folder : Path
         Private folder of the twin.
     """
-    # What the FMU prints must not get between the answers.
+    # The FMU's prints must not mix with the answers.
     commands = os.fdopen(os.dup(0), "r", encoding="utf-8")
     if sys.platform == "win32":
         _remove_when_parent_is_gone(folder)

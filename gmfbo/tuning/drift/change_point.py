@@ -1,4 +1,4 @@
-r"""Evidence that a function of the gains changed at some run, with a bound on false alarms.
+r"""Change-point evidence: a function of the gains changed at some run, with bounded false alarms.
 
 Value y_i of run i at gains k_i, in the order in which the runs were made:
 
@@ -18,9 +18,9 @@ that (Doob)
     P(it reaches 1 / rate within n runs) <= n * rate.
 
 The same holds for a mean of such statistics of several values of the runs, dependent or not.
-Errors of one-step-ahead prediction are what the ratios are made of: a run that the earlier ones
-predict badly, and the later ones well, is evidence of a change between them; a repeat of the
-same gains that differs is the strongest, as only noise can explain it otherwise.
+The ratios consist of errors of one-step-ahead prediction: a run that earlier runs predict badly and
+later runs well is evidence of a change between them. A differing repeat of the same gains is the
+strongest evidence, as only noise can explain it otherwise.
 """
 
 from __future__ import annotations
@@ -53,14 +53,14 @@ _BORDER = 1e9
 
 @dataclass(frozen=True, eq=False)
 class ChangeEvidence:
-    """What the values of n runs say about a change between them.
+    """Evidence from the values of n runs for a change between them.
 
     Attributes
     ----------
     log_ratios : ndarray, shape (n - 1,)
         Natural logarithm of the ratio for a change after run 1 ... n - 1.
     shares : ndarray, shape (n - 1,)
-        Expected rho^2, variance of the change over that of the values, if it was there.
+        Expected rho^2, variance of the change over that of the values, given the change.
     """
 
     log_ratios: NDArray[np.float64]
@@ -68,7 +68,7 @@ class ChangeEvidence:
 
     @classmethod
     def of(cls, points: NDArray[np.float64], values: NDArray[np.float64]) -> ChangeEvidence:
-        """Weigh all runs after which the change may have come.
+        """Weigh a change after each of the runs.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class ChangeEvidence:
         count = len(values)
         silent = cls(np.zeros(max(count - 1, 0)), np.ones(max(count - 1, 0)))
         spread = float(np.std(values)) if count else 0.0
-        # Values that are all equal, up to rounding, say nothing.
+        # Values that are all equal, up to rounding, carry no evidence.
         if count < LEAST_RUNS or spread <= 1e-12 * float(np.abs(values).max()):
             return silent
         scaled = (values - values.mean()) / spread

@@ -1,10 +1,10 @@
-"""Whether the plant has changed while it was tuned, and since when.
+"""Drift: detect that the plant changed while it was tuned, and since when.
 
-The real runs are read in order, as they came in. A run that does not fit those before it raises
-the evidence of a change (`gmfbo.tuning.drift.change_point`); at 1 / FALSE_ALARM_RATE it counts as
-one. Runs from before it are then believed less, never forgotten: their costs get the variance of
-the change on top of their noise, and the search starts anew from the runs since. All follows
-from the runs on disk alone, so that a study that is resumed finds the same changes.
+The real runs are read in their order. A run that does not fit the earlier ones raises the evidence
+of a change (`gmfbo.tuning.drift.change_point`); evidence of 1 / FALSE_ALARM_RATE counts as a
+change. Earlier runs are then trusted less, never forgotten: the noise variance of their costs grows
+by the variance of the change, and the search starts anew from later runs. All follows from the runs
+on disk alone, so a resumed study finds the same changes.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ class Drift:
     Attributes
     ----------
     found_at : int
-        Real runs, initial ones counted, when it was noticed.
+        Number of real runs, initial ones included, when the change was noticed.
     after_runs : int
-        Real runs before the change, as far as can be told.
+        Likeliest number of real runs before the change.
     last_before : int
-        Trial number of the last of them.
+        Trial number of the last run before the change.
     evidence : float
         Shiryaev-Roberts statistic; without a change it exceeds x in n runs with a probability
         of at most n / x.
     sign : str
-        In what it shows most.
+        Value in which the change shows most.
     share : float
-        Variance of the change over the variance of that value over the gains.
+        Variance of the change, over the variance of that value across the gains.
     """
 
     found_at: int
@@ -57,7 +57,7 @@ class Drift:
 
     @classmethod
     def logged(cls, event: dict[str, Any]) -> Self:
-        """From the line of the study's log.
+        """Read a drift from a line of the study's log.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class Drift:
 
     @property
     def message(self) -> str:
-        """What the user is told."""
+        """Message for the user."""
         return (
             f"the plant has changed after real run {self.after_runs}, noticed at run "
             f"{self.found_at} by its {self.sign} (odds {self.evidence:.3g} to 1): older runs "
@@ -90,12 +90,12 @@ def first_drift(
     numbers : sequence of int
         Their trial numbers.
     start : int
-        Real runs before the last change found; they are left out.
+        Number of real runs before the last change found; they are left out.
 
     Returns
     -------
     Drift or None
-        None where the newest run is no reason to believe in a change.
+        None where the newest run gives no evidence of a change.
     """
     count = len(points)
     if count - start < LEAST_BEFORE + LEAST_SINCE:

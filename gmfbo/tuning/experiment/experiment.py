@@ -1,4 +1,4 @@
-"""The experiment that every source repeats: a step, and what is measured of the answer."""
+"""The experiment that every source repeats: a step, and the metrics of its response."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from gmfbo.tuning.study_file.study_sections import ReferenceSection
 
 @dataclass(frozen=True, eq=False)
 class StepExperiment:
-    """A reference with one step, and the signal whose answer is scored.
+    """A reference with one step, and the signal whose response is scored.
 
     Attributes
     ----------
     reference : Recording
-        What the axis is asked to follow.
+            Reference that the axis follows.
     signal : str
-        Measured signal that is scored.
+            Measured signal that is scored.
     step_time : float
         [s] Instant of the step.
     initial, step_size : float
@@ -54,7 +54,7 @@ class StepExperiment:
         signal : str
             Measured signal that is scored.
         folder : Path
-            Where a path in the section begins.
+            Folder to which a path in the section is relative.
         unit : str
             SI unit of the reference.
 
@@ -171,7 +171,7 @@ class StepExperiment:
     def reference_size(self) -> float:
         """RMS of the reference's change over the horizon [unit of the signal].
 
-        The correction's alpha. Taken from the step on, so that it does not depend on how long
-        the axis rests before; the paper's mean over the whole run gives 0.953 for a unit step.
+        This is the correction's alpha. It is taken from the step on, so that the rest before the
+        step does not matter; the paper's mean over the whole run gives 0.953 for a unit step.
         """
         return abs(self.step_size)

@@ -1,4 +1,4 @@
-"""Several references in one objective: each is played on its own, the answers are joined."""
+"""Several references in one objective: each is played alone, the responses are joined."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from gmfbo.tuning.study_file.study_sections import ReferenceSection
 
 @dataclass(frozen=True, eq=False)
 class ExperimentSeries:
-    """What every source repeats: one reference or several, and what is measured of the answers.
+    """The experiment of every source: one or several references, and metrics of the responses.
 
     Each reference is a run of its own from rest. The runs of one query are joined to one
-    recording, the second after the first, so that a trial holds them all. Of one reference,
-    everything here is as of that reference alone.
+    recording, the second after the first, so that a trial holds them all. A series of one
+    reference behaves as that reference.
 
     Attributes
     ----------
     parts : tuple of StepExperiment
         One for each reference, at least one.
     shares : tuple of float
-        Of each reference in the cost; they sum to one.
+        Weight of each reference in the cost; they sum to one.
     own : OwnMetrics or None
         Metrics by a function of the user.
     """
@@ -52,7 +52,7 @@ class ExperimentSeries:
         unit: str = "",
         own: OwnMetrics | None = None,
     ) -> Self:
-        """Make what a study file describes.
+        """Make the series that a study file describes.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class ExperimentSeries:
         signal : str
             Measured signal that is scored.
         folder : Path
-            Where a path in a section begins.
+            Folder to which a path in a section is relative.
         unit : str
             SI unit of the references.
         own : OwnMetrics, optional
@@ -91,7 +91,7 @@ class ExperimentSeries:
 
     @property
     def references(self) -> tuple[Recording, ...]:
-        """What the axis is asked to follow, one after the other."""
+        """References that the axis follows, one after the other."""
         return tuple(part.reference for part in self.parts)
 
     @property
@@ -106,7 +106,7 @@ class ExperimentSeries:
 
     @property
     def offsets(self) -> NDArray[np.float64]:
-        """[s] From the time of each reference to that of the joined recording, shape (p,)."""
+        """[s] Offset of each reference's time in the joined recording, shape (p,)."""
         starts = [0.0]
         for before, after in pairwise(self.references):
             end = float(before.time[-1]) + starts[-1]
@@ -132,7 +132,7 @@ class ExperimentSeries:
         return np.repeat(starts, since.size // len(self.parts)) + since
 
     def after_step(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """What `scored_times` are to the step of their reference.
+        """Time since the step, and target, at each of `scored_times`.
 
         Parameters
         ----------
@@ -144,7 +144,7 @@ class ExperimentSeries:
         since : ndarray, shape (m,)
             [s] Time since the step.
         target : ndarray, shape (m,)
-            [unit of the signal] Value that was stepped to.
+            [unit of the signal] Reference after the step.
         """
         each = max(count // len(self.parts), 2)
         since = [np.linspace(0.0, part.horizon, each) for part in self.parts]
@@ -152,7 +152,7 @@ class ExperimentSeries:
         return np.concatenate(since), np.concatenate(targets)
 
     def join(self, runs: Sequence[Recording]) -> Recording:
-        """Join the runs of one query, the first ones of all references.
+        """Join the runs of one query.
 
         Parameters
         ----------
@@ -187,8 +187,8 @@ class ExperimentSeries:
         Returns
         -------
         dict of str to ndarray, shape (...)
-            By metric [% or s]; of several references their mean by share, and `NAME[1]`,
-            `NAME[2]` ... of each. A metric of the user's own that needs other signals is NaN.
+            By metric [% or s]. Several references give their weighted mean, and `NAME[1]`,
+            `NAME[2]` ... of each. A user's metric that needs other signals is NaN.
         """
         times, values = np.asarray(time, dtype=float), np.asarray(responses, dtype=float)
         each = []
@@ -201,8 +201,8 @@ class ExperimentSeries:
     def metrics(self, run: Recording) -> dict[str, float]:
         """Metrics of one joined run; the worst case where it failed.
 
-        Of a failed run a user's own metrics are infinite: their price comes with the constants
-        of the cost.
+        A user's own metrics of a failed run are infinite here; the constants of the cost replace
+        them later.
 
         Parameters
         ----------
@@ -228,14 +228,14 @@ class ExperimentSeries:
         return {name: float(value) for name, value in _combined(each, self.shares).items()}
 
     def part_of(self, run: Recording, number: int) -> Recording:
-        """Run of one reference out of a joined one, at its own times.
+        """Part of a joined run that belongs to one reference, at its own times.
 
         Parameters
         ----------
         run : Recording
             Joined.
         number : int
-            Of the reference, counted from zero.
+            Index of the reference, from zero.
         """
         if len(self.parts) == 1:
             return run
@@ -252,7 +252,7 @@ class ExperimentSeries:
 
     @property
     def worst(self) -> dict[str, float]:
-        """Step metrics that a failed run is charged with [% or s]."""
+        """Step metrics assigned to a failed run [% or s]."""
         horizons = [part.horizon for part in self.parts]
         return worst_metrics(float(np.dot(self.shares, horizons)))
 
@@ -276,7 +276,7 @@ class ExperimentSeries:
     def _own_of(
         self, time: NDArray[np.float64], responses: NDArray[np.float64], part: StepExperiment
     ) -> Mapping[str, NDArray[np.float64]]:
-        """The user's metrics of bare responses; NaN where they need what only a run holds."""
+        """User's metrics of bare responses; NaN where they need other signals."""
         if self.own is None:
             return {}
         flat = responses.reshape(-1, time.size)
@@ -300,7 +300,7 @@ class ExperimentSeries:
 def _combined(
     each: Sequence[Mapping[str, ArrayLike]], shares: Sequence[float]
 ) -> dict[str, NDArray[np.float64]]:
-    """Means by share, and behind them the metrics of each reference where there are several."""
+    """Weighted means, followed by the metrics of each reference where there are several."""
     names = [name for name in each[0] if all(name in one for one in each)]
     if len(each) == 1:
         return {name: np.asarray(each[0][name], dtype=float) for name in names}

@@ -16,7 +16,7 @@ def join_runs(
     offsets: Sequence[float] | NDArray[np.float64],
     spans: Sequence[tuple[float, float]],
 ) -> Recording:
-    """Put runs behind each other.
+    """Join runs, one after the other.
 
     Parameters
     ----------
@@ -25,14 +25,14 @@ def join_runs(
     offsets : sequence of float
         [s] Added to the times of each run.
     spans : sequence of (float, float)
-        [s] First and last time of each reference; what was recorded before or behind would
-        reach into another run and is left out.
+        [s] First and last time of each reference; rows outside would overlap another run, and
+        are left out.
 
     Returns
     -------
     Recording
-        With all signals of all runs, NaN where a run lacks one. A `Trajectory` if one of the
-        runs is; then of the first status that is not `ok`.
+        With all signals of all runs, NaN where a run lacks one. It is a `Trajectory` if one of
+        the runs is, with the first status that is not `ok`.
     """
     kept = [_inside(run, *span) for run, span in zip(runs, spans, strict=False)]
     names = list(dict.fromkeys(name for run in runs for name in run.signals))
@@ -62,16 +62,16 @@ def join_runs(
 
 
 def ended_by(run: Recording, status: Status, message: str) -> Trajectory:
-    """Mark a run that does not count, with all that it holds.
+    """Mark a run as ended early, and keep all its signals.
 
     Parameters
     ----------
     run : Recording
-        That came to its end.
+        The run.
     status : str
         Such as `failed` or `unsafe`.
     message : str
-        Why it does not count, in one line.
+        Reason, in one line.
     """
     return Trajectory(
         time=run.time,
@@ -101,6 +101,6 @@ def _ending(runs: Sequence[Recording], offsets: Sequence[float] | NDArray[np.flo
 
 
 def _inside(run: Recording, first: float, last: float) -> NDArray[np.bool_]:
-    """Rows within the reference; times of a clock may miss its ends by a part of a row."""
+    """Rows within the reference; times may miss its ends by a part of a row."""
     slack = 0.4 * float(run.time[-1] - run.time[-2]) if len(run) > 1 else 0.0
     return np.asarray((run.time >= first - slack) & (run.time <= last + slack))

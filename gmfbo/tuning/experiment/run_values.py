@@ -1,4 +1,4 @@
-"""Numbers that one real run comes down to, in which a change of the plant shows."""
+"""Values of a real run in which a change of the plant shows."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ MOST_SAMPLES = 400
 
 @dataclass(frozen=True, eq=False)
 class RunValues:
-    """One value of each real run that has it.
+    """One kind of value, of each real run that has it.
 
     Attributes
     ----------
     name : str
-        What it is, for the user.
+        Name for the user.
     rows : ndarray of int, shape (n,)
         Places of these runs among all real runs, increasing.
     values : ndarray, shape (n,)
@@ -38,15 +38,14 @@ class RunValues:
 def values_of_runs(
     real: Sequence[Trial], beside: Sequence[Trial | None], experiment: ExperimentSeries
 ) -> list[RunValues]:
-    """Mean, spread and error of the scored signal, and how it differs from the twin's.
+    """Mean, spread and error of the scored signal, and its difference from the twin's.
 
-    Not the cost, which jumps where a response just enters the settling band and then looks like
-    a change: these move smoothly with the gains. The error is weighted by the time since the
-    step, as in ITAE (Graham and Lathrop 1953), and its logarithm taken, since gains change it by
-    factors. The lag of y behind the twin's x is the shift in time that explains most of the
-    difference, sum((x - y) x') / sum(x'^2), and the mean of a signal beyond the twin's shows a
-    force that came or went: most of what the gains do to a response they do to the twin's, too,
-    and it drops out.
+    These values vary smoothly with the gains; the cost jumps where a response just enters the
+    settling band, which looks like a change. The error is weighted by the time since the step,
+    as in ITAE (Graham and Lathrop 1953), and its logarithm taken, since gains change it by
+    factors. The lag of y behind the twin's x is the time shift that explains most of the
+    difference, sum((x - y) x') / sum(x'^2). The mean difference from the twin shows a force that
+    came or went. Differences from the twin hardly depend on the gains.
 
     Parameters
     ----------
@@ -89,7 +88,7 @@ def sampled(trial: Trial, times: NDArray[np.float64], signal: str) -> NDArray[np
 def at_times(
     recording: Recording, values: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Values on the rows of a recording at given times, shape (m,); NaN was not sampled."""
+    """Interpolate a recording's values at given times, shape (m,), without rows of NaN."""
     known = np.isfinite(values)
     return np.interp(times, recording.time[known], values[known])
 
@@ -99,7 +98,7 @@ def _mean(trial: Trial, times: NDArray[np.float64], signal: str) -> float:
 
 
 def _answers(trial: Trial, twin: Trial, experiment: ExperimentSeries) -> list[str]:
-    """Signals of both runs, sampled often enough to be compared, that were not given to them."""
+    """Measured signals that both runs hold, sampled often enough to be compared."""
     played = {name for reference in experiment.references for name in reference.signals}
     one, other = trial.recording.signals, twin.recording.signals
     return sorted(
@@ -112,7 +111,7 @@ def _answers(trial: Trial, twin: Trial, experiment: ExperimentSeries) -> list[st
 def _lag(
     times: NDArray[np.float64], twin: NDArray[np.float64], measured: NDArray[np.float64]
 ) -> float:
-    """[s] By which a run is later than the twin; 0 where the twin does not move."""
+    """[s] Lag of a run behind the twin; 0 where the twin does not move."""
     speed = np.gradient(twin, times)
     power = float(speed @ speed)
     return float((twin - measured) @ speed) / power if power > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""The runs of a study, on disk before they count, and what follows from them."""
+"""History of a study: its runs, written to disk before they count, and derived values."""
 
 from __future__ import annotations
 
@@ -33,8 +33,7 @@ if TYPE_CHECKING:
 class History:
     """Trials of one study in order, with their costs.
 
-    Everything here follows from the trials on disk, so that a killed study goes on as if it
-    had not been.
+    Everything here follows from the trials on disk, so that a killed study resumes exactly.
 
     Parameters
     ----------
@@ -43,18 +42,18 @@ class History:
     study : StudyFile
         The validated file.
     experiment : ExperimentSeries
-        What every source repeats.
+            Experiment of every source.
     gains : GainChoice
-        What is tuned.
+            Tuned and held gains.
     survey : int
-        Runs of the twin over the box that the method wants before the first query.
+        Number of twin runs over the box before the first query.
     earlier : int
-        Real runs of an earlier study, which come before those that are made here.
+        Number of real runs taken over from an earlier study, which come first.
 
     Attributes
     ----------
     twin : str or None
-        Content hash of the twin as it is now; None while it was never corrected.
+        Content hash of the present twin; None while it was never corrected.
     """
 
     def __init__(
@@ -88,7 +87,7 @@ class History:
         return [trial for trial in self.trials if trial.source in sources]
 
     def children(self, parent: Trial, source: SourceName) -> list[Trial]:
-        """Runs that one source made because of a real run, with the twin as it is now."""
+        """Runs of one source caused by a real run, with the present twin."""
         return [
             trial
             for trial in self.of(source)
@@ -96,14 +95,14 @@ class History:
         ]
 
     def is_current(self, trial: Trial) -> bool:
-        """Whether a run is of the real axis or of the twin as it is now."""
+        """Whether a run is of the real axis or of the present twin."""
         return trial.source == "IS1" or self.twin is None or trial.twin == self.twin
 
     @property
     def unprompted(self) -> list[Trial]:
-        """Twin runs that no real run caused: initial ones, survey and queries.
+        """Twin runs not caused by a real run: initial ones, survey and queries.
 
-        Runs that a corrected twin makes again are not among them.
+        Repetitions by a corrected twin are not among them.
         """
         runs = [trial for trial in self.of("IS2") if trial.parent is None]
         return [trial for trial in runs if trial.twin == runs[0].twin]
@@ -118,17 +117,17 @@ class History:
 
     @property
     def next_number(self) -> int:
-        """Number of the trial that comes next."""
+        """Number of the next trial."""
         return self.trials[-1].number + 1 if self.trials else 1
 
     @property
     def made(self) -> int:
-        """Real runs of this study, initial ones counted; those of an earlier study are none."""
+        """Number of real runs of this study, with initial and without taken-over ones."""
         return max(len(self.of("IS1")) - self.earlier, 0)
 
     @property
     def queries(self) -> int:
-        """Queries of either source after the initial ones; survey, pairs and IS3 are none."""
+        """Number of queries of both sources, without initial, survey, paired and IS3 runs."""
         budget, twin = self.study.budget, len(self.unprompted) - self.survey
         real, initial = len(self.of("IS1")), max(budget.initial_is1, self.earlier)
         return max(twin - budget.initial_is2, 0) + max(real - initial, 0)
@@ -145,12 +144,12 @@ class History:
 
     @property
     def cost(self) -> float:
-        """All runs so far in units of a real run."""
+        """Cost of all runs so far, in units of a real run."""
         return IS1_COST * self.made + TWIN_COST * len(self.of("IS2", "IS3"))
 
     @property
     def best(self) -> Trial | None:
-        """Real run with the least cost since the plant changed, within the limits if possible."""
+        """Real run with the least cost since the plant changed, if possible within the limits."""
         return best_run(self.trials, self.limits, self.changed_after)
 
     @property
@@ -160,7 +159,7 @@ class History:
 
     @property
     def objective(self) -> Objective:
-        """The cost; known once the initial twin runs are done."""
+        """The objective; known once the initial twin runs are done."""
         if self._objective is None:
             raise RuntimeError("the cost is asked for before the initial twin runs are complete")
         return self._objective
@@ -171,7 +170,7 @@ class History:
         return self._objective is not None
 
     def normalise(self, initial: list[Trial]) -> None:
-        """Fix the constants of the cost by the initial twin runs.
+        """Set the constants of the cost by the initial twin runs.
 
         Parameters
         ----------
@@ -216,18 +215,18 @@ class History:
         parent: int | None = None,
         number: int | None = None,
     ) -> Trial:
-        """Make a trial of a run, not yet on disk.
+        """Make a trial of a run; it is not yet on disk.
 
         Its cost is NaN until the initial twin runs are complete.
 
         Parameters
         ----------
         source : {"IS1", "IS2"}
-            Who ran.
+                Source of the run.
         gains : mapping of str to float
-            All gains by name.
+                All gains by name.
         run : Recording
-            What was measured.
+                Signals of the run.
         twin : str
             Content hash of the twin that ran.
         parent : int or None
@@ -257,7 +256,7 @@ class History:
         return self.priced(trial) if self.normalised else trial
 
     def _measured(self, run: Recording, source: SourceName) -> tuple[Recording, dict[str, float]]:
-        """A run with its metrics; a twin's that the user's own function refuses has failed."""
+        """A run with its metrics; a twin's run that the user's own function refuses has failed."""
         try:
             return run, self.experiment.metrics(run)
         except OwnMetricsError as refused:
@@ -278,20 +277,20 @@ class History:
         return replace(trial, metrics=metrics, objective=float(self.objective.value(metrics)))
 
     def _finite(self, name: str, value: float) -> float:
-        """A metric as it is charged: a user's own has no worst case but that of the initial runs.
+        """A finite metric: where a user's own is infinite, the worst of the initial runs.
 
-        A metric of one reference, `NAME[2]`, is charged as the metric.
+        A metric of one reference, `NAME[2]`, is treated as the metric.
         """
         return value if np.isfinite(value) else self.objective.worst[name.partition("[")[0]]
 
     def write(self, trial: Trial) -> Trial:
-        """Put a trial on disk, and only then into the history."""
+        """Write a trial to disk, and only then add it to the history."""
         self.store.write_trial(trial)
         self.trials.append(trial)
         return trial
 
     def state(self, fixed: Mapping[str, float]) -> TuningState:
-        """All that a method may know.
+        """State from which a method proposes.
 
         Parameters
         ----------
@@ -310,9 +309,9 @@ class History:
         )
 
     def _aged(self, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
-        """Mark what was seen of the axis, or corrected by it, before the plant changed.
+        """Mark observations by the axis, or corrected by it, from before the plant changed.
 
-        A run that lies before several changes carries all of them.
+        A run before several changes is marked with the sum of them.
         """
         if not self.drifts:
             return observations
@@ -334,7 +333,7 @@ class History:
         safe, unsafe = [], []
         for trial in self.trials:
             if trial.source == "IS1" and trial.status != "unsafe":
-                # A run that broke down shows neither.
+                # A run that broke down shows neither safety nor danger.
                 if trial.status == "ok":
                     safe.append(self.unit_point(trial.gains))
             elif trial.source == "IS1" or (self.is_current(trial) and self._twin_leaves(trial)):
@@ -343,7 +342,7 @@ class History:
         return KeepOut(np.reshape(unsafe, (-1, width)), np.reshape(safe, (-1, width)))
 
     def _twin_leaves(self, trial: Trial) -> bool:
-        """Whether the twin left the envelope there; what it does not compute is passed over."""
+        """Whether the twin left the envelope, as far as it computes the signals."""
         if trial.number not in self._leaves:
             left = self.envelope.first_exit(trial.recording, all_signals=False)
             self._leaves[trial.number] = left is not None
@@ -352,8 +351,7 @@ class History:
     def observations(self) -> tuple[Observation, ...]:
         """All runs as the surrogate sees them, in order.
 
-        Draws of IS3 that were not accepted, and runs of a twin that has been corrected since,
-        are left out.
+        Rejected draws of IS3, and runs of twins that have been corrected since, are left out.
         """
         for trial in self.trials[self._seen :]:
             self._seen += 1

@@ -1,4 +1,4 @@
-"""Which run is best: one that meets all limits comes before all that do not."""
+"""Choose the best run: runs that meet all limits come before all others."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from gmfbo.recordings.store.trial import Trial
 def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial | None:
     """Pick the best real run.
 
-    Feasible runs first (Deb 2000, "An efficient constraint handling method for genetic
-    algorithms"): among runs that meet the limits the least cost counts, among the others the
-    least excess.
+    Feasible runs come first (Deb 2000, "An efficient constraint handling method for genetic
+    algorithms"). Among them the least cost counts, among the others the least excess over the
+    limits.
 
     Parameters
     ----------

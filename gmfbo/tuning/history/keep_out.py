@@ -1,4 +1,4 @@
-"""Gains that a real run is kept away from, because a run nearby left the safety envelope."""
+"""Gains that real runs avoid, because a run nearby left the safety envelope."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def _no_points() -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class KeepOut:
-    """Neighbourhoods of unsafe runs, less what real runs have shown to be safe.
+    """Neighbourhoods of unsafe runs, without those of safe real runs.
 
     A point is kept out if an unsafe run lies within the radius and no safe real run is nearer.
-    So a twin that is too cautious is overruled by the axis, step by step from safe gains on.
+    So the axis overrules a twin that is too cautious, step by step from safe gains on.
 
     Attributes
     ----------
@@ -70,8 +70,8 @@ class KeepOut:
     def admitted(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """As `admits`, with a radius that is halved until some point is allowed.
 
-        A box that is unsafe all over must not end a study: then the points farthest from the
-        unsafe ones are left. All False only where each point is an unsafe run itself.
+        An entirely unsafe box must not end a study: the points farthest from the unsafe ones are
+        then allowed. All are False only where each point is an unsafe run itself.
         """
         radius = KEEP_OUT_RADIUS
         for _ in range(_HALVINGS):
@@ -84,7 +84,7 @@ class KeepOut:
     def nearest_admitted(
         self, point: NDArray[np.float64], held: Mapping[int, float], snap: Snap = np.asarray
     ) -> NDArray[np.float64]:
-        """The point itself if it is allowed, or the nearest of many that are.
+        """The point itself if it is allowed, or the nearest of many allowed points.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class KeepOut:
         """
         if self.admits(point[None, :])[0] or len(held) == len(point):
             return point
-        # The same points at each call: a proposal follows from the runs on disk alone.
+        # The points are the same at each call: a proposal follows from the runs on disk alone.
         cover = qmc.Sobol(d=len(point), rng=0).random(_CANDIDATES)
         for column, value in held.items():
             cover[:, column] = value

@@ -1,4 +1,4 @@
-"""What a run costs, in units of a real one."""
+"""Query cost of a run, in units of a real run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a method may know when it proposes: all that was observed so far."""
+"""Tuning state: all observations that a method may use to propose."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ class Observation:
     scaled : float
         G, without the mean subtracted, zero or more.
     failed : bool
-        The run failed and carries the price of one.
+        Whether the run failed, and has the cost of a failed run.
     parent : int or None
-        IS1 trial beside which an IS2 run was made, or about which an IS3 sample was drawn.
+        IS1 trial that caused an IS2 run, or around which an IS3 sample was drawn.
     uncorrected, uncorrected_scaled : float or None
         IS3: g and G of the twin's trajectory before correction.
     limited : mapping of str to float
-        Each limited metric, the largest over the references [unit of the metric].
+        Largest value over the references of each limited metric [unit of the metric].
     feasible : bool
-        The run succeeded and meets all limits.
+        Whether the run succeeded and meets all limits.
     outdated : float
         Variance of the change of the plant since this run, over the variance of the costs of the
         real runs; 0 where it has not changed.
@@ -63,7 +63,7 @@ class Observation:
 
 @dataclass(frozen=True, eq=False)
 class TuningState:
-    """Everything that a proposal may depend on.
+    """All values that a proposal may depend on.
 
     Attributes
     ----------
@@ -74,11 +74,11 @@ class TuningState:
     fixed : mapping of str to float
         Gains to be held at a value in this proposal.
     trials : tuple of Trial
-        The runs themselves, for methods that look at trajectories.
+        The runs themselves, for methods that use trajectories.
     experiment : ExperimentSeries
-        What every source repeats.
+            Experiment of every source.
     objective : Objective
-        From metrics to cost.
+            From metrics to cost.
     limits : Limits
         On metrics.
     keep_out : KeepOut
@@ -95,17 +95,17 @@ class TuningState:
     keep_out: KeepOut = field(default_factory=KeepOut)
 
     def incumbent(self, *sources: SourceName) -> float:
-        """Least cost g of runs that meet the limits, the bar of an improvement.
+        """Incumbent: least cost g of runs that meet the limits.
 
-        Runs from before a change of the plant are no bar.
+        Runs from before a change of the plant do not count.
 
-        While there is none, any run that meets the limits improves on a failed one: then the
-        bar is its price. Without limits a failed run counts with that price, too.
+        While no run meets the limits, the cost of a failed run serves as incumbent. Without
+        limits, a failed run counts with that cost too.
 
         Parameters
         ----------
         *sources : str
-            Of the runs; `IS1` unless given.
+            Sources of the runs; `IS1` unless given.
         """
         wanted = self.of(*(sources or ("IS1",)))
         seen = [one for one in wanted if not one.outdated] or wanted
@@ -124,14 +124,14 @@ class TuningState:
         return tuple(seen for seen in self.observations if seen.source in sources)
 
     def extra_of(self, seen: Sequence[Observation], values: NDArray[np.float64]) -> list[float]:
-        """Noise variance that runs get because the plant has changed since.
+        """Extra noise variance of runs made before a change of the plant.
 
         Parameters
         ----------
         seen : sequence of Observation
             Runs of any source, n of them.
         values : ndarray, shape (n,)
-            What is modelled, such as the cost.
+            Modelled values, such as the cost.
 
         Returns
         -------
@@ -155,7 +155,7 @@ class TuningState:
         }
 
     def hold(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Copy of points of the unit cube, shape (..., d), with the held gains put in.
+        """Copy of points of the unit cube, shape (..., d), with the held gains set.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The tuning methods by name; each is a small file over the same loop and initial data.
+"""Tuning methods by name: each a small file over the same loop and initial data.
 
 A user adds one without touching the loop: `METHODS[mine.name] = mine` from Python, or in a
 package of one's own, in `pyproject.toml`, under the name that a study file gives,

@@ -1,4 +1,4 @@
-"""The initial data: the same for every method at the same seed."""
+"""Initial design: the same first runs for every method at the same seed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gmfbo.space import GainSpace
 
 
 class Stream(IntEnum):
-    """What a random stream is for; part of its seed, so that no two share their draws."""
+    """Purpose of a random stream; part of its seed, so that no two streams are equal."""
 
     INITIAL_IS1 = 0
     INITIAL_IS2 = 1
@@ -24,16 +24,16 @@ class Stream(IntEnum):
 def stream(seed: int, purpose: Stream, *numbers: int) -> np.random.Generator:
     """Random stream of one step of one study.
 
-    A function of its arguments alone: whoever resumes a study draws what would have been drawn.
+    It depends on its arguments alone, so that a resumed study draws the same numbers.
 
     Parameters
     ----------
     seed : int
         Of the study.
     purpose : Stream
-        What is drawn.
+        Purpose of the stream.
     *numbers : int
-        Trial that the draw belongs to, and which draw it is.
+        Number of the trial, and of the draw within it.
     """
     return np.random.default_rng([seed, int(purpose), *numbers])
 

@@ -1,4 +1,4 @@
-"""What a tuning method is: from all that was observed to the next query."""
+"""Interface of tuning methods: from all observations to the next query."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class Proposal:
     Attributes
     ----------
     source : {"IS1", "IS2"}
-        Whom to ask.
+        Source to query.
     point : ndarray, shape (d,)
         Gains scaled to the unit cube.
     mismatch : float or None
-        Mismatch e of the twin by which the method decided, dimensionless.
+        Mismatch e of the twin that the method used, dimensionless.
     note : str
-        What whoever watches should know; usually empty.
+        Note for the user; usually empty.
     """
 
     source: Literal["IS1", "IS2"]
@@ -36,7 +36,7 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """Gains where a surrogate expects the real axis to be best, measured or not.
+    """Gains at which a surrogate expects the least cost of the real axis, measured or not.
 
     Attributes
     ----------
@@ -60,12 +60,12 @@ class CorrectionOptions:
     memory : {"latest", "accumulate"}
         Real runs that the correction learns from: the last (Algorithm 1 as printed), or all.
     at_border : {"project", "reflect"}
-        What happens to draws outside the box: projected onto its faces (as printed), or folded
-        back, so that they do not pile up there.
+        Draws outside the box are projected onto its faces (as printed), or folded back, so that
+        they do not accumulate there.
     survey : int
         Runs of the twin over the box, made once before the first query.
     around_real : bool
-        Make corrected runs at all; otherwise the survey is all that is wanted.
+        Whether to make corrected runs; otherwise only the survey is made.
     closer : int
         Runs of the twin around the promising gains before each query, in each of two stages.
     """
@@ -83,13 +83,13 @@ class Method(Protocol):
     Attributes
     ----------
     name : str
-        In study files and tables.
+        Name in study files and tables.
     summary : str
-        What it does, in a line.
+        Description in a line.
     reference : str
-        Where it comes from.
+        Publication.
     correction : CorrectionOptions or None
-        How it wants corrected runs made; None if it uses none.
+        Options of corrected runs; None if it uses none.
     """
 
     @property
@@ -102,12 +102,12 @@ class Method(Protocol):
     def correction(self) -> CorrectionOptions | None: ...
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
-        """Propose the next query; None where the method has nothing more to ask.
+        """Propose the next query; None where the method needs no further query.
 
         Parameters
         ----------
         state : TuningState
-            All that was observed, with the initial data complete.
+            All observations, with the initial data complete.
         rng : numpy.random.Generator
             The only randomness allowed; derived from the study's seed and the step.
         """
@@ -119,6 +119,6 @@ class Method(Protocol):
         Parameters
         ----------
         state : TuningState
-            All that was observed.
+                All observations.
         """
         ...

@@ -1,4 +1,4 @@
-"""What a running study tells whoever watches it."""
+"""Progress of a running study."""
 
 from __future__ import annotations
 
@@ -18,17 +18,16 @@ class Progress:
     Attributes
     ----------
     phase : {"initial", "query", "correction", "drift", "twin", "done"}
-        Initial data, a query that the method asked for, the twin runs made after a real one,
-        a change of the plant that the last real run revealed, a twin that was corrected by it,
-        or the end of the study.
+        Initial data, a query of the method, the twin runs after a real run, a change of the plant
+        or a correction of the twin revealed by the last real run, or the end of the study.
     iteration, iterations : int
-        Queries done, and at most to be done.
+        Number of queries made, and their limit.
     is1_runs : int
-        Real runs so far, initial ones counted.
+        Number of real runs so far, initial ones included.
     trial : int
         Number of the run.
     source : {"IS1", "IS2", "IS3"}
-        Who ran.
+        Source of the run.
     gains : mapping of str to float
         Gains of the run.
     objective : float
@@ -42,13 +41,13 @@ class Progress:
     mismatch : float or None
         Newest mismatch e of the twin, dimensionless; None for methods without one.
     cost : float
-        Runs so far in units of a real run.
+        Cost of all runs so far, in units of a real run.
     seconds : float
-        [s] Since this call of `run` began.
+        [s] Time since this call of `run` began.
     seconds_left : float or None
-        [s] Expected until the end; None before the first query.
+        [s] Expected time until the end; None before the first query.
     note : str
-        What the method had to say, such as a fit that fell back; usually empty.
+        Note of the method, such as a fit that fell back; usually empty.
     """
 
     phase: Phase

@@ -1,4 +1,4 @@
-"""Runs that are wanted, and the results of a study."""
+"""Requests for runs, and the result of a study."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TrialRequest:
-    """A run that is wanted.
+    """A request for a run.
 
     Attributes
     ----------
     number : int
         Of the trial that it becomes.
     source : {"IS1", "IS2"}
-        Who shall run; `Tuner.ask` runs the twin itself and returns real runs only.
+        Source of the run; `Tuner.ask` runs the twin itself, and returns real runs only.
     gains : mapping of str to float
         All gains by name [unit of the FMU parameter].
     mismatch : float or None
-        Mismatch e of the twin by which the method decided, dimensionless.
+        Mismatch e of the twin that the method used, dimensionless.
     note : str
-        What the method had to say; usually empty.
+        Note of the method; usually empty.
     """
 
     number: int
@@ -39,14 +39,14 @@ class TrialRequest:
 
     @classmethod
     def unanswered(cls, events: list[dict[str, Any]], next_number: int) -> TrialRequest | None:
-        """Find the request that was logged last and never became a trial.
+        """Find the last logged request if it has not become a trial yet.
 
         Parameters
         ----------
         events : list of dict
             The study's log.
         next_number : int
-            Number of the trial that comes next.
+            Number of the next trial.
         """
         asked = [event for event in events if event.get("event") == "ask"]
         if not asked or asked[-1]["number"] != next_number:
@@ -57,26 +57,26 @@ class TrialRequest:
 
 @dataclass(frozen=True)
 class TuningResult:
-    """What a study came to.
+    """Result of a study.
 
     Attributes
     ----------
     best : Trial or None
         Real run with the least cost; None when none succeeded.
     recommendation : Recommendation or None
-        Where the surrogate expects the least cost; None when no real run was made.
+        Gains at which the surrogate expects the least cost; None without a real run.
     is1_runs : int
-        Real runs, initial ones counted.
+        Number of real runs, initial ones included.
     earlier, left_out : int
-        Real runs taken over from an earlier study, and those of it that were not.
+        Number of real runs of an earlier study that were taken over, and that were not.
     queries : int
         Queries of either source after the initial ones.
     cost : float
-        All runs in units of a real run.
+        Cost of all runs, in units of a real run.
     drifts : tuple of Drift
-        Changes of the plant that were found, in order; `best` is since the last one.
+        Detected changes of the plant, in order; `best` is from after the last.
     twin_versions : tuple of str
-        Why the twin was corrected, each time.
+        Reasons of the twin's corrections, in order.
     """
 
     best: Trial | None

@@ -1,4 +1,4 @@
-"""One query: each reference is played by a source, and the answers become one run."""
+"""Play a query: a source follows each reference, and the responses become one run."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def play(
     Parameters
     ----------
     source : Source
-        Who runs.
+            Source of the run.
     gains : mapping of str to float
         Gains of the query.
     experiment : ExperimentSeries
-        What is played.
+            References that are played.
     envelope : Envelope, optional
-        What the real axis must stay within; a twin cannot be harmed and has none.
+            Safety envelope of the real axis; a twin has none.
 
     Returns
     -------
@@ -40,7 +40,7 @@ def play(
     Raises
     ------
     InputError
-        The source was asked for something impossible; repeating that cannot help.
+        The request is impossible for the source, so that repeating it cannot help.
     """
     runs: list[Recording] = []
     for reference in experiment.references:
@@ -52,7 +52,7 @@ def play(
 
 
 def _judged(run: Recording, envelope: Envelope) -> Recording:
-    """A run as the envelope sees it; what cannot be judged is not safe, but ends no study."""
+    """A run marked unsafe where it leaves the envelope, or where this cannot be judged."""
     try:
         return envelope.judge(run)
     except RecordingError as error:

@@ -1,4 +1,4 @@
-"""A study: its file, and what was recorded of it so far."""
+"""A study: its file, and its runs so far."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Study:
     text : str
         The study file as given.
     origin : Path
-        Folder where the paths in the file begin.
+        Folder to which paths in the file are relative.
     location : Path
         The study's folder, or a packed file; need not exist yet.
     """

@@ -1,4 +1,4 @@
-"""Who runs a study's experiments: the sources that its file names, opened."""
+"""Information sources of a study, opened as its file names them."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ class StudySources:
     reference_unit : str
         SI unit of the reference; empty where unknown.
     reading : SignalReading or None
-        Twin file of IS2, which says what the columns of a recording are; None where the twin is
-        the user's own source.
+        Twin file of IS2, which gives the meaning of a recording's columns; None where the twin
+        is the user's own source.
     """
 
     is1: Source | None
@@ -77,9 +77,9 @@ class StudySources:
         study : StudyFile
             The validated file.
         folder : Path
-            Where its paths begin.
+            Folder to which its paths are relative.
         is1, is2 : Source, optional
-            Used instead of what the file names: a test bench, a simulator of the user's own.
+            Used instead of the file's: a test bench, or a simulator of the user's own.
         plant : callable, optional
             Called with gains and reference instead of the IS1 that the file names.
 
@@ -134,7 +134,7 @@ class StudySources:
         Parameters
         ----------
         runs_before : int
-            Real runs so far, initial ones counted.
+            Number of real runs so far, initial ones included.
         """
         if self.change_after is not None and runs_before >= self.change_after:
             return self.changed_is1
@@ -142,13 +142,13 @@ class StudySources:
 
     @property
     def content_hashes(self) -> dict[str, str]:
-        """Content hash by source; empty for one of which it is not known what it does."""
+        """Content hash by source; empty where the behaviour of the source is unknown."""
         real = self.is1.content_hash if self.is1 is not None else ""
         changed = {"IS1 changed": self.changed_is1.content_hash} if self.changed_is1 else {}
         return {"IS1": real, "IS2": self.is2.content_hash, **changed}
 
     def close(self) -> None:
-        """Give back processes and files of what was opened here."""
+        """Close the sources that were opened here."""
         self.opened.close()
 
 
@@ -159,7 +159,7 @@ class _Opener:
     opened: ExitStack
 
     def plant(self, section: PlantSection, reading: SignalReading | None) -> Source | None:
-        """Source of the kind that the file names; None where somebody asks and tells."""
+        """Source of the kind that the file names; None where the user asks and tells."""
         if section.twin is not None:
             return self.twin(section.twin, self.plant_parameters(section))
         if section.command is not None:
@@ -193,16 +193,16 @@ class _Opener:
 
 
 def run_source(source: Source, gains: Mapping[str, float], reference: Recording) -> Recording:
-    """Run one experiment; whatever breaks in the source becomes a failed run.
+    """Run one experiment; an exception of the source becomes a failed run.
 
     Parameters
     ----------
     source : Source
-        Who runs.
+            Source of the run.
     gains : mapping of str to float
         Gains of the run.
     reference : Recording
-        What is followed.
+        Reference that is followed.
 
     Returns
     -------
@@ -212,7 +212,7 @@ def run_source(source: Source, gains: Mapping[str, float], reference: Recording)
     Raises
     ------
     InputError
-        The source was asked for something impossible; repeating that cannot help.
+        The request is impossible for the source, so that repeating it cannot help.
     """
     started = time.perf_counter()
     try:

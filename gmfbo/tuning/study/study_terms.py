@@ -1,4 +1,4 @@
-"""What a study file says of metrics and safety, held against the gains and sources."""
+"""Metrics and safety of a study file, checked against gains and sources."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def own_metrics(study: Study) -> OwnMetrics | None:
     Parameters
     ----------
     study : Study
-        Its file says where the function lies.
+        Its file names the function.
 
     Raises
     ------
@@ -38,14 +38,14 @@ def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]
     Parameters
     ----------
     section : SafetySection
-        With `start`.
+            With `start`.
     gains : GainChoice
-        What is tuned.
+            Tuned and held gains.
 
     Raises
     ------
     StudyFileError
-        A point has not one value for each tuned gain, or lies outside the box.
+        A point lacks a value for a tuned gain, or lies outside the box.
     """
     names = gains.space.names
     for values in section.start:
@@ -65,14 +65,14 @@ def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]
 
 
 def check_signals(section: SafetySection, sources: StudySources) -> None:
-    """Refuse an envelope of signals that an FMU plant will never hold.
+    """Raise for an envelope of signals that an FMU plant does not output.
 
     Parameters
     ----------
     section : SafetySection
-        What is watched.
+            Signals of the envelope.
     sources : StudySources
-        IS1 may be an FMU; what other plants record shows only when they do.
+            With IS1; the signals of a plant that is no FMU are unknown beforehand.
 
     Raises
     ------

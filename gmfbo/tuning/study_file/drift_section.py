@@ -1,4 +1,4 @@
-"""What a study file says of changes of the plant."""
+"""Section of a study file about changes of the plant."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 
 class DriftSection(BaseModel):
-    """Whether changes of the plant are looked for, and runs repeated to see them sooner."""
+    """Detection of changes of the plant, and repeated runs that show them sooner."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -1,4 +1,4 @@
-"""Which gains a study moves, and which it holds."""
+"""Gains that a study tunes, and gains that it holds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from gmfbo.tuning.study_file.study_sections import GainRange
 
 @dataclass(frozen=True)
 class GainChoice:
-    """The tuned gains, and the values of those that the study fixes.
+    """The tuned gains, and the values of the held gains.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class GainChoice:
         study: Mapping[str, GainRange],
         parameters: Collection[str] = (),
     ) -> GainChoice:
-        """Lay the study's ranges over those of the twin file.
+        """Combine the study's ranges with the twin file's, which they override.
 
         Parameters
         ----------
@@ -44,7 +44,7 @@ class GainChoice:
         study : mapping of str to GainRange
             Part `[gains]` of the study file.
         parameters : collection of str
-            FMU parameters, which a study may tune though the twin file does not name them.
+            FMU parameters, which a study may tune even if the twin file does not name them.
 
         Raises
         ------
@@ -80,14 +80,14 @@ class GainChoice:
         return self.space.point({name: gains[name] for name in self.space.names})
 
     def check_fixed(self, fixed: Mapping[str, float], *, label: str = "fixed") -> None:
-        """Refuse values that the box does not hold.
+        """Raise for values outside the box.
 
         Parameters
         ----------
         fixed : mapping of str to float
             Gains to be held in the next proposals.
         label : str
-            What is checked, for messages.
+            Name of the values, for messages.
 
         Raises
         ------

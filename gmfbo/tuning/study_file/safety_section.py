@@ -1,4 +1,4 @@
-"""What a study file may say about safety: the envelope, and gains known to be safe."""
+"""Section of a study file about safety: the envelope, and known-safe gains."""
 
 from __future__ import annotations
 
@@ -51,6 +51,6 @@ class SafetySection(BaseModel):
 
     @property
     def envelope(self) -> Envelope:
-        """What recorded signals must stay within; empty where nothing is said."""
+        """Safety envelope of recorded signals; empty where the section is."""
         condition = None if self.expression is None else Condition.parse(self.expression)
         return Envelope(dict(self.ranges), condition)

@@ -88,9 +88,9 @@ def read_study_file(path: Path) -> tuple[StudyFile, str]:
 
 
 def _finding(detail: dict[str, Any]) -> str:
-    """One validation error in the words of the file."""
+    """A validation error in the words of the file."""
     location = [str(part) for part in detail["loc"]]
-    # One [reference] is a list of one, which its writer never wrote.
+    # A single [reference] was turned into a list, whose index the file does not have.
     if location[:2] == ["reference", "0"]:
         del location[1]
     message = str(detail["msg"]).removeprefix("Value error, ")
@@ -108,6 +108,6 @@ def _finding(detail: dict[str, Any]) -> str:
 
 
 def _keys_at(location: list[str]) -> list[str]:
-    """Keys that the format knows at a place; empty where the place is a free table."""
+    """Valid keys at a place; empty where the place is a free table."""
     section = _SECTIONS.get(".".join(location))
     return list(section.model_fields) if section else []

@@ -1,4 +1,4 @@
-"""What a study file may say: its sections, validated."""
+"""Validated sections of a study file."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _number_or_seed(value: object) -> float | Literal["seed"]:
 
 
 def _as_range(value: object) -> object:
-    """[low, high] and a number as the table that they are short for."""
+    """Expand the short forms [low, high] and a number into a table."""
     if isinstance(value, list) and len(value) == 2:
         return {"low": value[0], "high": value[1]}
     if isinstance(value, int | float):
@@ -46,7 +46,7 @@ def _as_range(value: object) -> object:
 
 
 def _as_references(value: object) -> object:
-    """One [reference] as the list of [[reference]] that it is short for."""
+    """Expand a single [reference] into a list of [[reference]]."""
     return [value] if isinstance(value, dict | ReferenceSection) else value
 
 
@@ -55,7 +55,7 @@ def _as_normalisation(value: object) -> object:
 
 
 def _as_words(value: object) -> object:
-    """A command is a list: how a shell would cut a text differs between systems."""
+    """Require a command as a list, since shells split a text differently."""
     if isinstance(value, list) and value and all(isinstance(word, str) for word in value):
         return value
     raise ValueError(f'expected a list of words such as ["python", "bench.py"], got {value!r}')
@@ -66,7 +66,7 @@ Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number
 DEFAULT_METHOD = "gmfbo_physics"
 """Fewest real runs of all methods on the project's studies: `tests/benchmarks/results`."""
 
-# Keeps the draw of what is hidden apart from all other draws of the same seed.
+# Separates the draw of hidden physics from all other draws of the same seed.
 _HIDDEN_STREAM = 0x41D
 
 
@@ -77,14 +77,14 @@ class Section(BaseModel):
 
 
 class PlantChange(Section):
-    """The plant changes for good after its n-th run, initial ones counted."""
+    """A lasting change of the plant after its n-th run, initial ones included."""
 
     after_runs: int = Field(ge=1)
     parameters: Parameters
 
 
 class HiddenPhysics(Section):
-    """Physics of the plant that its twin knows nothing of, drawn from the study's seed."""
+    """Physics of the plant that its twin lacks, drawn from the study's seed."""
 
     count: tuple[int, int] = (1, 1)
     groups: dict[str, dict[str, tuple[int | float, int | float]]]
@@ -107,7 +107,7 @@ class HiddenPhysics(Section):
         return self
 
     def drawn(self, seed: int) -> dict[str, float]:
-        """Parameters of a few groups, log-uniform in their ranges; whole between whole numbers.
+        """Draw parameters of a few groups, log-uniform in their ranges; integers stay integers.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class HiddenPhysics(Section):
 
 
 class PlantSection(Section):
-    """IS1, the real axis: an FMU or a program that plays it, recordings, or who asks and tells."""
+    """IS1, the real axis: an FMU, a program, recordings, or a user who asks and tells."""
 
     twin: str | None = None
     command: Annotated[list[str], BeforeValidator(_as_words)] | None = None
@@ -179,7 +179,7 @@ class GainRange(Section):
 
 
 class ReferenceSection(Section):
-    """What the axis is asked to follow: a step, or a recording of one."""
+    """Reference for the axis: a step, or a recording of a step."""
 
     step: Number = 1.0
     at: NotNegative = 0.1
@@ -203,7 +203,7 @@ class Normalisation(Section):
 
     points: int | None = Field(None, ge=2)
     mean: dict[str, Number] = {}
-    std: dict[str, Positive] = {}  # [unit of the metric], as the mean
+    std: dict[str, Positive] = {}  # [unit of the metric]
 
     @model_validator(mode="after")
     def _points_or_constants(self) -> Self:
@@ -220,7 +220,7 @@ class ObjectiveSection(Section):
     normalise: Annotated[Normalisation, BeforeValidator(_as_normalisation)] = Normalisation(
         points=10
     )
-    metrics: str | None = None  # FILE.py:FUNCTION, a user's own
+    metrics: str | None = None  # FILE.py:FUNCTION of the user
 
     @model_validator(mode="after")
     def _known_metrics(self) -> Self:
@@ -235,7 +235,7 @@ class ObjectiveSection(Section):
         return self
 
     def check_metric(self, name: str) -> None:
-        """Refuse a name that neither the step metrics nor a user's own function can hold."""
+        """Raise for a name that is no step metric and no metric of the user's function."""
         if name not in METRICS and self.metrics is None:
             raise ValueError(
                 f"no metric '{name}'"
@@ -255,20 +255,20 @@ class BudgetSection(Section):
 
     @property
     def most_queries(self) -> int:
-        """Queries of either source after the initial ones; the twin cannot be asked for ever."""
+        """Most queries of both sources after the initial ones, so that twin queries end too."""
         if self.iterations is not None:
             return self.iterations
         return 20 if self.is1_runs is None else max(100, 5 * self.is1_runs)
 
     def queries_left(self, queries: int, real_runs: int) -> int:
-        """Queries until the first of the two ends, at least; queries of the twin may come between.
+        """Least number of queries until a budget ends; twin queries may add to it.
 
         Parameters
         ----------
         queries : int
-            Made after the initial runs.
+                Number made after the initial runs.
         real_runs : int
-            Made, initial ones counted.
+                Number made, initial ones included.
         """
         left = self.most_queries - queries
         if self.is1_runs is not None:
@@ -283,7 +283,7 @@ class StudyFile(Section):
     seed: int = Field(0, ge=0)
     method: str = DEFAULT_METHOD
     out: str | None = None
-    earlier: str | None = None  # a study whose real runs this one begins with
+    earlier: str | None = None  # a study whose real runs are taken over
     is1: PlantSection
     is2: TwinSection
     gains: dict[str, Annotated[GainRange, BeforeValidator(_as_range)]] = {}
@@ -329,16 +329,16 @@ class StudyFile(Section):
 
     @property
     def folder_name(self) -> str:
-        """Where the study is kept, relative to the file."""
+        """Folder of the study, relative to the file."""
         return self.out or f"{self.name}.study"
 
 
 def stated(file: StudyFile) -> dict[str, Any]:
-    """What a study file says, as TOML can hold it; what it leaves to defaults is left out.
+    """Values stated in a study file, as TOML can hold them, without defaults.
 
     Parameters
     ----------
     file : StudyFile
-        Read or made.
+        The validated file.
     """
     return file.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude_none=True)

@@ -1,4 +1,4 @@
-"""Real runs of an earlier study, which a new one begins with."""
+"""Real runs of an earlier study that a new one takes over."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from gmfbo.tuning.told.told_gains import same_gain
 class EarlierRuns:
     """Real runs that a study takes over before its own first query.
 
-    The runs are copied, and scored by the objective of the new study. Which ones is logged
-    before the first is written, so that a study that is killed meanwhile takes the same.
+    The runs are copied, and scored by the objective of the new study. The choice is logged
+    before the first run is written, so that a study killed meanwhile takes the same runs.
 
     Attributes
     ----------
     location : Path or None
         Folder of the earlier study, or its packed file; None where the study file names none.
     numbers : tuple of int
-        Its trials that are taken, in order.
+        Numbers of its trials that are taken, in order.
     left_out : int
-        Its real runs at gains that this study holds at other values or has no range for.
+        Number of its real runs at gains that this study could not ask for.
     """
 
     location: Path | None = None
@@ -39,22 +39,22 @@ class EarlierRuns:
 
     @classmethod
     def find(cls, study: Study, gains: GainChoice, experiment: ExperimentSeries) -> Self:
-        """Choose the runs, or find which ones were chosen when the study was begun.
+        """Choose the runs, or read the choice from the log of a begun study.
 
         Parameters
         ----------
         study : Study
             Its file may name an earlier one.
         gains : GainChoice
-            What is tuned.
+                Tuned and held gains.
         experiment : ExperimentSeries
-            What is played.
+                References that are played.
 
         Raises
         ------
         StudyFileError
-            The earlier study tuned other gains, played another reference, measured in another
-            unit, or has no run that could be taken.
+            The earlier study tuned other gains, played another reference, used another unit, or
+            has no run that can be taken.
         StoreError
             There is no earlier study at this place.
         """
@@ -95,7 +95,7 @@ class EarlierRuns:
         Raises
         ------
         StoreError
-            It is not there any more.
+            The run no longer exists.
         """
         from gmfbo.recordings.store.study_folder import StudyStore
 
@@ -111,7 +111,7 @@ class EarlierRuns:
 
     @property
     def event(self) -> dict[str, Any]:
-        """What is logged of the choice."""
+        """Log entry of the choice."""
         return {
             "study": str(self.location),
             "trials": list(self.numbers),
@@ -160,7 +160,7 @@ def _check_names(label: str, trial: Trial, gains: GainChoice) -> None:
 
 def _check_signal(label: str, trial: Trial, experiment: ExperimentSeries) -> None:
     if trial.status != "ok":
-        return  # it is charged as failed, whatever it holds
+        return  # the cost of a failed run does not depend on its signals
     name = experiment.signal
     if name not in trial.recording.signals:
         raise StudyFileError(
@@ -178,7 +178,7 @@ def _check_signal(label: str, trial: Trial, experiment: ExperimentSeries) -> Non
 
 
 def _within(trial: Trial, gains: GainChoice) -> bool:
-    """Whether this study could have made the run."""
+    """Whether this study could have asked for the run."""
     if not all(same_gain(trial.gains[name], value) for name, value in gains.fixed.items()):
         return False
     return all(gain.low <= trial.gains[gain.name] <= gain.high for gain in gains.space.gains)

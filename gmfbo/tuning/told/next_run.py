@@ -1,4 +1,4 @@
-"""The run that is wanted, as files in the study's folder for whoever makes it."""
+"""The requested run as files in the study's folder."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def reference_files(count: int) -> list[str]:
 
 
 def next_run_text(request: TrialRequest, count: int) -> str:
-    """JSON of a wanted run: its trial, gains in full and the files to play."""
+    """JSON of a requested run: its trial, all gains and the files to play."""
     names = reference_files(count)
     content = {"trial": request.number, "gains": dict(request.gains), "references": names}
     return json.dumps(content, indent=1)
@@ -36,9 +36,9 @@ def write_next_run(folder: Path, request: TrialRequest, references: Sequence[Rec
     folder : Path
         Of the study.
     request : TrialRequest
-        What is wanted.
+            The requested run.
     references : sequence of Recording
-        What the axis shall follow, one run each.
+            References to follow, one run each.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def write_next_run(folder: Path, request: TrialRequest, references: Sequence[Rec
 
 
 def remove_next_run(folder: Path, count: int) -> None:
-    """Remove these files: nobody shall play what was told already.
+    """Remove these files, so that nobody plays a run that was told already.
 
     Parameters
     ----------

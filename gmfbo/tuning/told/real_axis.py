@@ -1,4 +1,4 @@
-"""The real axis as the loop sees it: whatever comes back can be scored, or is a failed run."""
+"""The real axis: recordings that can be scored, or failed runs."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from gmfbo.tuning.told.told_gains import same_gain
 
 @dataclass(frozen=True)
 class RealAxis:
-    """A plant whose recordings are held against what was asked for.
+    """A plant whose recordings are checked against the request.
 
     Attributes
     ----------
     source : Source
-        Who runs.
+        The plant.
     """
 
     source: Source
@@ -38,7 +38,7 @@ class RealAxis:
         return self.source.content_hash
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
-        """Run the plant; an unreadable recording, or one made at other gains, has failed."""
+        """Run the plant; an unreadable recording, or one at other gains, is a failed run."""
         try:
             run = self.source.run(gains, reference)
         except RecordingError as error:
@@ -51,12 +51,12 @@ class RealAxis:
         return on_the_clock_of(reference, run)
 
     def close(self) -> None:
-        """Give back what the plant holds."""
+        """Close the plant."""
         self.source.close()
 
 
 class Scoring(Protocol):
-    """What knows whether a run can be scored."""
+    """Anything that computes metrics of a run, and raises where it cannot be scored."""
 
     @property
     def reference(self) -> Recording: ...
@@ -67,16 +67,16 @@ class Scoring(Protocol):
 
 
 def scorable(run: Recording, experiment: Scoring) -> Recording:
-    """Return a run, or where it lacks the signal or is too short, its failure.
+    """Return a run; a run that lacks the signal or is too short becomes a failed one.
 
-    A failed run never ends a study; telling a recording by hand refuses it instead.
+    A failed run never ends a study. A recording told by hand is refused instead.
 
     Parameters
     ----------
     run : Recording
-        What came back.
+            Run of the plant.
     experiment : StepExperiment
-        What is scored.
+            Experiment that scores it.
     """
     try:
         experiment.metrics(run)
@@ -86,24 +86,24 @@ def scorable(run: Recording, experiment: Scoring) -> Recording:
 
 
 def on_the_clock_of(reference: Recording, run: Recording) -> Recording:
-    """Shift a recording so that its reference steps when the one asked for does.
+    """Shift a recording so that its reference steps at the requested instant.
 
-    A logger's clock begins anywhere. Without a recorded reference that steps once, the recording
-    is taken to be on the clock of the reference already.
+    A logger's clock begins anywhere. A recording whose reference does not step exactly once is
+    taken to be on the clock of the reference already.
 
     Parameters
     ----------
     reference : Recording
-        What was to be followed.
+            Requested reference.
     run : Recording
-        What was measured.
+            Measured run.
     """
     (signal,) = reference.signals
     asked, seen = _step_time(reference, signal), _step_time(run, signal)
     if asked is None or seen is None:
         return run
     shift = asked - seen
-    # Less than a sample is the logger's rounding, and simulated runs stay as they are.
+    # A shift below one sample is the logger's rounding; simulated runs stay unchanged.
     if abs(shift) <= float(np.median(np.diff(run.time))):
         return run
     use = None if run.use is None else (run.use[0] + shift, run.use[1] + shift)

@@ -1,4 +1,4 @@
-"""Proposals for a plant that was recorded beforehand: the nearest gains that are left."""
+"""Map proposals to the nearest recorded gains that are not replayed yet."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from gmfbo.tuning.study_file.gain_choice import GainChoice
 
 @dataclass(frozen=True)
 class RecordedChoice:
-    """The recorded gains that a study may ask for.
+    """Recorded gains that a study may ask for.
 
-    A proposal goes to the nearest recorded gains that are not replayed yet: least distance in
-    the unit cube of the tuned gains. Nothing is interpolated.
+    A proposal becomes the nearest recorded gains not replayed yet, by distance in the unit cube
+    of the tuned gains. Nothing is interpolated.
 
     Attributes
     ----------
     grid : RecordedGrid
         Recordings within the box, at the values of the gains that the study fixes.
     gains : GainChoice
-        What is tuned.
+        Tuned and held gains.
     """
 
     grid: RecordedGrid
@@ -39,7 +39,7 @@ class RecordedChoice:
         Raises
         ------
         StudyFileError
-            None does, or one does not say its gains.
+            No recording belongs to the study, or a recording does not state its gains.
         """
         low, high = gains.space.bounds
         slack = SAME * np.maximum(np.abs(low), np.abs(high))
@@ -64,7 +64,7 @@ class RecordedChoice:
         played: Sequence[Mapping[str, float]],
         held: Mapping[str, float],
     ) -> dict[str, float]:
-        """Gains of the nearest recording that is left.
+        """Gains of the nearest recording not replayed yet.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class RecordedChoice:
         Raises
         ------
         InputError
-            Nothing is left at the held values.
+            No recording is left at the held values.
         """
         left = [run for run in self.grid.left(played) if run.made_at(held)]
         if not left:

@@ -1,4 +1,4 @@
-"""A recording that a person tells: read as the twin file says, and never the same one twice."""
+"""Read a told recording by the twin file, and refuse a file that was told before."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from gmfbo.tuning.told.real_axis import on_the_clock_of
 
 @dataclass(frozen=True, eq=False)
 class ToldRun:
-    """What was told of a run.
+    """A told recording and its file.
 
     Attributes
     ----------
     recording : Recording
-        What was measured.
+            The recording.
     file : str
-        Its path; empty where it was told from memory.
+            Its path; empty for a recording in memory.
     sha256 : str
-        Of the file's bytes; empty without one.
+        Hash of the file's bytes; empty without a file.
     """
 
     recording: Recording
@@ -36,16 +36,16 @@ class ToldRun:
     def read(
         cls, told: Recording | str | Path, reading: SignalReading | None, reference: Recording
     ) -> Self:
-        """Read what was told.
+        """Read a told recording.
 
         Parameters
         ----------
         told : Recording, str or Path
             The recording, or its file.
         reading : SignalReading or None
-            Says what the columns of a file are.
+            Meaning of a file's columns.
         reference : Recording
-            What was to be followed; a file is put on its clock.
+            Requested reference; a file is shifted to its clock.
 
         Raises
         ------
@@ -59,7 +59,7 @@ class ToldRun:
         return cls(run, str(path), hashlib.sha256(path.read_bytes()).hexdigest())
 
     def refuse_repeated(self, events: Iterable[Mapping[str, Any]]) -> None:
-        """Refuse a file that was told before: easily done at a bench, and it would count double.
+        """Raise for a file that was told before, since it would count double.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""At which gains a told recording was made, and whether that is what was asked for."""
+"""Find the gains of a told recording, and check them against the request."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ def told_gains(
     given: Mapping[str, float] | None = None,
     anyway: bool = False,
 ) -> dict[str, float]:
-    """Gains of a recording: as given, else as it says itself, else as asked for.
+    """Gains of a recording: as given, else as recorded, else as requested.
 
     Parameters
     ----------
     request : TrialRequest
-        What was asked for.
+            The request.
     recording : Recording
-        What was measured; its parameters name the gains in force.
+            The told recording; its parameters hold the gains in force.
     choice : GainChoice
         Ranges of the gains, and the values of those that are held.
     given : mapping of str to float, optional
-        Gains in force, whatever the recording says.
+        Gains in force, which override the recording's.
     anyway : bool
-        Take a recording that was made at other gains than asked for.
+        Accept a recording at other gains than requested.
 
     Raises
     ------
     InputError
-        A given gain is unknown, or not a gain that the study could ask for.
+        A given gain is unknown, or its value is one that the study could not ask for.
     RecordingError
         The recording was made at other gains.
     """
@@ -73,5 +73,5 @@ def told_gains(
 
 
 def same_gain(one: float, other: float) -> bool:
-    """Whether two values of a gain are one."""
+    """Whether two values of a gain are the same."""
     return bool(np.isclose(one, other, rtol=SAME))

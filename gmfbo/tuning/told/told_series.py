@@ -1,4 +1,4 @@
-"""Recordings told of one query: one a reference, in their order."""
+"""Recordings told for one query: one for each reference, in their order."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Told = Recording | str | Path
 def read_told(
     told: Told | Sequence[Told], reading: SignalReading | None, experiment: ExperimentSeries
 ) -> ToldRun:
-    """Read what was told of a query.
+    """Read the recordings told for a query.
 
     Parameters
     ----------
     told : Recording, str, Path, or a sequence of them
-        One a reference, in their order. A single `Recording` is the whole query.
+        One for each reference, in order. A single `Recording` is the whole query.
     reading : SignalReading or None
-        Says what the columns of a file are.
+            Meaning of a file's columns.
     experiment : ExperimentSeries
-        What was played.
+            References that were played.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def read_told(
     ]
     if len(each) == len(experiment.references) == 1:
         return runs[0]
-    # More recordings than references are refused by the joining, with both numbers.
+    # Joining refuses more recordings than references, and names both numbers.
     joined = experiment.join(
         [run.recording for run in runs] + [runs[-1].recording] * (len(each) - len(runs))
     )

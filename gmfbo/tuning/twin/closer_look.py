@@ -1,7 +1,7 @@
-"""Runs of the twin where the next real run is promising, closer together than a survey of the box.
+"""Closer look: runs of the twin around promising gains, denser than the survey of the box.
 
-The gains that are good enough may be less than a thousandth of the box, a ridge between overshoot
-and creep, while a survey of 400 runs leaves a fortieth of each range between two of them.
+Gains that are good enough may fill less than a thousandth of the box, as a ridge between overshoot
+and creep, while a survey of 400 runs leaves gaps of a fortieth of each range.
 """
 
 from __future__ import annotations
@@ -26,30 +26,30 @@ about the width of a ridge."""
 
 @runtime_checkable
 class LookingMethod(Protocol):
-    """A method that chooses among gains where the twin was run."""
+    """A method that chooses among gains at which the twin was run."""
 
     def promising(self, state: TuningState) -> NDArray[np.float64]:
-        """Points of the unit cube, shape (c, d), around which a closer look pays; best first.
+        """Promising points of the unit cube, shape (c, d), best first.
 
         Parameters
         ----------
         state : TuningState
-            All that was observed.
+            All observations.
         """
         ...
 
 
 def look_closer(method: Method, runs: TwinRuns) -> None:
-    """Run the twin around the promising gains, stage by stage; after a kill, the rest.
+    """Run the twin around the promising gains, stage by stage; after a kill, make the rest.
 
-    The runs belong to the last real run: after the next one, others are made.
+    The runs belong to the last real run; the next real run causes new ones.
 
     Parameters
     ----------
     method : Method
-        Its `correction.closer` says how many runs a stage makes.
+        Its `correction.closer` is the number of runs in a stage.
     runs : TwinRuns
-        With the twin as it is now.
+        Runs of the present twin.
     """
     options, history = method.correction, runs.history
     real = history.of("IS1")
@@ -58,7 +58,7 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
     if len(real) < max(history.study.budget.initial_is1, 1):
         return
     seed, count = history.study.seed, options.closer
-    beside = 1  # the first run of the twin that belongs to a real run is the one at its gains
+    beside = 1  # the first twin run of a real run is made at its gains
     for stage, radius in enumerate(RADII):
         known = beside + stage * count
         made = len(history.children(real[-1], "IS2"))
@@ -75,7 +75,7 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
 
 
 def _without(history: History, real: int, known: int) -> TuningState:
-    """The state as it was with so many twin runs that belong to the last real run."""
+    """The state with only the first twin runs that belong to the last real run."""
     state = history.state({})
     own = [t.number for t in state.trials if t.source == "IS2" and t.parent == real][known:]
     return replace(

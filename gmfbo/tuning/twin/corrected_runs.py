@@ -1,4 +1,4 @@
-"""Corrected twin runs (IS3): the twin around a real run, corrected by what that run taught."""
+"""Corrected twin runs (IS3): the twin around a real run, corrected by that run."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class CorrectedRuns:
     source : Source
         The twin.
     history : History
-        Holds the real runs and the twin's runs beside them, and takes the corrected ones.
+        Holds the real runs and the twin's runs at their gains; corrected runs are added.
     options : CorrectionOptions
-        How the method wants them made.
+        Options of the method.
     """
 
     source: Source
@@ -41,10 +41,10 @@ class CorrectedRuns:
     options: CorrectionOptions
 
     def around(self, real: Trial) -> Iterator[Trial]:
-        """Draw and correct around a real run; each draw comes when it is on disk.
+        """Draw and correct around a real run; yields each draw once it is on disk.
 
-        All draws follow from the seed and the real run, so that after a kill they are made
-        again and those that are missing on disk are written.
+        All draws follow from the seed and the real run. So after a kill they are drawn again, and
+        the missing ones are written.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class CorrectedRuns:
                 yield history.write(self._trial(real, gains, run, sample))
 
     def _fit(self, real: Trial) -> TrajectoryCorrection | None:
-        """Correction by this real run and, where the method says so, those before it."""
+        """Correction by this real run and, where the method asks for it, by earlier ones."""
         from gmfbo.correction.trajectory_gp import CorrectionSettings, TrajectoryCorrection
 
         latest = self._pair(real)
@@ -112,7 +112,7 @@ class CorrectedRuns:
         return correction
 
     def _pair(self, real: Trial) -> Pair | None:
-        """Signal of a real run and of the twin at its gains; None where one of them failed."""
+        """Signals of a real run and of the twin at its gains; None where either run failed."""
         from gmfbo.correction.trajectory_gp import Pair
 
         beside = self.history.children(real, "IS2")
@@ -147,7 +147,7 @@ class CorrectedRuns:
 
 
 def _only(run: Recording, signal: str, values: NDArray[np.float64]) -> Trajectory:
-    """The run with its one corrected signal; what the twin said of others is not corrected."""
+    """The run with its corrected signal alone, since the others are not corrected."""
     return Trajectory(
         time=run.time,
         signals={signal: values},

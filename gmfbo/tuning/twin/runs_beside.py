@@ -8,9 +8,9 @@ from gmfbo.recordings.store.trial import Trial
 
 
 def runs_beside(trials: Iterable[Trial]) -> dict[int, Trial]:
-    """The twin's run that was made first because of each real run, by the real one's number.
+    """First twin run caused by each real run, by the real run's number.
 
-    It is at the same gains; later ones that belong to a real run are a closer look around others.
+    This twin run has the same gains; later ones of a real run are a closer look at other gains.
     """
     beside: dict[int, Trial] = {}
     for trial in trials:

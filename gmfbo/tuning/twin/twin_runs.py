@@ -1,4 +1,4 @@
-"""All that the loop runs on the twin without being asked by a person."""
+"""Runs of the twin that the tuning loop makes by itself."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ Announce = Callable[[Phase, Trial], None]
 
 @dataclass(frozen=True, eq=False)
 class TwinRuns:
-    """Initial runs of the twin, its queries, and what follows a real run.
+    """Initial runs of the twin, its queries, and its runs after a real run.
 
     Attributes
     ----------
     source : Source
         The twin.
     history : History
-        Where the runs go.
+        The runs are added to it.
     correction : CorrectionOptions or None
-        How the method wants corrected runs made.
+        Options of the method's corrected runs.
     announce : callable
-        Told of each finished run.
+        Called with each finished run.
     """
 
     source: Source
@@ -41,8 +41,8 @@ class TwinRuns:
     def initial(self) -> None:
         """Run the initial points, shape (initial_is2, d).
 
-        A cost needs the constants that come from all of them, and a trial is written once and
-        whole; so these runs go to disk together, when the last is done.
+        Their costs need constants from all of them, and a trial is written once and whole. So
+        these runs go to disk together, when the last is done.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class TwinRuns:
             self.announce("initial", history.write(history.priced(run)))
 
     def survey(self) -> None:
-        """Run the twin over the box, once, where the method wants it; after a kill, the rest."""
+        """Run the twin over the box, once, if the method asks for it; after a kill, the rest."""
         history = self.history
         points = initial_points(
             history.gains.space, history.study.seed, Stream.SURVEY, history.survey
@@ -81,10 +81,10 @@ class TwinRuns:
             self.announce("initial", trial)
 
     def renew(self) -> None:
-        """Run the corrected twin wherever the twin was run before; after a kill, the rest.
+        """Repeat the twin's runs on the corrected twin; after a kill, make the rest.
 
-        Corrected runs are made around the last real run alone: those around the others told
-        how far the twin was off, and that is another twin's now.
+        IS3 runs are made around the last real run only: earlier ones showed the mismatch of the
+        twin before its correction.
         """
         history = self.history
         again = [t for t in history.of("IS2") if t.parent is None and history.is_current(t)]
@@ -95,13 +95,13 @@ class TwinRuns:
         self.follow_up()
 
     def query(self, gains: Mapping[str, float]) -> Trial:
-        """Run a point that the method asked for."""
+        """Run the twin at the gains of a query."""
         return self.history.write(self._run(gains))
 
     def follow_up(self) -> None:
         """Run the twin beside the last real run, and make corrected runs around it.
 
-        Does what is missing of it: after a kill, only the rest.
+        After a kill, only the missing runs are made.
         """
         real = self.history.of("IS1")
         if self.correction is None or not real:
@@ -112,7 +112,7 @@ class TwinRuns:
             self.announce("correction", trial)
 
     def beside_again(self, real: Trial, gains: Mapping[str, float]) -> None:
-        """Run the twin because of a real run, at other gains than that.
+        """Run the twin because of a real run, at other gains.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class TwinRuns:
         self.announce("correction", trial)
 
     def _beside(self, real: Trial) -> None:
-        """Run the twin at the gains of a real run, unless it was."""
+        """Run the twin at the gains of a real run, unless that was done."""
         if not self.history.children(real, "IS2"):
             pair = self._run(real.gains, parent=real.number)
             self.announce("correction", self.history.write(pair))

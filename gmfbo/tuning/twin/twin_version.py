@@ -1,4 +1,4 @@
-"""A twin that is corrected while a study runs: what whoever corrects it tells the loop."""
+"""Versions of a twin that is corrected during a study, and the interface of refiners."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from gmfbo.tuning.query.method import Method
 
 @dataclass(frozen=True, eq=False)
 class TwinVersion:
-    """A twin that takes the place of the one before it as IS2.
+    """A corrected twin that replaces the previous one as IS2.
 
     Attributes
     ----------
     number : int
         1, 2, 3 ...; 0 is the twin as the study file names it.
     source : Source
-        Runs it; its content hash tells its runs from those of other versions.
+        The twin; its content hash distinguishes its runs from those of other versions.
     reason : str
-        Why it changed, in one sentence for people.
+        Reason of the change, in one sentence.
     details : mapping of str to object
-        Logged with it, such as estimated parameters; JSON.
+        JSON that is logged with it, such as estimated parameters.
     """
 
     number: int
@@ -38,10 +38,10 @@ class TwinRefiner(Protocol):
     """Corrects a twin from the real runs of a study."""
 
     def revise(self, history: History) -> TwinVersion | None:
-        """Look at the newest real run, and at the twin's run beside it, which are on disk.
+        """Correct the twin by the newest real run and the twin's run at its gains.
 
-        Must follow from the runs and the logged versions alone, so that a killed study goes on
-        as if it had not been.
+        The result must follow from the runs and the logged versions alone, so that a killed study
+        resumes exactly.
 
         Parameters
         ----------
@@ -56,7 +56,7 @@ class TwinRefiner(Protocol):
         ...
 
     def restore(self, event: Mapping[str, Any]) -> TwinVersion:
-        """Bring back a version that was logged.
+        """Restore a logged version.
 
         Parameters
         ----------
@@ -66,22 +66,22 @@ class TwinRefiner(Protocol):
         ...
 
     def close(self) -> None:
-        """Give back what was opened for it."""
+        """Close opened twins and files."""
         ...
 
 
 @runtime_checkable
 class RefiningMethod(Method, Protocol):
-    """A method whose twin is corrected after each real run; it asks the real axis alone."""
+    """A method whose twin is corrected after each real run; it queries the real axis only."""
 
     def refiner(self, twin: Source, folder: Path) -> TwinRefiner | None:
-        """Return who corrects the twin; None where this twin cannot be corrected.
+        """Open the refiner of a twin; None where this twin cannot be corrected.
 
         Parameters
         ----------
         twin : Source
             IS2 as the study file names it.
         folder : Path
-            For files that belong to the versions; made when first needed.
+            Folder for files of the versions; made when first needed.
         """
         ...

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.case import open_case as opening
+from gmfbo.diagnosis.case import open_case
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.other_starts import fitted_from_names
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
@@ -46,7 +46,7 @@ def test_parameters_behind_a_limit_are_found() -> None:
 
 def test_by_slopes_alone_they_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control."""
-    monkeypatch.setattr(opening, "fitted_from_elsewhere", as_it_was)
+    monkeypatch.setattr(open_case, "fitted_from_elsewhere", as_it_was)
     with closing((case := opened()).simulations):
         assert case.base.parameters["mass"] < 0.9 * TRUTH["mass"]
 
@@ -55,14 +55,14 @@ def test_where_the_first_fit_is_right_nothing_is_tried(monkeypatch: pytest.Monke
     free = replace(LIMITED_AXIS, truth=TRUTH, gains={"kp": 155.9, "kv": 303.3})
     with closing((case := opened(free)).simulations):
         runs = case.simulations.runs
-    monkeypatch.setattr(opening, "fitted_from_elsewhere", as_it_was)
+    monkeypatch.setattr(open_case, "fitted_from_elsewhere", as_it_was)
     with closing((case := opened(free)).simulations):
         assert case.simulations.runs == runs
 
 
 def test_names_that_led_out_from_behind_a_limit_are_none(monkeypatch: pytest.MonkeyPatch) -> None:
     """Any effect does for the parameters what they can do by themselves from where it ended."""
-    monkeypatch.setattr(opening, "fitted_from_elsewhere", as_it_was)
+    monkeypatch.setattr(open_case, "fitted_from_elsewhere", as_it_was)
     with closing((case := opened()).simulations):
         near = {name: 1.02 * value for name, value in TRUTH.items()}
         named = fit(case.misfit, case.base.hypothesis, near, iterations=1)

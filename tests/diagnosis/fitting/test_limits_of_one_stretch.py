@@ -13,7 +13,7 @@ from gmfbo.diagnosis.case.held_out_split import split_of
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.fitting.simulated_left_out import simulated_left_out, squares
-from gmfbo.diagnosis.naming import evidence_of_fit as left_out_gain
+from gmfbo.diagnosis.naming import evidence_of_fit
 from gmfbo.diagnosis.naming.evidence_of_fit import evidence_of
 from gmfbo.diagnosis.naming.forward_selection import groups_of
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
@@ -89,7 +89,7 @@ def test_a_limit_that_no_other_stretch_foretells_keeps_its_gain_where_it_explain
     case, fitted = limited
     groups = groups_of(case)
     without = squares(case.base.residual, groups)
-    monkeypatch.setattr(left_out_gain, "simulated_left_out", lambda *args: without)
+    monkeypatch.setattr(evidence_of_fit, "simulated_left_out", lambda *args: without)
     x = fitted.x * np.append(np.ones(fitted.x.size - 1), limit / LIMIT)
     (simulated,) = case.simulations.run([fitted.hypothesis.point(x)])
     there = replace(fitted, x=x, residual=case.misfit.residual(simulated))

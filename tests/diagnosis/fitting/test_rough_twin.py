@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.case import open_case as opening
+from gmfbo.diagnosis.case import open_case
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
 from gmfbo.diagnosis.fitting.hypothesis import DIFFERENCE_STEP, Hypothesis
 from gmfbo.diagnosis.naming.gain_by_chance import gain_by_chance
@@ -37,7 +37,7 @@ def test_negative_control_steps_of_the_usual_size_end_far_from_the_parameters(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(
-        opening, "with_clear_steps", lambda misfit, hypothesis, *_, **__: hypothesis
+        open_case, "with_clear_steps", lambda misfit, hypothesis, *_, **__: hypothesis
     )
     case = open_small(DRIVE.twin(), DRIVE.recordings({}, (multisine, triangle)))
     try:

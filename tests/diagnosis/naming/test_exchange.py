@@ -10,7 +10,7 @@ import pytest
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
-from gmfbo.diagnosis.naming import selection_round as rounds
+from gmfbo.diagnosis.naming import selection_round
 from gmfbo.diagnosis.naming.candidate_fits import confirm, shortlist
 from gmfbo.diagnosis.naming.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.naming.evidence_of_fit import evidence_of
@@ -120,7 +120,7 @@ def test_where_fits_disappoint_what_was_ranked_next_is_fitted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     physics = {"presliding_friction.level": 0.05, "presliding_friction.deflection": 0.03}
-    monkeypatch.setattr(rounds, "shortlist", coulomb_first())
+    monkeypatch.setattr(selection_round, "shortlist", coulomb_first())
     with closing((opened_case := opened(physics)).simulations):
         decision = decided(opened_case, ("coulomb_friction", "presliding_friction"))
     assert [entry.winner.name for entry in decision.rounds] == ["presliding_friction"]

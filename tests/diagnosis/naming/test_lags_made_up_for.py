@@ -7,7 +7,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.naming import candidate_fits as confirming
+from gmfbo.diagnosis.naming import candidate_fits
 from gmfbo.diagnosis.naming.forward_selection import decide, groups_of
 from gmfbo.diagnosis.screening.probes import probes, screen
 from gmfbo.diagnosis.screening.testable_effects import candidates
@@ -48,5 +48,5 @@ def test_a_delay_is_found_from_a_start_that_only_a_few_steps_lead_down_from() ->
 
 def test_by_single_steps_it_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control."""
-    monkeypatch.setattr(confirming, "_lags_beyond", lambda misfit, base, starts: [])
+    monkeypatch.setattr(candidate_fits, "_lags_beyond", lambda misfit, base, starts: [])
     assert named_alone() == []

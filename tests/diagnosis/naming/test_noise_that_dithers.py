@@ -8,7 +8,7 @@ import pytest
 from gmfbo import diagnose
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit
-from gmfbo.diagnosis.naming import candidate_fits as confirming
+from gmfbo.diagnosis.naming import candidate_fits
 from gmfbo.diagnosis.naming.candidate_fits import confirm
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.physics import CATALOGUE
@@ -54,7 +54,7 @@ def test_without_it_a_smaller_size_is_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Negative control: the noise bridges part of what is there."""
-    monkeypatch.setattr(confirming, "under_noise", unplayed)
+    monkeypatch.setattr(candidate_fits, "under_noise", unplayed)
     found = size_of(effect, parameter, true, sigma)
     assert np.isfinite(found)
     assert found < (1.0 - off) * true
@@ -66,7 +66,7 @@ def test_a_supply_limit_that_noise_alone_reaches_is_found_with_the_noise_played(
 ) -> None:
     """Negative control: without it, the command hardly reaches the limit."""
     if not is_played:
-        monkeypatch.setattr(confirming, "under_noise", unplayed)
+        monkeypatch.setattr(candidate_fits, "under_noise", unplayed)
     with opened(planted(3e-4, {"supply_voltage_limit.limit": 1.5})) as case:
         start = candidates(["supply_voltage_limit"], case.setting.excitation)[0]
         (found,) = confirm(case.misfit, case.base, [start])

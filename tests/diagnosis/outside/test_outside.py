@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.naming import withdrawn_names as judging
+from gmfbo.diagnosis.naming import withdrawn_names
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.outside.beyond_library import Outside, look_outside
 from tests.diagnosis.port_cases import Law, open_servo, port_case
@@ -119,8 +119,8 @@ def test_what_is_disputed_is_said_where_something_is_missing(
     spring = SimpleNamespace(name="elastic_return")
     decision = Decision(disputed=spring)  # type: ignore[arg-type]
     case = SimpleNamespace(notes=[], base=None)
-    monkeypatch.setattr(judging, "is_more_than_noise", lambda case, model: is_more)
-    judging.note_what_is_not_named(case, decision)  # type: ignore[arg-type]
+    monkeypatch.setattr(withdrawn_names, "is_more_than_noise", lambda case, model: is_more)
+    withdrawn_names.note_what_is_not_named(case, decision)  # type: ignore[arg-type]
     assert len(case.notes) == is_more
     assert all("some of them speak against it" in note for note in case.notes)
 

@@ -10,7 +10,7 @@ import pytest
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.naming.decision import Decision
-from gmfbo.diagnosis.outside import beyond_library as outside
+from gmfbo.diagnosis.outside import beyond_library
 from gmfbo.diagnosis.screening.port_response import PortResponse
 from gmfbo.physics import CATALOGUE
 
@@ -41,7 +41,7 @@ def named(*names: str) -> Decision:
 @pytest.fixture
 def uneven(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever is left is more in one motion than in another."""
-    monkeypatch.setattr(outside, "is_uneven", lambda *given: True)
+    monkeypatch.setattr(beyond_library, "is_uneven", lambda *given: True)
 
 
 @pytest.mark.usefixtures("uneven")
@@ -59,7 +59,7 @@ def test_names_may_leave_noise_and_what_sticking_makes_of_it(
     name: str, left: float, too_much: bool
 ) -> None:
     before = 2.0 * NOISE
-    assert outside._leaves_too_much(judged(left), named(name), before, RNG) is too_much
+    assert beyond_library._leaves_too_much(judged(left), named(name), before, RNG) is too_much
 
 
 @pytest.mark.usefixtures("uneven")
@@ -68,16 +68,20 @@ def test_names_may_leave_a_tenth_of_a_misfit_and_no_more() -> None:
     before = 50.0 * NOISE
     for left, too_much in ((5.8 * NOISE, False), (6.0 * NOISE, True)):
         assert (
-            outside._leaves_too_much(judged(left), named("gravity_torque"), before, RNG) is too_much
+            beyond_library._leaves_too_much(judged(left), named("gravity_torque"), before, RNG)
+            is too_much
         )
 
 
 def test_no_right_name_leaves_hundreds_of_times_the_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     """Then it is not asked whether what is left follows the motion."""
-    monkeypatch.setattr(outside, "is_uneven", lambda *given: False)
+    monkeypatch.setattr(beyond_library, "is_uneven", lambda *given: False)
     before = 3000.0 * NOISE
     for left, too_much in ((390.0 * NOISE, False), (410.0 * NOISE, True)):
-        assert outside._leaves_too_much(judged(left), named("hysteresis"), before, RNG) is too_much
+        assert (
+            beyond_library._leaves_too_much(judged(left), named("hysteresis"), before, RNG)
+            is too_much
+        )
 
 
 @pytest.mark.parametrize(
@@ -106,9 +110,11 @@ def test_a_function_beside_names_has_to_take_much_of_what_they_leave(
     more: bool,
 ) -> None:
     family = SimpleNamespace(gain=beside, fall=2.0 * beside, family=SimpleNamespace(shared=True))
-    monkeypatch.setattr(outside, "unnamed", lambda *given: SimpleNamespace(families=(family,)))
+    monkeypatch.setattr(
+        beyond_library, "unnamed", lambda *given: SimpleNamespace(families=(family,))
+    )
     response = cast(PortResponse, SimpleNamespace())
-    found = outside._explains_more_beside(judged(left), named(name), gained, response, RNG)
+    found = beyond_library._explains_more_beside(judged(left), named(name), gained, response, RNG)
     assert found is more
 
 
@@ -123,14 +129,14 @@ def test_the_sensors_port_is_asked_beside_an_error_of_the_sensor(
         asked.append(port)
         return response
 
-    monkeypatch.setattr(outside, "measure_port_response", measured)
-    assert outside._at_sensor(judged(NOISE), named("coulomb_friction"), RNG) == ()
-    beside = outside._at_sensor(judged(NOISE), named("sensor_eccentricity"), RNG)
+    monkeypatch.setattr(beyond_library, "measure_port_response", measured)
+    assert beyond_library._at_sensor(judged(NOISE), named("coulomb_friction"), RNG) == ()
+    beside = beyond_library._at_sensor(judged(NOISE), named("sensor_eccentricity"), RNG)
     assert beside == (response,)
     assert asked == ["sensor"]
 
 
 def test_what_passed_once_falls_to_a_function_of_a_state_that_explains_half_of_it() -> None:
     """A pulse alone does; beside a law that lasts it is asked like any other name."""
-    assert outside._passes_by(named("pulse_disturbance"))
-    assert not outside._passes_by(named("pulse_disturbance", "gravity_torque"))
+    assert beyond_library._passes_by(named("pulse_disturbance"))
+    assert not beyond_library._passes_by(named("pulse_disturbance", "gravity_torque"))
