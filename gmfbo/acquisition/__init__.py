@@ -3,7 +3,6 @@
 `maximise.maximise` finds the gains with the largest value among the criteria
 `improvement.CostAwareExpectedImprovement` and `knowledge_gradient.KnowledgeGradient`, weighted
 by `feasibility.FeasibilityWeight`; `maximise.recommend` gives the gains to end with.
-`relevance.information_per_cost` tells which information source teaches most for its cost.
 """
 
 import gmfbo.correction.torch_setup  # noqa: F401 - torch is set up before any module here uses it
