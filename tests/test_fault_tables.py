@@ -41,7 +41,7 @@ def test_each_row_names_a_test() -> None:
     tables = re.findall(r"^\|[^\n]* test \|\n\|[-|]+\n((?:\|[^\n]*\n)+)", TEXT, re.MULTILINE)
     assert len(tables) == 3
     for row in "".join(tables).splitlines():
-        assert re.search(r"`\w+/test_\w+\.py::test_\w+(\[\w+\])?` \|$", row), row
+        assert re.search(r"`(?:\w+/)+test_\w+\.py::test_\w+(\[\w+\])?` \|$", row), row
 
 
 def test_each_fault_fmu_has_one_row() -> None:

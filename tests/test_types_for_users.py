@@ -55,11 +55,13 @@ def check(user: Path, program: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_a_right_program_passes(user: Path) -> None:
     checked = check(user, RIGHT)
     assert checked.returncode == 0, checked.stdout
 
 
+@pytest.mark.slow
 def test_control_wrong_names_and_arguments_are_found(user: Path) -> None:
     checked = check(user, WRONG)
     assert checked.returncode == 1
@@ -68,6 +70,11 @@ def test_control_wrong_names_and_arguments_are_found(user: Path) -> None:
     assert 'Missing positional argument "reference" in call to "run"' in checked.stdout
 
 
+def test_the_marker_is_in_the_wheel(user: Path) -> None:
+    assert list(user.glob("env/lib/python*/site-packages/gmfbo/py.typed"))
+
+
+@pytest.mark.slow
 def test_control_without_the_marker_there_are_no_types(user: Path) -> None:
     (marker,) = user.glob("env/lib/python*/site-packages/gmfbo/py.typed")
     marker.rename(user / "py.typed")

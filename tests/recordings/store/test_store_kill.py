@@ -17,11 +17,14 @@ from tests.recordings.store.example_trials import assert_same_trial, example_tri
 from tests.recordings.store.kill_rounds import run_kill_rounds, writing_process
 
 
-def test_thirty_kills_lose_no_acknowledged_trial_and_leave_no_partial_one(tmp_path: Path) -> None:
-    report = run_kill_rounds(tmp_path / "a.study", rounds=30, seed=1)
+@pytest.mark.parametrize("kills", [8, pytest.param(30, marks=pytest.mark.slow)])
+def test_kills_lose_no_acknowledged_trial_and_leave_no_partial_one(
+    tmp_path: Path, kills: int
+) -> None:
+    report = run_kill_rounds(tmp_path / "a.study", rounds=kills, seed=1)
     assert report.lost == []
-    assert report.kills == 30
-    assert report.stored >= 30
+    assert report.kills == kills
+    assert report.stored >= kills
 
 
 def test_a_study_is_readable_while_it_is_written(tmp_path: Path) -> None:
