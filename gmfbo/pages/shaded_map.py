@@ -16,7 +16,7 @@ SHADES = 10
 
 
 def shade_levels(values: Array) -> Array:
-    """Values between two shades, shape (SHADES - 1,): as much area of each.
+    """Limits between shades, shape (SHADES - 1,), such that each shade has the same area.
 
     Costs rise steeply at the box's edge; shades by rank show the valley too.
 

@@ -30,7 +30,7 @@ def method_style(review: ComparisonReview, method: str) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     method : str
         Its name.
     """
@@ -38,12 +38,12 @@ def method_style(review: ComparisonReview, method: str) -> str:
 
 
 def method_buttons(review: ComparisonReview) -> str:
-    """Legend of all charts; where the page's script runs, a click hides or shows a method.
+    """Legend of all charts; with the page's script, a click hides or shows a method.
 
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     buttons = "".join(
         f'<button type="button" aria-pressed="true" data-method="{escape(name)}" '
@@ -55,12 +55,12 @@ def method_buttons(review: ComparisonReview) -> str:
 
 
 def regret_chart(review: ComparisonReview) -> str:
-    """Draw what is left of the way to the optimum, against real runs.
+    """Draw the simple regret against real runs.
 
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     curves = _of(review, "regret")
     values = [np.maximum(ends, LEAST_REGRET) for c in curves for ends in (c.mean, c.low, c.high)]
@@ -84,7 +84,7 @@ def objective_chart(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     curves = _of(review, "objective")
     return _curves(
@@ -103,7 +103,7 @@ def cost_chart(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     curves = _of(review, "cost")
     return _curves(
@@ -124,7 +124,7 @@ def seed_charts(review: ComparisonReview) -> list[str]:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     if not review.runs:
         return []
@@ -169,7 +169,7 @@ def landscape_maps(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     found = review.landscape
     if found is None:

@@ -1,4 +1,4 @@
-"""All numbers of a comparison's page, as the JSON that stands in it."""
+"""Numbers of a comparison's page, as the JSON embedded in it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from gmfbo.reports.comparison.curves import ComparisonReview
 
 
 def comparison_content(review: ComparisonReview) -> dict[str, Any]:
-    """Tell a comparison in numbers and names.
+    """Content of a comparison in numbers and names.
 
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
 
     Returns
     -------
     dict
-        What JSON can hold.
+        JSON values.
     """
     return {
         "schema": 1,

@@ -1,4 +1,4 @@
-"""Figures of a comparison of methods: landscape, sampling cost, and the way to the optimum."""
+"""Figures of a comparison of methods: landscape, sampling cost, and simple regret."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def sampling_cost(curves: Sequence[Curve]) -> Figure:
 
 @in_style
 def best_observed(curves: Sequence[Curve]) -> Figure:
-    """Draw the best real run so far against real runs: its cost, and what is left to go.
+    """Draw cost and simple regret of the best real run so far, against real runs.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def best_observed(curves: Sequence[Curve]) -> Figure:
 
 
 def _lines(axes: Axes, curves: Sequence[Curve], name: str) -> None:
-    """Draw each method's mean, its 95 % interval as a band."""
+    """Draw each method's mean, with its 95 % interval as a band."""
     for number, curve in enumerate(curve for curve in curves if curve.name == name):
         colour = METHOD_COLOURS[number % len(METHOD_COLOURS)]
         dashes = DASHES[number // len(METHOD_COLOURS) % len(DASHES)]

@@ -1,4 +1,4 @@
-"""The first screen of a study: best gains, what they gain over the first run, and the price."""
+"""First screen of a study: best gains, their improvement on the first run, and the cost."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ NO_BREAK = "\u00a0"
 
 
 def study_first_screen(review: StudyReview, content: Mapping[str, Any]) -> str:
-    """Write what is seen before anybody scrolls.
+    """Write the part of the page that shows before scrolling.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     content : mapping
         Of `study_content`.
     """
@@ -57,12 +57,12 @@ def gains_html(path: tuple[str | int, ...], gains: Mapping[str, float]) -> str:
 
 
 def run_place(review: StudyReview, trial: Trial) -> int:
-    """Place of a run in the list of all.
+    """Index of a run in the list of all.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     trial : Trial
         One of its runs.
     """
@@ -175,7 +175,7 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
 
 
 def _responses(review: StudyReview) -> str:
-    """The first and the best real run over time, with what they were asked to follow."""
+    """Draw the first and the best real run over time, with their reference."""
     best, first = review.best, review.first
     signal = review.file.objective.signal
     if best is None or first is None or signal not in best.recording.signals:
@@ -205,12 +205,12 @@ def _responses(review: StudyReview) -> str:
 
 
 def objective_words(review: StudyReview) -> str:
-    """Say what the objective is.
+    """Describe the objective in words.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     weights = review.file.objective.weights
     told = ", ".join(

@@ -1,4 +1,4 @@
-"""All numbers of a study's page, as the JSON that stands in it."""
+"""Numbers of a study's page, as the JSON embedded in it."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from gmfbo.reports.study.run_roles import Run
 
 
 def study_content(review: StudyReview) -> dict[str, Any]:
-    """Tell a study in numbers and names, without its trajectories.
+    """Content of a study in numbers and names, without trajectories.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
     dict
-        What JSON can hold; null stands for a number that is not finite.
+        JSON values; null stands for a number that is not finite.
     """
     file = review.file
     content: dict[str, Any] = {
@@ -56,7 +56,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
 
 
 def _on_the_way(review: StudyReview) -> dict[str, Any]:
-    """What came about while the study ran."""
+    """Changes of the plant and corrections of the twin during the study."""
     descent = review.descent
     queries = {run.trial.number: run.query for run in review.runs}
     return {
@@ -124,14 +124,14 @@ def _run(run: Run) -> dict[str, Any]:
 
 
 def _place(review: StudyReview) -> int | None:
-    """How many real runs it took to the best."""
+    """Number of real runs until the best."""
     if review.best is None:
         return None
     return review.descent.numbers.index(review.best.number) + 1
 
 
 def _comparison(review: StudyReview) -> dict[str, dict[str, float | None]]:
-    """First and best real run, and by what share of the first the best is lower."""
+    """First and best real run, and the relative improvement."""
     first, best = review.first, review.best
     if first is None or best is None:
         return {}
@@ -141,7 +141,7 @@ def _comparison(review: StudyReview) -> dict[str, dict[str, float | None]]:
         name: {
             "first": _number(before),
             "best": _number(after),
-            # The cost may cross zero: a share of it says nothing.
+            # The cost may cross zero, so a share of it would have no meaning.
             "change": _number((after - before) / before)
             if name != "objective" and before > 0.0
             else None,

@@ -24,12 +24,12 @@ _DIGITS = 5
 
 
 def shown_signals(review: StudyReview) -> dict[str, str]:
-    """Signals of the real runs that a page shows, with their units; that of the cost first.
+    """Signals of the real runs that a page shows, with units; the scored one first.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     real = review.real or review.runs
     first = real[0].trial.recording
@@ -44,13 +44,13 @@ def trajectories_json(review: StudyReview) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
     str
         A `<script>` element. `runs` holds by number and signal the times `t` [s] and values `y`;
-        of a corrected run also those before it was corrected, `u`, and the standard deviation,
+        for a corrected run also the values before correction, `u`, and the standard deviation,
         `s`.
     """
     signals = shown_signals(review)
@@ -76,7 +76,7 @@ def trajectories_json(review: StudyReview) -> str:
 
 
 def _rows_each(trials: Sequence[Trial], names: Sequence[str]) -> int:
-    """Rows that each of these trials may have: times and values of each signal."""
+    """Most rows of each trial, for times and values of each signal."""
     numbers = 2 * max(len(names), 1) * len(trials)
     return max(_MOST_NUMBERS // (2 * numbers), _FEWEST_ROWS)
 
@@ -102,7 +102,7 @@ def _run(trial: Trial, signals: Sequence[str], most: int) -> dict[str, Any]:
 
 
 def _reference(review: StudyReview) -> dict[str, Any] | None:
-    """What the axis was asked to follow, of the first run that recorded it."""
+    """Reference of the axis, from the first run that recorded it."""
     name = review.file.reference.signal
     for run in (*review.real, *review.runs):
         recording = run.trial.recording
