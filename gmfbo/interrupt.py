@@ -1,7 +1,7 @@
-"""Ctrl-C that is not lost on its way: in a weak reference's callback, or in a compiled library.
+"""Keep Ctrl-C from being lost in a weak reference's callback or in a compiled library.
 
-Python drops it in the first and prints a traceback, which nobody who pressed the keys wants. The
-second, where it calls Python back, may hand it on as a SystemError.
+In a weak reference's callback Python drops a KeyboardInterrupt and prints a traceback. A compiled
+library that calls Python back may turn it into a SystemError.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def remembered_interrupt() -> Iterator[threading.Event]:
-    """Remember that Ctrl-C was pressed, besides raising KeyboardInterrupt as always.
+    """Record Ctrl-C, besides raising KeyboardInterrupt as always.
 
     Yields
     ------
@@ -25,7 +25,7 @@ def remembered_interrupt() -> Iterator[threading.Event]:
     pressed = threading.Event()
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:
-        yield pressed  # ignored, or somebody else's
+        yield pressed  # Ctrl-C is ignored, or another handler is set
         return
 
     def note(*_: object) -> None:
@@ -49,7 +49,7 @@ def remembered_interrupt() -> Iterator[threading.Event]:
 
 @contextmanager
 def unwrapped_interrupt() -> Iterator[None]:
-    """Raise KeyboardInterrupt again where a compiled library has made a SystemError of it."""
+    """Raise KeyboardInterrupt where a compiled library turned it into a SystemError."""
     try:
         yield
     except SystemError as error:

@@ -1,4 +1,4 @@
-"""How numbers and names of a diagnosis are said to a person."""
+"""Numbers and names of a diagnosis in words."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def percent(share: float) -> str:
 
 
 def unit_words(unit: str) -> str:
-    """Unit as it is read: `N.m` is "N m", `kg.m2` is "kg m2"; none for a plain number."""
+    """Unit for reading: `N.m` is "N m", `kg.m2` is "kg m2"; empty for a plain number."""
     return "" if unit in ("", "1") else unit.replace(".", " ")
 
 
@@ -38,7 +38,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 def interval(value: float, low: float, high: float, unit: str, digits: int = 3) -> str:
     """Value with its 95 % interval and its unit: "0.52 [0.49, 0.55] N m".
 
-    As many digits as it takes to see the interval's width.
+    It has the digits needed to see the interval's width.
     """
     if not (math.isfinite(low) and math.isfinite(high)):
         return quantity(value, unit, digits)

@@ -1,4 +1,4 @@
-"""One method on one seed: the study is run and judged against the truth."""
+"""One run of a comparison: a method on a seed, judged against the true optimum."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ PAPER_QUERIES = 20
 
 @dataclass(frozen=True, eq=False)
 class OneRun:
-    """A study to be run.
+    """A study to run.
 
     Attributes
     ----------
     study : Study
-        With the seed and the place for files that its method makes.
+        With its seed, and a folder for files of its method.
     key : str
-        Hash of what all runs of the comparison share.
+        Hash of the content that all runs of the comparison share.
     method : Method
-        Who proposes.
+            Method that proposes.
     truth : Path
         Folder of the plant's grids.
     side : int
-        Points along a side of the grid that gives the truth.
+        Points along a side of the grid of the true optimum.
     """
 
     study: Study
@@ -58,9 +58,9 @@ class OneRun:
         Returns
         -------
         outcome : Outcome
-            What it came to.
-        record : StudyRecord
-            All its trials.
+                Outcome of the run.
+            record : StudyRecord
+                All its trials.
         """
         store = MemoryStore(self.study.location, self.study.text)
         stamps = _Stamps([], [])
@@ -73,7 +73,7 @@ class OneRun:
         budget, change = self.study.file.budget, self.study.file.is1.change
         real = history.of("IS1")
         descent = Descent.of(
-            # A plant that is an FMU repeats exactly: what is observed is the noise-free cost.
+            # An FMU plant repeats exactly, so the observed cost is noise-free.
             [float(true_costs(history, trial.metrics)) for trial in real],
             goals,
             change.after_runs if change else None,
@@ -103,7 +103,7 @@ class OneRun:
 
 @dataclass
 class _Stamps:
-    """When each query was done."""
+    """Time stamps of the queries."""
 
     queries: list[int]
     ends: list[float]
@@ -146,7 +146,7 @@ def seeded_file(file: StudyFile, seed: int, method: str) -> StudyFile:
     Parameters
     ----------
     file : StudyFile
-        As given; without an end of its budget it gets that of the publication.
+        As given; a budget without an end becomes the publication's.
     seed : int
         Of the copy.
     method : str
@@ -159,7 +159,7 @@ def seeded_file(file: StudyFile, seed: int, method: str) -> StudyFile:
 
 
 def make_truth(study: Study, side: int, truth: Path) -> None:
-    """Run the plant, and the changed plant, over the box, unless that was done before.
+    """Run the plant, and the changed plant, over the box, unless done before.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def true_goals(study: Study, history: History, side: int, truth: Path) -> list[G
 
 
 def true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-    """Cost by which runs are judged; breaking a limit counts as failing.
+    """Cost by which runs are judged; a broken limit counts as a failed run.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np
 
 
 def cost_by_query(trials: Sequence[Trial], queries: Sequence[int]) -> tuple[float, ...]:
-    """Cost after the initial data, and after each query with all runs that it entailed.
+    """Cost after the initial data, and after each query with all runs that it caused.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ def cost_by_query(trials: Sequence[Trial], queries: Sequence[int]) -> tuple[floa
 
 
 def real_runs_within(trials: Sequence[Trial], queries: Sequence[int], most: int) -> int:
-    """Real runs, initial ones counted, by the end of a number of queries.
+    """Number of real runs, initial ones included, after a number of queries.
 
     Parameters
     ----------
@@ -254,5 +254,5 @@ def real_runs_within(trials: Sequence[Trial], queries: Sequence[int], most: int)
 
 
 def _short(value: float) -> float:
-    """Eight digits: enough to draw and to compare, and a small text."""
+    """Round to eight digits, enough to draw and compare, for a small text."""
     return float(f"{value:.8g}")
