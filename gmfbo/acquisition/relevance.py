@@ -1,4 +1,4 @@
-"""What a run teaches about the least cost that the real axis can have."""
+"""Relevance of a run: its information about the least cost of the real axis."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ def information_per_cost(
     point : ndarray, shape (d,)
         Gains of the run in the unit cube.
     source : str
-        Who would run.
+        Source of the run.
     seed : int
         Of the samples of the least cost.
 
     Returns
     -------
     float
-        Zero or more; the estimate's error below zero is cut off.
+        Zero or more; a negative estimate is set to zero.
     """
     cost = AffineFidelityCostModel(
         fidelity_weights={search.dimension: SOURCE_COST}, fixed_cost=FIXED_COST

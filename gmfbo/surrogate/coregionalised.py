@@ -1,4 +1,4 @@
-r"""Surrogate whose correlation of axis and twin is learned.
+r"""Coregionalised surrogate: the correlation of axis and twin is learned.
 
 Intrinsic coregionalisation (Bonilla, Chai and Williams 2008; in Bayesian optimisation Swersky,
 Snoek and Adams 2013): one covariance over the gains, and a learned 2 x 2 matrix over the sources,
@@ -7,8 +7,8 @@ c(z, z') = B[s, s'] Matern-5/2(|k - k'|, l),  B = [[a^2, rho a b], [rho a b, b^2
 
 Each source has a mean of its own, so that a twin which is merely too low or too high by a
 constant still correlates with the axis. The logit of rho has a normal prior, median rho 2/3 and
-quartiles 0.39 and 0.86 (BoTorch's `MultiTaskGP` takes Beta(2.5, 1.5), of the same mean and a
-little narrower): two or three runs of the axis cannot tell rho.
+quartiles 0.39 and 0.86, since two or three runs of the axis cannot determine rho. (BoTorch's
+`MultiTaskGP` takes Beta(2.5, 1.5), of the same mean and a little narrower.)
 """
 
 from __future__ import annotations
