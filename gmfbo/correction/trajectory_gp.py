@@ -286,8 +286,8 @@ def _process(inputs: Tensor, values: Tensor, noise_floor: float) -> SingleTaskGP
         MaternKernel(
             nu=2.5,
             ard_num_dims=width,
-            # Weak for time and signal. For the gains most of the unit cube, within a factor of four,
-            # since a single run cannot determine their lengthscale.
+            # Weak for time and signal. For the gains most of the unit cube within a factor of four:
+            # a single run cannot determine their lengthscale.
             lengthscale_prior=LogNormalPrior(
                 torch.zeros(width, dtype=DTYPE),
                 torch.tensor([1.5, 1.5] + [0.7] * (width - 2), dtype=DTYPE),

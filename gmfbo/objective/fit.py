@@ -1,4 +1,4 @@
-"""How well a simulated trajectory meets a recording."""
+"""Error of a simulated trajectory against a recording."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def compare_at(trajectory: Recording, recording: Recording, signal: str) -> NDAr
     recording : Recording
         Measured run; n rows.
     signal : str
-        Name of a signal that both hold.
+            Name of a signal that both hold.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-        [unit of the signal]; NaN where the signal was not sampled, and where the simulation
+        Returns
+        -------
+        ndarray, shape (n,)
+            [unit of the signal]; NaN where the signal was not sampled, and where the simulation
         had not begun or had stopped.
 
     Raises
@@ -47,7 +47,7 @@ def compare_at(trajectory: Recording, recording: Recording, signal: str) -> NDAr
 
 
 def scored_rows(recording: Recording, signal: str, *, warmup: float = 0.0) -> NDArray[np.bool_]:
-    """Rows that count: sampled, within `use`, and after the warm-up.
+    """Rows that are scored: sampled, within `use`, and after the warm-up.
 
     Parameters
     ----------

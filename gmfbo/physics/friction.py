@@ -1,4 +1,4 @@
-"""What the friction laws have in common."""
+"""Common parts of the friction laws."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.physics.units import Units
 
-# The decision rests on evidence; this share of the range is where a drive engineer stops caring.
+# Share of the torque range below which friction does not matter to a drive engineer.
 FLOOR_SHARE = 1.5e-4
 
-# What a contact gives before it slides; a gear or a cable gives more.
+# Elastic displacement of a contact before it slides; a gear or a cable has more.
 _CONTACT_ANGLE = 0.015  # [rad]
 _CONTACT_SHARE = 0.004  # of a stroke in length
 
@@ -32,7 +32,7 @@ def level(words: str = "Friction while sliding", name: str = "level") -> EffectP
 
 
 def bristle_deflection(excitation: Excitation) -> float:
-    """Elastic displacement of a bristle that stands for plain sliding friction.
+    """Elastic displacement of the bristle that models plain sliding friction.
 
     Too small to be seen, and large enough that its stiffness k, held over a step h, satisfies
     k h^2 <= 0.1 J for a friction of a tenth of the torque range.
@@ -53,17 +53,17 @@ def fixed_deflection(excitation: Excitation) -> Values:
 
 
 def acts_at_reversals(states: States, parameters: Values) -> Mask:
-    """Friction shows most where the direction changes."""
+    """Samples near a change of direction, where friction shows most."""
     return states.near_reversals()
 
 
 def reversal_region(parameters: Values, units: Units) -> str:
-    """Say where plain friction shows."""
+    """Words for the region in which plain friction shows."""
     return "where the velocity changes sign"
 
 
 def no_reversal(excitation: Excitation) -> str | None:
-    """Without a reversal, friction and a constant torque are one."""
+    """Reason if there is no reversal: friction then equals a constant torque."""
     return None if excitation.reversals > 0 else "no reversal of the velocity"
 
 
@@ -90,7 +90,7 @@ def bristle(position: Array, deflection: float) -> Array:
 
 
 def deflection(words: str, visible: Deflections) -> EffectParameter:
-    """Make the parameter that holds a deflection that can be seen, within these bounds."""
+    """Make the parameter of a visible deflection, within these bounds."""
     return EffectParameter(
         "deflection",
         words,
@@ -102,20 +102,20 @@ def deflection(words: str, visible: Deflections) -> EffectParameter:
 
 
 def contact_deflections(excitation: Excitation) -> tuple[float, float]:
-    """Deflections of a contact before it slides that can be told from plain sliding."""
+    """Bounds of a contact's deflection that can be told from plain sliding."""
     low = max(0.5 * excitation.resolution, bristle_deflection(excitation))
     most = _CONTACT_ANGLE if excitation.angular else _CONTACT_SHARE * excitation.stroke
     return low, max(most, 10.0 * low)
 
 
 def body_deflections(excitation: Excitation) -> tuple[float, float]:
-    """Deflections of a gear or cable, which begin where those of a contact end."""
+    """Bounds of a gear's or cable's deflection, from the upper bound of a contact's on."""
     low = contact_deflections(excitation)[1]
     return low, max(0.2 * excitation.stroke, 20.0 * low)
 
 
 def deflection_grid(excitation: Excitation, count: int, visible: Deflections) -> list[float]:
-    """Deflections to start from: `count` of them, evenly over the logarithm, inside the bounds."""
+    """Start values: `count` deflections inside the bounds, evenly over the logarithm."""
     low, high = visible(excitation)
     return [float(value) for value in np.geomspace(low, high, count + 2)[1:-1]]
 

@@ -1,4 +1,4 @@
-"""Effects that installed packages add, found by their entry points."""
+"""Find effects of installed packages by their entry points."""
 
 from __future__ import annotations
 

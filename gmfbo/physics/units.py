@@ -1,4 +1,4 @@
-"""Units of effect parameters in the units of a twin."""
+"""Write units of effect parameters in the units of a twin."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gmfbo.errors import InputError, did_you_mean
 _TERM = re.compile(r"([A-Za-z]+|1)(\d*)")
 _PLAIN = ("s", "Hz", "1")
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"))
-# Units in which small numbers are the rule; a torque of 0.05 N m needs no prefix.
+# Units of quantities that are often small; a torque of 0.05 N m needs no prefix.
 _PREFIXED = ("m", "rad", "s")
 
 
@@ -25,9 +25,9 @@ class Units:
     position, velocity : str
         Of the shaft: `rad` and `rad/s`, or `m` and `m/s`.
     command, current : str
-        Of the actuator command and of what stands for the current.
+        Of the actuator command and of the current or its replacement.
     load : str
-        Of what stands for the load: the torque's where a load torque is known, else the current's.
+        Of the load: the torque's where a load torque is known, else the current's.
     """
 
     torque: str = "N.m"
@@ -39,12 +39,12 @@ class Units:
 
     @property
     def place(self) -> str:
-        """Where a torque acts, in words: on a shaft or on a linear axis."""
+        """Words for the place of a torque: on a shaft or on a linear axis."""
         return "at the motor shaft" if self.position == "rad" else "on the axis"
 
     @property
     def torque_word(self) -> str:
-        """What acts at the torque port: a torque on a shaft, a force on a linear axis."""
+        """Word for the torque port's signal: torque on a shaft, force on a linear axis."""
         return "torque" if self.position == "rad" else "force"
 
     def resolve(self, expression: str) -> str:
@@ -123,7 +123,7 @@ def percent(share: float) -> str:
 
 
 def number(value: float) -> str:
-    """Write a number as a person would: three digits at most, no exponent unless it is needed."""
+    """Write a number with at most three digits, and an exponent only if it is needed."""
     if value == 0.0:
         return "0"
     digits = 3 if f"{abs(value):.0e}"[0] == "1" else 2
