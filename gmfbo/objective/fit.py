@@ -21,12 +21,12 @@ def compare_at(trajectory: Recording, recording: Recording, signal: str) -> NDAr
     recording : Recording
         Measured run; n rows.
     signal : str
-            Name of a signal that both hold.
+        Name of a signal that both hold.
 
-        Returns
-        -------
-        ndarray, shape (n,)
-            [unit of the signal]; NaN where the signal was not sampled, and where the simulation
+    Returns
+    -------
+    ndarray, shape (n,)
+        [unit of the signal]; NaN where the signal was not sampled, and where the simulation
         had not begun or had stopped.
 
     Raises

@@ -42,9 +42,9 @@ class Comparison:
         Parameters
         ----------
         folder : str or Path
-                Folder written by `compare`.
+            Folder written by `compare`.
 
-            Raises
+        Raises
         ------
         StoreError
             There are none.

@@ -1,4 +1,4 @@
-"""What the demo's axis is asked to follow while it is recorded: the same for every draw."""
+"""References of the demo's recordings, the same for every draw."""
 
 from __future__ import annotations
 

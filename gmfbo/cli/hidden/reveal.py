@@ -1,4 +1,4 @@
-"""The answer beside what was found, and whether that is right."""
+"""Compare the hidden physics with the diagnosis, and mark it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _VERDICTS = {
 
 
 def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
-    """Say whether a diagnosis found what was hidden.
+    """Mark a diagnosis by the hidden physics.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def _mark(effect: NamedEffect, hidden: str) -> Mark:
 
 
 def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
-    """Return the table of what was hidden and what was found.
+    """Table of hidden physics and diagnosis.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _size_rows(
 
 
 def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
-    """Say the mark with its reason, in one sentence.
+    """The mark with its reason, in one sentence.
 
     Parameters
     ----------

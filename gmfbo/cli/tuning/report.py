@@ -11,7 +11,7 @@ from gmfbo.cli.completion import paths_ending
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 
-TABLE_NAME = "table.txt"  # by which the folder of a comparison is known; studies load torch
+TABLE_NAME = "table.txt"  # marks a comparison's folder; importing studies would load torch
 
 
 MANUAL = Manual(
@@ -66,7 +66,7 @@ def report(
 
 
 def _page(path: Path, figures: Path | None) -> tuple[str, list[Path]]:
-    """The page, and the figures that were drawn."""
+    """Make the page, and draw the figures."""
     if (path / TABLE_NAME).is_file():
         return _comparison_page(path, figures)
     from gmfbo.reports.study.page import study_page

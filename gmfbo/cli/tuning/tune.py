@@ -59,7 +59,7 @@ def tune(
 
 
 def run_study(study: Study, *, resume: bool) -> TuningResult:
-    """Run a study with its progress on the terminal, and print what it came to.
+    """Run a study with its progress on the terminal, and print its result.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
 
 
 def print_result(study: Study | StudyReview, result: TuningResult) -> None:
-    """Print the gains that a study came to.
+    """Print the best gains of a study.
 
     Parameters
     ----------

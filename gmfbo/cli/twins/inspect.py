@@ -1,4 +1,4 @@
-"""`gmfbo inspect`: what an FMU is, without running it."""
+"""`gmfbo inspect`: describe an FMU without running it."""
 
 from __future__ import annotations
 
