@@ -32,13 +32,13 @@ from gmfbo.surrogate.observations import with_source
 from gmfbo.surrogate.truncated import TruncatedModel
 
 FIXED_COST, SOURCE_COST = 0.1, 0.9
-"""Cost of a run of the twin, and what one of the axis costs beyond it [runs of the axis]."""
+"""Cost of a twin run, and extra cost of a real run [real runs]."""
 
 QUANTILES = 64
-"""Outcomes of a run that the expectation is taken over."""
+"""Number of outcomes of a run in the expectation."""
 
 _OUTCOMES = torch.special.ndtri((torch.arange(QUANTILES, dtype=DTYPE) + 0.5) / QUANTILES)
-"""Of a standard normal draw, equally probable and ascending."""
+"""Equally probable quantiles of a standard normal variable, ascending."""
 
 _LEAST = 1e-30  # replaces zero in a logarithm
 _TOGETHER = 8  # runs evaluated in one block, which then fits in a cache

@@ -19,7 +19,7 @@ EXITS = {
     3: "a simulation or a plant failed: it crashed, hung or refused",
     130: "interrupted; all finished work is kept",
 }
-"""What the exit statuses of every command mean."""
+"""Meanings of the exit statuses of all commands."""
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ METRICS = ("overshoot", "transient_time", "rise_time", "settling_time")
 """The metrics in the order in which the paper states its weights."""
 
 RISE_LEVELS = (0.1, 0.9)
-"""Shares of the step between which rise time is taken."""
+"""Shares of the step between which the rise time is measured."""
 
 SETTLING_BAND = 0.02
 """Half width of the band: share of the step (settling) or of the peak error (transient)."""
 
 WORST_OVERSHOOT = 100.0
-"""[%] Overshoot that a failed run is charged with."""
+"""[%] Overshoot assigned to a failed run."""
 
 
 def step_metrics(

@@ -23,7 +23,7 @@ def shade_levels(values: Array) -> Array:
     Parameters
     ----------
     values : ndarray, shape (n, m)
-        What is mapped.
+        Mapped values.
     """
     return np.asarray(np.quantile(values, np.linspace(0.0, 1.0, SHADES + 1)[1:-1]))
 

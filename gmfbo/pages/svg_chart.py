@@ -71,7 +71,7 @@ def line_chart(
     lines : sequence of Line
         Drawn in order, the last on top.
     title : str
-        What a screen reader says.
+        Text for a screen reader.
     x_label, y_label : str
         Quantities with their units; no `x_label`, no numbers under the x axis.
     style : str
@@ -157,7 +157,7 @@ def band_path(band: Band, x_axis: Axis, y_axis: Axis) -> str:
     Parameters
     ----------
     band : Band
-        What to draw.
+        The band.
     x_axis, y_axis : Axis
         Of the chart.
     """
@@ -173,7 +173,7 @@ def line_path(line: Line, x_axis: Axis, y_axis: Axis, buckets: int = MOST_BUCKET
     Parameters
     ----------
     line : Line
-        What to draw.
+        The line.
     x_axis, y_axis : Axis
         Of the chart.
     buckets : int

@@ -32,7 +32,7 @@ def framed(
     inside : sequence of str
         SVG in the drawing's units, drawn in order upon the grid.
     title : str
-        What a screen reader says.
+        Text for a screen reader.
     x_label, y_label : str
         Quantities with their units; no `x_label`, no numbers under the x axis.
     style : str

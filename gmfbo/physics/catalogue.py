@@ -131,7 +131,7 @@ class _Catalogue(Mapping[str, Effect]):
 
 
 CATALOGUE = _Catalogue()
-"""All effects by name: those of gmfbo in the order above, then those that were added."""
+"""All effects by name: gmfbo's in the order above, then added ones."""
 
 
 def add_effect(effect: Effect) -> None:

@@ -54,7 +54,7 @@ def positive(
     name, words, unit : str
         As in EffectParameter.
     shown : callable
-        What the excitation shows, in the parameter's unit.
+        Size shown by an excitation, in the parameter's unit.
     most, typical : float
         Largest and typical size, as shares of what is shown.
     """
@@ -78,7 +78,7 @@ def signed(
     name, words, unit : str
         As in EffectParameter.
     shown : callable
-        What the excitation shows, in the parameter's unit.
+        Size shown by an excitation, in the parameter's unit.
     most, typical : float
         Largest and typical size, as shares of what is shown.
     """
@@ -233,7 +233,7 @@ class Effect:
         Parameters
         ----------
         excitation : Excitation
-            What the recordings show.
+            Excitation by the recordings.
         """
         return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}
 
@@ -243,7 +243,7 @@ class Effect:
         Parameters
         ----------
         excitation : Excitation
-            What the recordings show.
+            Excitation by the recordings.
         """
         return {p.name: p.scale(excitation) for p in self.parameters}
 

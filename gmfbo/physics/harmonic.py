@@ -18,8 +18,7 @@ _ALONE = 4  # lines tried one at a time
 _TOLD = 3  # lines that a sentence names
 
 _LEAST_CYCLES = 1.5
-"""Over the stroke. Fewer are an offset, a slope and a bend to these recordings: any torque that
-varies smoothly over the position looks like it (a spring that hardens, one with a gap)."""
+"""Over the stroke. Fewer cycles look like any smooth torque over the position, such as a spring."""
 
 MOST = 8
 """Lines that cogging may have in `physics.fmu`."""
@@ -74,7 +73,7 @@ def repeats(line: float, excitation: Excitation) -> bool:
     line : float
         [rad per position unit]
     excitation : Excitation
-        What the recordings show.
+        Excitation by the recordings.
     """
     return line * excitation.stroke >= 2.0 * math.pi * _LEAST_CYCLES
 

@@ -20,10 +20,10 @@ from gmfbo.retuning.unknowns import Unknowns
 Vector = NDArray[np.float64]
 
 EFFECTIVE_SAMPLES = 75
-"""Independent samples that a signal of one run counts for: neighbouring ones are alike."""
+"""Independent samples by which a run's signal counts, since neighbouring samples are alike."""
 
 FLOOR = 2e-3
-"""Least error of a signal over its range: quantisation, and what no twin holds."""
+"""Least error of a signal over its range, by quantisation and unmodelled physics."""
 
 DIFFERENCE = 0.05
 """Step of the differences in standard deviations of the prior; the encoders of a twin make a

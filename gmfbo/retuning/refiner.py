@@ -30,20 +30,20 @@ from gmfbo.tuning.history.history import History
 from gmfbo.tuning.twin.twin_version import TwinVersion
 
 UNEXPLAINED = 3.0
-"""Times its floor that a signal's error may be before the diagnosis is asked."""
+"""Error of a signal over its floor, above which the diagnosis is asked."""
 
 SURPRISE = 1.5
-"""Times the error so far that a new run's may be before the twin is estimated anew."""
+"""Error of a new run over the error so far, above which the twin is estimated anew."""
 
 STRANGE = 3.0
 """Times the error so far from which one new run may be that of a changed plant. The next one tells:
 a twin estimated from runs before and after a change hides it from the watch."""
 
 DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
-"""Real runs since the plant changed, from which on it is worth asking the diagnosis again."""
+"""Numbers of real runs since the plant changed at which the diagnosis may be asked again."""
 
 MOST_DIAGNOSED = 4
-"""Real runs that the diagnosis is shown; its time grows with them, later ones resemble the best."""
+"""Most real runs given to the diagnosis; later runs resemble the best one, and cost time."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ BEND = 0.1
 twin, which saturates by a quarter, has 0.05."""
 
 LEAST_NOISE = 1e-3
-"""Share of the range by which a table's nodes may always be off: the digits of a data sheet."""
+"""Least noise of a table's nodes, as a share of the range: the digits of a data sheet."""
 
 FALL = 0.02
 """Share of the range by which a table that rises may fall between two nodes."""

@@ -13,10 +13,10 @@ from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.twin.runs_beside import runs_beside
 
 LEAST_RUNS = 2
-"""Real runs that were predicted; one alone may be an accident."""
+"""Fewest predicted real runs; a single one may be an outlier."""
 
 NEWEST_RUNS = 4
-"""Predictions that count: what an early version got wrong is mended since."""
+"""Newest predictions that count, since later versions correct earlier errors."""
 
 
 def misleads(history: History, given: Source, first: int) -> bool:

@@ -15,7 +15,7 @@ from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import Uncertain, uncertain_of
 
 _RANGES_PER_SPREAD = 4.0
-"""A range that somebody states holds about 95 %: four standard deviations."""
+"""A stated range is taken as 95 %: four standard deviations."""
 
 
 @dataclass(frozen=True)

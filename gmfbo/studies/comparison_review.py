@@ -22,7 +22,7 @@ def review_comparison(folder: str | Path) -> ComparisonReview:
     Parameters
     ----------
     folder : str or Path
-        What `compare` wrote.
+        Folder written by `compare`.
 
     Raises
     ------

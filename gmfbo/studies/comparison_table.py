@@ -13,7 +13,7 @@ from gmfbo.studies.one_run import PAPER_QUERIES
 from gmfbo.studies.outcome import Outcome
 
 BASELINES = ("bo_ei", "gmfbo")
-"""Methods against which the others are held seed by seed, where they take part."""
+"""Methods with which the others are compared seed by seed."""
 
 SEEDS_A_LINE = 25
 

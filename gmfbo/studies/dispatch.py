@@ -12,7 +12,7 @@ from gmfbo.studies.engine import Engine
 from gmfbo.studies.unit import Failed, Made, Missing, Result, Unit
 
 ATTEMPTS = 3
-"""A unit whose worker was lost so many times is given up."""
+"""Lost workers after which a unit is given up."""
 
 PATIENCE_S = 600.0
 """[s] A unit that takes longer, and ten times as long as any that finished, is sent once more:

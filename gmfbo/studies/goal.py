@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 TOLERANCE = 0.02
-"""Share of the way from the optimum to the median gains that counts as arrived."""
+"""Simple regret, over the way from the optimum to the median gains, at arrival."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from gmfbo.tuning.tuner import Tuner
 from gmfbo.version import __version__
 
 PAPER_QUERIES = 20
-"""N of the publication: queries of either source after the initial data."""
+"""N of the publication: queries of both sources after the initial data."""
 
 
 @dataclass(frozen=True, eq=False)

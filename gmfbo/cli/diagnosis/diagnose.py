@@ -120,7 +120,7 @@ def diagnose_and_show(
     Returns
     -------
     Diagnosis
-        What was found.
+        The result of the diagnosis.
     """
     from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
     from gmfbo.cli.diagnosis.diagnosis_screen import screenful

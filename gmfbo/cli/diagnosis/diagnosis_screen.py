@@ -39,7 +39,7 @@ def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
     Parameters
     ----------
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
     written : sequence of Path
         Files that were written.
 

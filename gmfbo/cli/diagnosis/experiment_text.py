@@ -37,7 +37,7 @@ def experiment_lines(proposed: ProposedExperiment, written: str) -> list[str]:
     Parameters
     ----------
     proposed : ProposedExperiment
-        What was chosen.
+        The proposed experiment.
     written : str
         Where it was written.
     """
@@ -118,7 +118,7 @@ def confirmation_lines(confirmation: Confirmation, written: str) -> list[str]:
     Parameters
     ----------
     confirmation : Confirmation
-        What was observed.
+        The judged confirmation run.
     written : str
         Where it was written.
     """

@@ -10,10 +10,10 @@ import numpy as np
 from gmfbo.cli.hidden.effects import EFFECTS, Rng, log_uniform
 
 NOTHING = "nothing"
-"""The axis is its twin, to the last parameter."""
+"""The axis equals its twin in all parameters."""
 
 PARAMETERS = "parameters"
-"""The axis has another inertia and another viscous friction than its twin, and nothing else."""
+"""The axis differs from its twin in inertia and viscous friction only."""
 
 _PLAIN_SHARE = 0.08  # share of the draws with nothing hidden, and with wrong parameters only
 

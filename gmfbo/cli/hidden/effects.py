@@ -54,7 +54,7 @@ class HiddenEffect:
     draw : callable
         From a generator and the rigid plant's parameters to those that switch the effect on.
     sizes : tuple of Size
-        What is compared.
+        Compared size.
     """
 
     name: str

@@ -30,9 +30,9 @@ def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
 
     Returns
     -------
@@ -67,9 +67,9 @@ def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
 
     Returns
     -------
@@ -120,9 +120,9 @@ def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
     """
     mark, hidden = judged(drawn, diagnosis), words(drawn.hidden)
     if mark == "right":

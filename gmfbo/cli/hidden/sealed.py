@@ -33,7 +33,7 @@ def seal(drawn: Draw, path: Path) -> Sealed:
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     path : Path
         File to write.
 

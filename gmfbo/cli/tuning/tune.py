@@ -98,7 +98,7 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     study : Study or StudyReview
         Of which file and location are told.
     result : TuningResult
-        What it came to.
+        Its result.
     """
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "

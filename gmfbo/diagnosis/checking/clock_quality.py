@@ -1,4 +1,4 @@
-"""How evenly a recording was sampled, and where rows are missing."""
+"""Quality of a recording's clock: even sampling and missing rows."""
 
 from __future__ import annotations
 

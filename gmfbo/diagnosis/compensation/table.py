@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 Column = NDArray[np.float64]
 
 TARGETS = ("torque", "command", "reference")
-"""What a compensation is added to."""
+"""Signals to which a compensation may be added."""
 
 FACTORS = ("", "direction", "current", "load")
-"""What the value of a table is multiplied by: nothing, the smoothed sign of the velocity, the
-current with its sign, or the amount of load."""
+"""Factor of a table's value: none, smoothed sign of the velocity, signed current, or load."""
 
 
 @dataclass(frozen=True, eq=False)

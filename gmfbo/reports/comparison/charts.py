@@ -18,7 +18,7 @@ ARRIVED = 0.02
 """Regret at which a method counts as arrived."""
 
 LEAST_REGRET = 1e-3
-"""Below a thousandth of the way differences mean nothing, and zero cannot be drawn."""
+"""Smaller regrets do not differ significantly, and zero cannot be drawn."""
 
 _REAL_RUNS = "real runs, initial ones counted"
 _STYLES = 12  # of methods, in the page's style

@@ -21,13 +21,13 @@ BLUE, VERMILION, ORANGE, GREEN = "#0072b2", "#d55e00", "#e69f00", "#009e73"
 PURPLE, GREY = "#7f3fbf", "#8a929c"
 
 METHOD_COLOURS = (BLUE, VERMILION, GREEN, "#cc79a7", "#56b4e9", "#8c6d00", PURPLE, "#555555")
-"""Of methods in order; told apart by colour-blind readers, darkened for lines."""
+"""Of methods in order; distinguishable for colour-blind readers, darkened for lines."""
 
 DASHES = ("-", "--", "-.", ":")
-"""Of methods where the colours are used up."""
+"""Line styles of methods beyond the number of colours."""
 
 FORMATS = (".pdf", ".svg", ".png")
-"""Endings that `save_figure` knows."""
+"""Endings supported by `save_figure`."""
 
 # Text stays text, and the same data gives the same bytes.
 _STYLE: Mapping[str, Any] = {
@@ -96,7 +96,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        What to write.
+        Figure to write.
     path : Path
         Its ending, one of `FORMATS`, decides the format.
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 _OBJECTIVE = "objective g [1]"
 _QUERIES = "query of the method [1]"
 _MARKS = {"IS2": ("s", VERMILION, 3.0), "IS3": ("^", PURPLE, 4.0), "IS1": ("o", BLUE, 6.0)}
-"""Shape, colour and size of each source's runs; shape alone tells them apart, too."""
+"""Shape, colour and size of each source's runs; shapes alone differ too."""
 
 
 def draw_study(review: StudyReview, folder: Path) -> list[Path]:

@@ -20,7 +20,7 @@ SOURCES: Mapping[str, str] = {
     "IS2": "twin (IS2)",
     "IS3": "corrected twin (IS3)",
 }
-"""What each source is called."""
+"""Name of each source."""
 
 
 def run_mark(run: Run, x: float, y: float, x_axis: Axis, y_axis: Axis, style: str = "") -> str:

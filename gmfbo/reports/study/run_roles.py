@@ -25,7 +25,7 @@ ROLES: Mapping[Role, str] = {
     "corrected": "corrected, around a real run",
     "rejected": "corrected, but too uncertain",
 }
-"""What each role is called."""
+"""Name of each role."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from gmfbo.reports.study.review import StudyReview
 Array = NDArray[np.float64]
 
 _MOST_NUMBERS = 280_000
-"""Of all runs together, half of them for those that are looked at most: about two megabytes."""
+"""Of all runs, half of them for the most viewed runs: about two megabytes."""
 
 _FEWEST_ROWS = 40
 _DIGITS = 5

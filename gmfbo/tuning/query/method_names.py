@@ -16,7 +16,7 @@ METHOD_NAMES = (
     "gmfbo_calibrated",
     "gmfbo_smoothed",
 )
-"""Those of gmfbo itself."""
+"""Names of gmfbo's own methods."""
 
 ADDED_GROUP = "gmfbo.methods"
-"""Entry points by which installed packages add theirs."""
+"""Entry-point group by which installed packages add methods."""
