@@ -103,8 +103,6 @@ class OneRun:
 
 @dataclass
 class _Stamps:
-    """Time stamps of the queries."""
-
     queries: list[int]
     ends: list[float]
     began: float = 0.0

@@ -85,7 +85,7 @@ def read_diagnosis(kind: type[F], path: Path) -> F:
 
 
 def _plain(value: Any) -> Any:
-    """Turn values into what JSON knows."""
+    """Convert values to JSON's types."""
     if isinstance(value, DetectableSize):
         return {value.parameter: _plain(value.size), "unit": value.unit}
     if is_dataclass(value):

@@ -75,7 +75,6 @@ def build_container(wiring: Wiring, step: float, folder: Path) -> Container:
 
 
 def _build(wiring: Wiring, step: float, folder: Path) -> Any:
-    """Join the FMUs by the toolbox."""
     from fmu_manipulation_toolbox.container import FMUContainer
 
     class Described(FMUContainer):  # type: ignore[misc]  # the toolbox is untyped
