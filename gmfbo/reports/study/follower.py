@@ -68,7 +68,7 @@ class StudyFollower:
 
     @property
     def state(self) -> State:
-        """Whether the study goes on, by its log."""
+        """State of the study by its log: running, interrupted or ended."""
         if self._events and self._events[-1]["event"] == "interrupt":
             return "interrupted"
         return "ended" if self.review.ended else "running"

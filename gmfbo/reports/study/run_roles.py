@@ -97,7 +97,7 @@ def placed_runs(
 def _twin_role(
     trial: Trial, *, real: Mapping[str, float] | None, asked: bool, initial: bool, renewed: bool
 ) -> Role:
-    """Role of a twin run, by the gains and the role of the real run that caused it."""
+    """Role of a twin run, by its request and the gains of the real run that caused it."""
     if trial.source == "IS3":
         return "rejected" if trial.accepted is False else "corrected"
     if trial.parent is not None:
