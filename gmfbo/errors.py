@@ -15,9 +15,9 @@ class GmfboError(Exception):
     exit_status = 1
 
     def __str__(self) -> str:
-        """The message; what a hostile file put into it is cut, and steers no terminal."""
+        """The message, cut and without control characters that a hostile file put into it."""
         text = super().__str__()
-        if len(text) > _LONGEST_MESSAGE:  # the cure stands at its end
+        if len(text) > _LONGEST_MESSAGE:  # keep the end, which holds the cure
             text = f"{text[: _LONGEST_MESSAGE - 400]} ... {text[-400:]}"
         if text.isprintable():
             return text
@@ -25,7 +25,7 @@ class GmfboError(Exception):
 
 
 class InputError(GmfboError):
-    """Something the user gave cannot be used; nothing already recorded is lost."""
+    """An input of the user cannot be used; nothing already recorded is lost."""
 
     exit_status = 2
 
@@ -55,7 +55,7 @@ class StoreError(InputError):
 
 
 class ExportError(InputError):
-    """An augmented twin cannot be written as one FMU; its diagnosis holds all the same."""
+    """An augmented twin cannot be written as one FMU; its diagnosis stays valid."""
 
 
 class SimulationError(GmfboError):
@@ -65,14 +65,14 @@ class SimulationError(GmfboError):
 
 
 def in_short(reason: object, most: int = 300) -> str:
-    """One line of what a library or a file says, without control characters, cut at a length.
+    """Text of a library or file as one line of limited length, without control characters.
 
     Parameters
     ----------
     reason : object
         An exception or a text.
     most : int
-        Characters.
+        Largest number of characters.
     """
     text = " ".join(str(reason).split()) or type(reason).__name__
     text = "".join(letter if letter.isprintable() else "?" for letter in text[: most + 1])
@@ -80,14 +80,14 @@ def in_short(reason: object, most: int = 300) -> str:
 
 
 def did_you_mean(name: str, choices: Iterable[str]) -> str:
-    """Tail of a message that names the nearest valid choice, or lists a few.
+    """End of a message that names the nearest valid choice, or lists a few.
 
     Parameters
     ----------
     name : str
-        What came.
+            The given name.
     choices : iterable of str
-        What would have been valid.
+            Valid names.
 
     Returns
     -------
@@ -95,8 +95,8 @@ def did_you_mean(name: str, choices: Iterable[str]) -> str:
         Begins with a blank or a semicolon, so that it can be appended; empty without choices.
     """
     known = sorted(set(choices))
-    name = name[:_LONGEST_NAME]  # comparing costs the square of it
-    # Case is the commonest slip in FMU variable names, so it must not cost similarity.
+    name = name[:_LONGEST_NAME]  # comparing takes time by the square of the length
+    # Case is the commonest slip in FMU variable names, so it does not count.
     folded = {choice.lower(): choice for choice in reversed(known) if len(choice) < _LONGEST_NAME}
     nearest = get_close_matches(name.lower(), folded, n=1, cutoff=0.5)
     if nearest:

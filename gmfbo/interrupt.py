@@ -16,7 +16,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def remembered_interrupt() -> Iterator[threading.Event]:
-    """Remember that Ctrl-C was pressed, besides raising KeyboardInterrupt as always.
+    """Record Ctrl-C, besides raising KeyboardInterrupt as always.
 
     Yields
     ------
@@ -26,7 +26,7 @@ def remembered_interrupt() -> Iterator[threading.Event]:
     pressed = threading.Event()
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:
-        yield pressed  # ignored, or somebody else's
+        yield pressed  # Ctrl-C is ignored, or another handler is set
         return
 
     def note(*_: object) -> None:
@@ -50,7 +50,7 @@ def remembered_interrupt() -> Iterator[threading.Event]:
 
 @contextmanager
 def unwrapped_interrupt() -> Iterator[None]:
-    """Raise KeyboardInterrupt again where a compiled library has made a SystemError of it."""
+    """Raise KeyboardInterrupt where a compiled library turned it into a SystemError."""
     try:
         yield
     except SystemError as error:

@@ -1,4 +1,4 @@
-"""How numbers and names of a diagnosis are said to a person."""
+"""Numbers and names of a diagnosis in words."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 def interval(value: float, low: float, high: float, unit: str, digits: int = 3) -> str:
     """Value with its 95 % interval and its unit: "0.52 [0.49, 0.55] N m".
 
-    As many digits as it takes to see the interval's width.
+    It has the digits needed to see the interval's width.
     """
     if not (math.isfinite(low) and math.isfinite(high)):
         return quantity(value, unit, digits)

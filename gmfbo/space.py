@@ -26,7 +26,7 @@ class Gain:
     scale : {"linear", "log"}
         Whether the range is searched by its values or by their logarithm.
     integer : bool
-        Only whole numbers are taken.
+        Whether only whole numbers are allowed.
     """
 
     name: str

@@ -1,11 +1,11 @@
-"""Probability that gains meet the limits on metrics, as a weight of any acquisition function.
+"""Weight an acquisition function by the probability that gains meet the limits on metrics.
 
 Constrained expected improvement is EI times the probability of feasibility (Schonlau, Welch and
-Jones 1998; Gardner et al. 2014, "Bayesian optimization with inequality constraints"). Here
-everything is a logarithm, so that the product is a sum, for whatever acquisition is weighted::
+Jones 1998; Gardner et al. 2014, "Bayesian optimization with inequality constraints"). Here all
+values are logarithms, so that the product is a sum for any acquisition function::
 
     weight = FeasibilityWeight([(model of overshoot, 5.0), ...])
-    search = Search(dimension=2, log_weight=weight)      # maximise and recommend take it in
+    search = Search(dimension=2, log_weight=weight)      # used by maximise and recommend
 """
 
 from __future__ import annotations

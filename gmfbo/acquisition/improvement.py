@@ -5,13 +5,13 @@ deviation sigma) and u = (g+ - mu) / sigma:
 
 EI = sigma (phi(u) + u Phi(u)),   caEI(k, s) = EI(k, s) / H(s)    (H: query cost, H(IS1) = 1)
 
-Everything is compared as log EI - log H, which does not underflow where nothing is to be gained.
+Values are compared as log EI - log H, which does not underflow where EI is tiny.
 
 `CostAwareExpectedImprovement` is a BoTorch acquisition function over [gains, source]; it holds
-one incumbent for each source. With `value="axis"` a query of another source is priced by what it
-can teach about the axis at these gains: EI of the axis times the posterior correlation of the
-two (the fidelity factor of augmented EI, Huang et al. 2006), instead of the improvement of the
-twin over the twin, as published.
+one incumbent for each source. With `value="axis"`, a query of another source is worth its
+information about the axis at these gains: EI of the axis times the posterior correlation of the two
+(the fidelity factor of augmented EI, Huang et al. 2006). As published, it is worth the improvement
+of the twin over the twin.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def log_improvement(mean: ArrayLike, variance: ArrayLike, incumbent: float) -> N
 
 
 def _log_h(u: Tensor) -> Tensor:
-    """log(phi(u) + u Phi(u)), in three branches, each fed only what it can digest."""
+    """log(phi(u) + u Phi(u)), in three branches, each given only arguments of its range."""
     near = u.clamp_min(-1.0)
     direct = torch.log(
         torch.exp(-0.5 * near.square() - _LOG_SQRT_2PI) + near * torch.special.ndtr(near)
@@ -64,7 +64,7 @@ def _log_h(u: Tensor) -> Tensor:
     middle = u.clamp(-1e3, -1.0).neg()
     scaled = torch.special.erfcx(middle / math.sqrt(2.0))
     tail = torch.log1p(-middle * math.sqrt(math.pi / 2.0) * scaled)
-    # Beyond, that bracket is 1/u^2 - 3/u^4 + ...
+    # For very negative u, that bracket is 1/u^2 - 3/u^4 + ...
     far = u.clamp_max(-1e3).neg()
     limit = -2.0 * torch.log(far) + torch.log1p(-3.0 / far.square())
     correction = torch.where(u < -1e3, limit, tail)
@@ -79,12 +79,12 @@ class CostAwareExpectedImprovement(AnalyticAcquisitionFunction):
     model : Model
         Posterior of g; last input column is the source (1 axis, 0 twin).
     incumbents : mapping of str to float
-        Least g by source name; each source that is asked about needs one.
+        Least g by source name, for each source that is evaluated.
     costs : mapping of str to float
         H by source name, 1 for the axis.
     value : {"source", "axis"}
-        What a query of another source than the axis is worth: its own improvement (as
-        published), or that of the axis times their correlation.
+        Worth of a query of another source than the axis: its own improvement (as published),
+        or the improvement of the axis times their correlation.
 
     Raises
     ------

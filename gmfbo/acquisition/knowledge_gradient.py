@@ -3,15 +3,15 @@
 KG(k, s) = (min mu(., 1) - E[min mu'(., 1) after a run at (k, s)]) / cost(s),
 cost(s) = 0.1 + 0.9 s
 
-(Wu, Toscano-Palmerin, Frazier and Wilson 2019, taKG; a trace would be what a long run tells about
-shorter ones, and with two sources it is empty). The minimum is taken over points that cover the
-box, where a run moves the posterior mean along a line,
+(Wu, Toscano-Palmerin, Frazier and Wilson 2019, taKG; with two sources there is no trace of cheaper
+fidelities). The minimum is taken over points that cover the box, where a run moves the posterior
+mean along a line,
 
 mu'(., 1) = mu(., 1) + Z c((k, s), (., 1)) / sqrt(c((k, s), (k, s)) + noise),  Z ~ N(0, 1)
 
 (Frazier, Powell and Dayanik 2009, eq. 12), and the expectation over quantiles of Z. BoTorch's
-one-shot form, in which outcomes and minima are descended together, takes eight times as long and
-ends at 0.8 of the value in the median, at worst at 0.04 (`tests/benchmarks/knowledge_gradient.py`).
+one-shot form optimises outcomes and minima together. It takes eight times as long and ends at 0.8
+of the value in the median, at worst at 0.04 (`tests/benchmarks/knowledge_gradient.py`).
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ from gmfbo.surrogate.observations import with_source
 from gmfbo.surrogate.truncated import TruncatedModel
 
 FIXED_COST, SOURCE_COST = 0.1, 0.9
-"""Cost of a run of the twin, and what one of the axis costs beyond it [runs of the axis]."""
+"""Cost of a twin run, and extra cost of a real run [real runs]."""
 
 QUANTILES = 64
-"""Outcomes of a run that the expectation is taken over."""
+"""Number of outcomes of a run in the expectation."""
 
 _OUTCOMES = torch.special.ndtri((torch.arange(QUANTILES, dtype=DTYPE) + 0.5) / QUANTILES)
-"""Of a standard normal draw, equally probable and ascending."""
+"""Equally probable quantiles of a standard normal variable, ascending."""
 
-_LEAST = 1e-30  # stands for zero in a logarithm
-_TOGETHER = 8  # runs that are looked at in one piece, which then stays in a cache
+_LEAST = 1e-30  # replaces zero in a logarithm
+_TOGETHER = 8  # runs evaluated in one block, which then fits in a cache
 
 
 class KnowledgeGradient(AcquisitionFunction):
@@ -52,8 +52,8 @@ class KnowledgeGradient(AcquisitionFunction):
     model : TruncatedModel
         Posterior of g.
     search : Search
-        The minimum is taken over its pool, the runs so far and the least posterior mean; with
-        limits, over those of them that more probably than not meet these.
+        The minimum is taken over its pool, the runs so far and the point of least posterior
+        mean; with limits, over those of them that probably meet the limits.
     """
 
     def __init__(self, model: TruncatedModel, search: Search) -> None:
@@ -73,7 +73,7 @@ class KnowledgeGradient(AcquisitionFunction):
             posterior: Any = model.posterior(ends)
             mean = posterior.mean[:, 0] / self._scale
             spread = posterior.variance[:, 0].sqrt() / self._scale
-            # A point that no outcome makes the least need not be looked at.
+            # A point that is the minimum for no outcome can be left out.
             most = _OUTCOMES[-1] * spread
             possible = mean - most <= (mean + most).min()
             self._ends, self._mean = ends[possible], mean[possible]
@@ -105,6 +105,6 @@ class KnowledgeGradient(AcquisitionFunction):
         return slopes
 
     def _gain(self, slopes: Tensor) -> Tensor:
-        """By how much runs lower the least expected cost, shape (b,) [standardised g]."""
+        """Fall of the least expected cost by each run, shape (b,) [standardised g]."""
         moved = self._mean + slopes[:, None, :] * _OUTCOMES[:, None]
         return self._mean.min() - moved.amin(dim=-1).mean(dim=-1)

@@ -1,8 +1,8 @@
-"""Where the acquisition is largest, source by source, without repeating what was run.
+"""Maximise the acquisition function, source by source, without repeating a run.
 
 Sources are few and gains continuous, so the gains are optimised for each source and the results
-compared. Candidates are a dense grid (one or two gains) or seeded Sobol points (more), and what
-BoTorch's optimiser makes of the best of them; the same arguments give the same answer::
+compared. Candidates are a dense grid (one or two gains) or seeded Sobol points (more), and the best
+of them improved by BoTorch's optimiser; the same arguments give the same result::
 
     proposal = maximise(acquisition, Search(dimension=2), sources=("IS1", "IS2"), taken=taken)
     proposal.point (d,), proposal.source, proposal.value
@@ -35,14 +35,14 @@ Admits = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 GRID_SIDE = {1: 401, 2: 41}
 SOBOL_POINTS = 1024
-# Points nearer than this count as the same: a repeat of a simulator tells nothing new and makes
+# Points nearer than this count as the same: a simulator's repeat carries no information and makes
 # the covariance singular.
 SAME_POINT = 1e-6
 
 
 @dataclass(frozen=True)
 class Search:
-    """Where to look.
+    """Settings of the search.
 
     Attributes
     ----------
@@ -53,12 +53,12 @@ class Search:
     snap : callable, optional
         Moves points of shape (m, d) to the nearest ones that can be run, such as integer gains.
     seed : int
-        Decides the Sobol points; without effect for one or two free gains.
+        Seed of the Sobol points; without effect for one or two free gains.
     log_weight : callable, optional
-        Log probability, shape (m,), that gains, shape (m, d), meet all limits: added to a log
-        acquisition, and to be at least a half where gains are recommended.
+        Log probability, shape (m,), that gains, shape (m, d), meet all limits. It is added to a
+        log acquisition, and recommended gains have a probability of at least a half.
     admits : callable, optional
-        Which points, shape (m, d), the axis may be run at.
+        Tells the points, shape (m, d), at which the axis may be run.
     """
 
     dimension: int
@@ -113,7 +113,7 @@ class Proposal:
     point : ndarray, shape (d,)
         Gains in the unit cube.
     source : str
-        Who is to run it.
+        Source of the query.
     value : float
         Acquisition there; log EI - log H for `CostAwareExpectedImprovement`.
     """
@@ -136,11 +136,11 @@ def maximise(
     acquisition : AcquisitionFunction
         Over [gains, source column], to be maximised.
     search : Search
-        Where to look.
+            Settings of the search.
     sources : sequence of str
-        Who may be asked; at equal value the first.
+            Allowed sources; the first one wins at equal value.
     taken : Observations, optional
-        What was run already.
+            Runs made already.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def maximise(
 def recommend(model: Model, search: Search) -> tuple[NDArray[np.float64], float]:
     """Gains with the least posterior mean: point of shape (d,), and that mean [g].
 
-    Of gains that more probably than not meet the limits; without any, the most probable.
+    Only gains that probably meet the limits count; without any, the most probable gains.
     """
     points, values = _candidates(PosteriorMean(model, maximize=False), search, "IS1")
     weights = search.log_weights(points)
@@ -183,7 +183,7 @@ def recommend(model: Model, search: Search) -> tuple[NDArray[np.float64], float]
 def _candidates(
     acquisition: AcquisitionFunction, search: Search, source: str
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Pool and polished points, shape (m, d), and the acquisition there, shape (m,)."""
+    """Points of the pool and optimised ones, shape (m, d), and their acquisition, shape (m,)."""
     column = source_column(source)
     snap = search.snap or (lambda points: points)
     pool = np.unique(snap(search.pool()), axis=0)
@@ -213,8 +213,8 @@ def _polish(
 ) -> NDArray[np.float64]:
     dimension = starts.shape[1]
     initial = np.hstack([starts, np.full((len(starts), 1), column)])
-    # A descent that stalls leaves its start in the pool, so nothing is lost. BoTorch sets filters
-    # of its own inside, so its warning is caught rather than filtered.
+    # The start of a stalled descent stays in the pool, so nothing is lost. BoTorch sets warning
+    # filters of its own inside, so its warning is caught rather than filtered.
     with exact_algebra(), warnings.catch_warnings(record=True) as caught:
         polished, _ = gen_candidates_scipy(
             torch.tensor(initial, dtype=DTYPE)[:, None, :],

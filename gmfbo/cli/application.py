@@ -54,7 +54,7 @@ app = typer.Typer(
     epilog=_EPILOG,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    rich_markup_mode=None,  # it takes [low, high] and [s] for markup, and drops them
+    rich_markup_mode=None,  # rich would take [low, high] and [s] for markup, and drop them
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 _COMMANDS: dict[str, tuple[Callable[..., None], Manual]] = {
@@ -126,7 +126,7 @@ def main(arguments: list[str] | None = None) -> int:
     except TyperException as error:
         return _complain(_usage(error), BAD_INPUT)
     except BrokenPipeError:
-        # The reader of our output went away, as `head` does; nothing is left to say.
+        # The reader of our output has ended, as `head` does; no message is needed.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
@@ -139,7 +139,7 @@ def _interrupted() -> int:
 
 
 def _usage(error: TyperException) -> str:
-    # Usage errors know how to say themselves, with the option's name in front, and where.
+    # Usage errors format themselves, with the option's name and place.
     said = getattr(error, "format_message", lambda: error)()
     context = getattr(error, "ctx", None)
     return f"{said} (see '{context.command_path if context else 'gmfbo'} --help')"

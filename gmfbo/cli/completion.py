@@ -1,4 +1,4 @@
-"""What the shell offers at TAB; nothing heavy loads, since somebody waits for each key."""
+"""Shell completion at TAB; it imports nothing heavy, since a user waits."""
 
 from __future__ import annotations
 

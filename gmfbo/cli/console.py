@@ -1,4 +1,4 @@
-"""What commands print with, and the small formats they share."""
+"""Console and small text formats that commands share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rich.console import Console
 
 from gmfbo.errors import InputError
 
-# Soft wrap: a table or a path is never cut where output goes to a file.
+# Soft wrap, so that no table or path is cut where output goes to a file.
 console = Console(soft_wrap=True, highlight=False)
 
 

@@ -1,4 +1,4 @@
-"""`gmfbo demo`: tuning on the embedded twin, and the search for physics hidden in an axis."""
+"""`gmfbo demo`: tune the embedded twin, then find physics hidden in an axis."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 
-# The real axis is the drive twin itself; its digital twin has a motor map half of which is noise.
+# The real axis is the drive twin itself; half of its digital twin's motor map is noise.
 # The default method finds better gains, but stores 1800 twin runs for it: three minutes.
 STUDY = """\
 name = "demo"
@@ -128,7 +128,7 @@ def _find(folder: Path, seed: int) -> None:
     found = folder / "found"
     console.print(f"now runs           gmfbo diagnose {twin} {stored}/run*.csv --out {found}")
     console.print()
-    diagnosis = diagnose_and_show(twin, recordings, found)  # of all this it gets the files alone
+    diagnosis = diagnose_and_show(twin, recordings, found)  # the diagnosis gets the files alone
     answer = unseal(sealed)
     console.print()
     console.print(f"The seal is broken, its hash is the same: {sealed.path}")

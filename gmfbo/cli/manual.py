@@ -1,4 +1,4 @@
-"""What `--help` says of a command beside its arguments and options."""
+"""Sections of `--help` beside arguments and options."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ EXITS = {
     3: "a simulation or a plant failed: it crashed, hung or refused",
     130: "interrupted; all finished work is kept",
 }
-"""What the exit statuses of every command mean."""
+"""Meanings of the exit statuses of all commands."""
 
 
 @dataclass(frozen=True)
 class Manual:
-    """The parts of a manual page that no option holds.
+    """Sections of a manual page that belong to no option.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Manual:
 
     @property
     def text(self) -> str:
-        """The sections, as they stand below the options."""
+        """Text of the sections below the options."""
         exits = {str(status): meaning for status, meaning in {**EXITS, **self.exits}.items()}
         sections = [
             definitions("Files written", self.files),
@@ -55,7 +55,7 @@ class Manual:
 
 
 def definitions(title: str, entries: Mapping[str, str]) -> str:
-    """A section of terms and what they mean; empty without entries.
+    """A section of terms with their meanings; empty without entries.
 
     Parameters
     ----------
@@ -84,10 +84,10 @@ def _section(title: str, lines: list[str]) -> str:
 
 
 class ManualCommand(TyperCommand):
-    """A command whose help reads like a manual page; its epilog is laid out already."""
+    """A command whose help reads like a manual page; its epilog is already formatted."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
-        """What must be given, as it is given, then the rest."""
+        """Usage line: required arguments first."""
         pieces = []
         for parameter in self.get_params(ctx):
             if parameter.param_type_name == "argument":
@@ -97,7 +97,7 @@ class ManualCommand(TyperCommand):
         return [*pieces, "[OPTIONS]"]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Arguments and options; an argument is called what the usage line calls it."""
+        """Arguments and options; arguments are named as in the usage line."""
         rows: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
@@ -116,7 +116,7 @@ class ManualCommand(TyperCommand):
 
 
 class ManualGroup(TyperGroup):
-    """The program, whose epilog is laid out already too."""
+    """The program, whose epilog is already formatted too."""
 
     def format_epilog(self, ctx: Any, formatter: Any) -> None:
         """The epilog as it is."""

@@ -1,4 +1,4 @@
-"""Maximum a posteriori hyperparameters, from fixed starting points, with a last resort."""
+"""Fit hyperparameters by maximum a posteriori, from fixed starts, with a fallback."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from torch import Tensor
 from gmfbo.correction.torch_setup import exact_algebra
 
 # Factors on the initial noise variance. The posterior has two modes, "smooth and noisy" and
-# "rough and exact"; which one a descent ends in depends on the noise it starts with and not on
-# the lengthscales. Fixed starts rather than draws from the priors: the same data then gives the
-# same model, whatever else used torch's generator.
+# "rough and exact"; the initial noise, and not the lengthscales, decides in which one a descent
+# ends. The starts are fixed, not drawn from the priors, so that the same data gives the same
+# model whatever else used torch's generator.
 STARTS = (1.0, 100.0)
-# The log posterior is per observation: 1e-6 of it is far below what any decision can feel.
+# Of the log posterior per observation: 1e-6 is far too little to change any decision.
 OPTIONS = {"maxiter": 100, "ftol": 1e-6}
 
 
@@ -73,8 +73,8 @@ def _descend(likelihood: ExactMarginalLogLikelihood) -> float:
     """Run one L-BFGS-B descent; returns the negative log posterior reached."""
     likelihood.train()
     with exact_algebra(), warnings.catch_warnings():
-        # Reaching the limit of iterations is a result here, judged by its likelihood beside the
-        # other starts; and a first Cholesky that needs jitter is repeated by linear_operator.
+        # A descent that reaches the limit of iterations is compared with the other starts by its
+        # likelihood; a first Cholesky that needs jitter is repeated by linear_operator.
         warnings.simplefilter("ignore", OptimizationWarning)
         warnings.simplefilter("ignore", NumericalWarning)
         result = fit_gpytorch_mll_scipy(

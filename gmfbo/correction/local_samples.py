@@ -1,11 +1,11 @@
 """Samples of the corrected twin (IS3) around a point that the axis ran.
 
 Algorithm 1 of the publication: draw k' ~ N(k, (0.05 range)^2), run the twin at k', correct its
-trajectory, and accept it if the correction is sure of itself, sigma_c << alpha, with
+trajectory, and accept it if the correction is certain, sigma_c << alpha, with
 sigma_c = sqrt(mean posterior variance over the samples) and alpha the root mean square of the
-reference. The publication gives no number for "<<" and its loop may never end; here a draw is
-accepted at sigma_c <= 0.05 alpha, there are at most 20 draws, each rejected one brings the next
-nearer to k (where the correction was trained), and fewer samples are then a result::
+reference. The publication gives no number for "<<", and its loop may never end. Here a draw is
+accepted at sigma_c <= 0.05 alpha, and there are at most 20 draws. Each rejected draw brings the
+next one nearer to k, where the correction was trained, and fewer samples are a valid result::
 
     samples = draw_local_samples(point (d,), simulate, correction, alpha, SamplingSettings(), rng)
     samples.draws, samples.accepted       # LocalSample: point, time, simulated, corrected, ...
@@ -29,7 +29,7 @@ Simulate = Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np
 
 @dataclass(frozen=True)
 class SamplingSettings:
-    """How samples are drawn; the defaults are the publication's where it states them.
+    """Settings of the draws; the defaults are the publication's where it states them.
 
     Attributes
     ----------
@@ -38,11 +38,11 @@ class SamplingSettings:
     spread : float
         Standard deviation as a share of the range of each gain.
     at_border : {"project", "reflect"}
-        What happens to a draw outside the box; projecting piles samples up on its faces.
+        Treatment of a draw outside the box; projection accumulates samples on its faces.
     tolerance : float
         Accept at sigma_c <= tolerance * alpha.
     most_draws : int
-        After that many draws fewer samples are accepted.
+        Largest number of draws; fewer samples are then accepted.
     shrink : float
         Factor on the spread after each rejected draw.
     """
@@ -57,7 +57,7 @@ class SamplingSettings:
 
 @dataclass(frozen=True, eq=False)
 class LocalSample:
-    """One draw: where, what the twin said, and what the correction made of it.
+    """One draw: its point, the twin's trajectory and the corrected one.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class LocalSample:
     sigma_c : float
         [signal] Root mean posterior variance.
     accepted : bool
-        Whether it may be used.
+        Whether it is certain enough to be used.
     """
 
     point: NDArray[np.float64]
@@ -123,7 +123,7 @@ def draw_local_samples(
     Parameters
     ----------
     point : array_like, shape (d,)
-        k, gains in the unit cube that the axis ran.
+        k, gains of the real run in the unit cube.
     simulate : callable
         Takes gains of shape (d,) in the unit cube, returns time [s] and the twin's signal, each
         of shape (n,), or None where the simulation failed.
@@ -132,9 +132,9 @@ def draw_local_samples(
     alpha : float
         [signal] See `reference_size`.
     settings : SamplingSettings
-        How samples are drawn.
+            Settings of the draws.
     rng : numpy.random.Generator
-        The only source of chance.
+            The only source of randomness.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the twin leaves unexplained, as a Gaussian process over whole trajectories.
+"""Residual process: Gaussian process of the twin's error over whole trajectories.
 
 The residual of run i, r_i(t) = y_real(t; k_i) - y_sim(t; k_i), is a function of time that changes
 smoothly with the gains k. With a separable covariance c(k, k') S(t, t') (matrix normal
@@ -7,9 +7,9 @@ distribution, Dawid 1981) and one set of times for all runs, the posterior at ne
     mean  r(t; k) = c(k)' C^-1 R,        R of shape (runs, times),
     covariance    = (c(k, k) - c(k)' C^-1 c(k)) S,
 
-so that one small matrix of the size of the number of runs serves all times, and S is estimated
-by its maximum likelihood R' C^-1 R / n (Bonilla, Chai and Williams 2008, for tasks). The same
-process with the twin's own trajectories in the place of residuals is an emulator of the twin.
+so that one matrix of the size of the number of runs serves all times. S is estimated by its maximum
+likelihood R' C^-1 R / n (Bonilla, Chai and Williams 2008, for tasks). With the twin's own
+trajectories in place of residuals, the same process is an emulator of the twin.
 """
 
 from __future__ import annotations
@@ -66,14 +66,14 @@ class ResidualProcess:
         lengthscale : float
             Over the unit cube.
         centred : bool
-            Far from all runs return to their mean instead of zero.
+            Whether the posterior far from all runs is their mean instead of zero.
         extra : ndarray, shape (n,), optional
-            Variance of a run beyond `NUGGET`, over that of the process: of one from before the
+            Variance of a run beyond `NUGGET`, over that of the process, for runs from before the
             plant changed.
 
         Notes
         -----
-        Without any run the residual is believed to be zero: nothing else is known of its size.
+        Without any run the residual is taken as zero, since nothing is known of its size.
         """
         if not len(points):
             return cls(points, lengthscale, np.eye(0), functions, np.zeros(functions.shape[1]))

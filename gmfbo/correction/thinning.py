@@ -1,4 +1,4 @@
-"""Which samples of a trajectory a Gaussian process is trained on."""
+"""Choose the samples of a trajectory on which a Gaussian process is trained."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def thin(
 ) -> NDArray[np.intp]:
     """Choose samples, denser where the response or its error changes.
 
-    Samples lie at equal steps of an arc length: a third each of time, of the way travelled by
-    the simulated signal, and of the way travelled by its error, each over its total.
+    Samples lie at equal steps of a path length that consists in equal parts of time, of the path
+    of the simulated signal, and of the path of its error, each relative to its total.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def thin(
 
 
 def _smooth(error: NDArray[np.float64]) -> NDArray[np.float64]:
-    # Without it the steps of a quantised sensor are taken for change.
+    # Without smoothing, the steps of a quantised sensor would count as change.
     width = max(1, len(error) // 100)
     padded = np.pad(error, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")

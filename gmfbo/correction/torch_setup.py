@@ -1,8 +1,8 @@
-"""Where torch enters: one thread, float64, exact linear algebra.
+"""Set up torch: one thread, float64, exact linear algebra.
 
-Importing BoTorch changes GPyTorch's global settings, so what a model computes would depend on
-who imported what first. `exact_algebra` states the settings instead; whatever of this project
-fits or predicts runs inside it.
+Importing BoTorch changes GPyTorch's global settings, so a model's results would depend on the order
+of imports. `exact_algebra` sets them explicitly; all fits and predictions of this project run
+inside it.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ with warnings.catch_warnings():
     import gpytorch
     from linear_operator import settings as linear_operator_settings
 
-# With two busy neighbours two threads make the same code 9 to 43 times slower, and the path of
-# an optimiser depends on the thread count.
+# Two threads beside two busy processes make the same code 9 to 43 times slower, and the path of an
+# optimiser depends on the thread count.
 torch.set_num_threads(1)
 
 DTYPE = torch.float64
@@ -29,7 +29,7 @@ DTYPE = torch.float64
 
 @contextmanager
 def exact_algebra() -> Iterator[None]:
-    """Factorise by Cholesky, never approximate, for all sizes that occur here (up to 4096)."""
+    """Factorise by Cholesky without approximation, for all sizes that occur here (up to 4096)."""
     with ExitStack() as settings:
         for setting in (
             gpytorch.settings.fast_computations(

@@ -1,4 +1,4 @@
-"""Gaussian process that corrects a twin's trajectory by what the axis did.
+"""Gaussian process that corrects a twin's trajectory by real runs.
 
 Inputs (t, y_twin(t)), and the gains in the unit cube where several runs are kept; time, signal and
 target are standardised; Matern-5/2 with one lengthscale an input::
@@ -11,13 +11,13 @@ target are standardised; Matern-5/2 with one lengthscale an input::
     correction.uncorrected_error  # [signal] RMS error of the twin over the same samples
     correction.note               # "" or what went wrong in the fit
 
-As published (`latest`) the target is the measured signal and only the last run counts. With
-several runs (t, y_twin) alone would have several answers, so `accumulate` adds the gains to the
-inputs and models the error of the twin, measured - simulated.
+As published (`latest`) the target is the measured signal, and only the last run counts. With
+several runs, one input (t, y_twin) could have several targets, so `accumulate` adds the gains to
+the inputs and models the error of the twin, measured - simulated.
 
 The hyperparameters are fitted to at most `max_points` samples, denser where the response or its
-error changes, and the posterior then rests on all samples of the run: the first is what takes an
-exact fit to 1101 samples several seconds, the second costs one factorisation.
+error changes, since a fit to 1101 samples takes several seconds. The posterior then uses all
+samples of the run, which costs one factorisation.
 `CorrectionSettings(exact=True)` fits the hyperparameters to all samples too, as the reference.
 """
 
@@ -85,7 +85,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class CorrectionSettings:
-    """How the correction is built.
+    """Settings of the correction.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class TrajectoryCorrection:
     Attributes
     ----------
     settings : CorrectionSettings
-        How it was built.
+        Settings of the fit.
     held_out_error : float
         [signal] RMS error of predicting each sample from all others.
     uncorrected_error : float
@@ -129,7 +129,7 @@ class TrajectoryCorrection:
     ) -> None:
         self.settings = settings
         self._input_shift, self._input_scale = _standardisation(inputs)
-        # Gains come in the unit cube, and a few runs say nothing of their spread.
+        # Gains are in the unit cube, and a few runs do not tell their spread.
         self._input_shift[2:], self._input_scale[2:] = 0.0, 1.0
         self._target_shift, self._target_scale = _standardisation(targets)
         scaled = (inputs - self._input_shift) / self._input_scale
@@ -143,14 +143,14 @@ class TrajectoryCorrection:
     def fit(
         cls, pairs: Sequence[Pair], settings: CorrectionSettings | None = None
     ) -> TrajectoryCorrection:
-        """Fit to what axis and twin did at the same gains; the same data gives the same fit.
+        """Fit to runs of axis and twin at the same gains; the same data gives the same fit.
 
         Parameters
         ----------
         pairs : sequence of Pair
             In the order in which they were run; `latest` uses the last one.
         settings : CorrectionSettings, optional
-            How the correction is built.
+            Settings of the correction.
 
         Raises
         ------
@@ -182,7 +182,7 @@ class TrajectoryCorrection:
     def correct(
         self, time: ArrayLike, simulated: ArrayLike, gains: ArrayLike | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Predict what the axis would have measured.
+        """Predict the measured signal of the axis.
 
         Parameters
         ----------
@@ -243,7 +243,7 @@ def _kept(pair: Pair, settings: CorrectionSettings, runs: int) -> NDArray[np.int
 def _hyper_rows(
     pairs: Sequence[Pair], kept: Sequence[NDArray[np.intp]], settings: CorrectionSettings
 ) -> NDArray[np.intp]:
-    """Rows, among all kept ones, that the hyperparameters are fitted to."""
+    """Rows, among all kept ones, to which the hyperparameters are fitted."""
     rows, before = [], 0
     share = max(2, settings.max_points // len(pairs))
     for pair, index in zip(pairs, kept, strict=True):
@@ -276,7 +276,7 @@ def _target(pair: Pair, settings: CorrectionSettings) -> NDArray[np.float64]:
 
 def _standardisation(columns: Tensor) -> tuple[Tensor, Tensor]:
     scale = columns.std(dim=0)
-    # A constant column tells nothing and is left as it is.
+    # A constant column carries no information and is left unscaled.
     return columns.mean(dim=0), torch.where(scale > 1e-12, scale, torch.ones_like(scale))
 
 
@@ -286,8 +286,8 @@ def _process(inputs: Tensor, values: Tensor, noise_floor: float) -> SingleTaskGP
         MaternKernel(
             nu=2.5,
             ard_num_dims=width,
-            # Weak for time and signal; for the gains most of the unit cube, within a factor of
-            # four, since a single run cannot tell.
+            # Weak for time and signal. For the gains most of the unit cube within a factor of four:
+            # a single run cannot determine their lengthscale.
             lengthscale_prior=LogNormalPrior(
                 torch.zeros(width, dtype=DTYPE),
                 torch.tensor([1.5, 1.5] + [0.7] * (width - 2), dtype=DTYPE),

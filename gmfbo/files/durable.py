@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, whatever kills the process."""
+"""Write files whole or not at all, whatever kills the process."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import errno
 import os
 from pathlib import Path
 
-BINARY = getattr(os, "O_BINARY", 0)  # without it Windows changes line ends
+BINARY = getattr(os, "O_BINARY", 0)  # without this flag Windows changes line ends
 
 _MEANING = {
     errno.ENOSPC: "the disk is full; free some space",
@@ -24,24 +24,24 @@ _MEANING = {
 
 
 def write_whole(path: Path, content: bytes, *, durable: bool = True) -> None:
-    """Write a file so that readers and crashes see the old one or the new one, nothing between.
+    """Write a file so that readers and crashes see the old or the new file, nothing between.
 
-    The bytes go to a temporary name in the same folder, are synced to the disk, and the name is
-    changed in one step; then the folder is synced, without which a power cut may undo the name.
+    The bytes go to a temporary file in the same folder, which is synced and renamed in one step.
+    Then the folder is synced, without which a power cut may undo the new name.
 
     Parameters
     ----------
     path : Path
-        Where the file shall be.
+            The file.
     content : bytes
-        All of it.
+            Its whole content.
     durable : bool
         Sync to the disk; without it a power cut, but no killed process, may lose the file.
 
     Raises
     ------
     OSError
-        It could not be written; nothing is left behind, an older file of that name is untouched.
+        The file could not be written; nothing is left behind, and an older file is untouched.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
@@ -69,7 +69,7 @@ def write_fully(descriptor: int, content: bytes) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Make names in this folder survive a power cut; Windows has no such call and needs none."""
+    """Make names in this folder survive a power cut; Windows needs no such call."""
     if os.name == "nt":
         return
     descriptor = os.open(folder, os.O_RDONLY)
@@ -88,6 +88,6 @@ def remove_stale(folder: Path) -> list[str]:
 
 
 def cause(error: OSError) -> str:
-    """Say in words why the operating system refused, and what to do."""
+    """Words for the operating system's error, with its cure."""
     known = _MEANING.get(error.errno or 0)
     return known if known else f"{error.strerror or error}; choose another place"

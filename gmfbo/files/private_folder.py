@@ -1,4 +1,4 @@
-"""A temporary folder that is gone once its owner is, however the owner ended."""
+"""A temporary folder that is removed after its owner's end, however that came."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _ALONE_AFTER_S = 60.0
 class PrivateFolder:
     """A folder for one twin's unpacked FMUs and shared arrays.
 
-    The owner holds a lock in it, which the system releases however the owner dies. A folder that
-    is found unlocked was left by a process that was killed together with its worker, and is
-    removed by whoever makes the next one.
+    The owner holds a lock in the folder, which the system releases at the owner's end. An unlocked
+    folder was left by a process that was killed together with its worker; whoever makes the next
+    folder removes it.
     """
 
     def __init__(self) -> None:
@@ -32,16 +32,16 @@ class PrivateFolder:
         self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
         lock = (self.path / _LOCK).open("wb")
         _try_lock(lock)
-        # Called when this object is forgotten too, and at the interpreter's end.
+        # Also called when this object is garbage collected, and at the interpreter's end.
         self._remove = weakref.finalize(self, _remove, self.path, lock, self._owner)
 
     @property
     def is_mine(self) -> bool:
-        """This process made it, and is not a forked copy of the one that did."""
+        """Whether this process made the folder, and is no forked copy of its maker."""
         return os.getpid() == self._owner
 
     def remove(self) -> None:
-        """Remove the folder and all in it; nothing in a forked copy, or a second time."""
+        """Remove the folder with its content; does nothing in a forked copy, or a second time."""
         self._remove()
 
 
@@ -57,7 +57,7 @@ def remove_tree(path: Path) -> None:
     Parameters
     ----------
     path : Path
-        May hold more levels of folders than Python can recurse through: foreign code made them.
+        It may hold more levels of folders than Python can recurse through, by foreign code.
     """
     try:
         shutil.rmtree(path, ignore_errors=True)
@@ -67,9 +67,9 @@ def remove_tree(path: Path) -> None:
 
 def _remove_abandoned() -> None:
     for folder in Path(tempfile.gettempdir()).glob(_PREFIX + "*"):
-        # Another user's folder, or one that vanishes meanwhile, is not ours to complain about.
+        # Another user's folder, or one that vanishes meanwhile, is no error.
         with contextlib.suppress(OSError):
-            # A folder is locked a moment after it is made.
+            # A new folder is locked only a moment after it is made.
             if time.time() - folder.stat().st_mtime < _ALONE_AFTER_S:
                 continue
             with (folder / _LOCK).open("r+b") as lock:

@@ -1,4 +1,4 @@
-"""TOML as a person writes it: of bounded size and depth, with numbers that fit."""
+"""Read TOML of bounded size, depth and numbers, as a person would write it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def read_toml_text(path: Path) -> str:
     OSError
         It cannot be read.
     ValueError
-        It is not UTF-8, or larger than such files are.
+        It is not UTF-8, or too large for such a file.
     """
     if path.stat().st_size > LARGEST_BYTES:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""A condition on recorded signals, as a user writes it: read as a formula, never run as code."""
+"""A user's condition on recorded signals, parsed as a formula and never run as code."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _COMPARE: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """Something that must hold in each row of a recording.
+    """A condition that must hold in each row of a recording.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Condition:
         Raises
         ------
         InputError
-            It is not a formula, or not one of signals alone.
+            The text is no formula of signals.
         """
         try:
             tree = ast.parse(text.strip(), mode="eval").body
@@ -89,7 +89,7 @@ class Condition:
 
     @property
     def names(self) -> frozenset[str]:
-        """Signals that it speaks of; `time` is none."""
+        """Signals in the formula, without `time`."""
         called = {node.func for node in ast.walk(self.tree) if isinstance(node, ast.Call)}
         return frozenset(
             node.id
@@ -98,7 +98,7 @@ class Condition:
         )
 
     def holds(self, time: Values, signals: Mapping[str, Values]) -> NDArray[np.bool_]:
-        """Where the condition holds, shape (n,); a row in which a signal is blank passes.
+        """Rows in which the condition holds, shape (n,); rows with a blank signal pass.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ def _is_truth(node: ast.expr) -> bool:
 
 
 def _check(node: ast.expr, text: str) -> None:
-    """Refuse whatever is no formula, before anything is computed."""
+    """Raise for anything but a formula, before it is evaluated."""
     parts = _parts(node, text)
     for part in parts:
         _check(part, text)
@@ -175,7 +175,7 @@ def _value(node: ast.expr, values: Mapping[str, Values]) -> Any:
                 return np.logical_not(inner)
             return -inner if isinstance(op, ast.USub) else inner
         case ast.BinOp(left=left, op=op, right=right):
-            # NumPy's own division and power give inf or NaN where Python's numbers would raise.
+            # NumPy's division and power give inf or NaN where Python's numbers would raise.
             return _BINARY[type(op)](np.float64(1.0) * _value(left, values), _value(right, values))
         case ast.Call(func=ast.Name(id=name), args=args):
             return FUNCTIONS[name](*(_value(argument, values) for argument in args))

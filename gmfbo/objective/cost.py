@@ -1,4 +1,4 @@
-"""Weighted, normalised cost of a run, to be minimised."""
+"""Objective: weighted, normalised cost of a run, to be minimised."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ PAPER_WEIGHTS: Mapping[str, float] = MappingProxyType(
 
 MetricArrays = Mapping[str, ArrayLike]
 
-# A metric that no sample moved (overshoot of sluggish gains) would otherwise be divided by zero;
-# one percent of the worst case is one percent of overshoot, or of the horizon.
+# A metric that is equal in all samples (overshoot of sluggish gains) would be divided by zero; one
+# percent of the worst case is one percent of overshoot, or of the horizon.
 _LEAST_STD = 0.01
 
 
@@ -29,7 +29,7 @@ _LEAST_STD = 0.01
 class Objective:
     """Cost g = sum_i w_i (h_i - mean_i) / std_i over the metrics h_i, to be minimised.
 
-    No run costs more than a failed one: each metric counts up to its worst case.
+    Each metric counts up to its worst case, so that no run costs more than a failed one.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Objective:
     mean, std : mapping of str to float
         Normalising constants [unit of the metric].
     worst : mapping of str to float
-        Metrics of a failed run [unit of the metric]; all metrics that there are.
+        All metrics, with their values for a failed run [unit of the metric].
     """
 
     weights: Mapping[str, float]
@@ -78,10 +78,10 @@ class Objective:
             Metrics of the runs [% or s], and a user's own. With m < 2 the worst case is the
             scale, mean zero.
         horizon : float, optional
-            [s] Length after the step; sets the price of a failed run.
+            [s] Length after the step; sets the cost of a failed run.
         worst : mapping of str to float, optional
-            Step metrics of a failed run instead. Of a user's own metric the worst case is as
-            far above the largest sample as the samples are apart.
+            Step metrics of a failed run, in place of `horizon`. The worst case of a user's own
+            metric is as far above the largest sample as the samples are apart.
 
         Returns
         -------
@@ -109,8 +109,7 @@ class Objective:
         Parameters
         ----------
         metrics : mapping of str to array_like, shape (...)
-            Each weighted metric [% or s]. NaN where it cannot be told from what is known: then
-            it counts as the mean.
+            Each weighted metric [% or s]; NaN, for an unknown value, counts as the mean.
 
         Returns
         -------
@@ -141,13 +140,13 @@ class Objective:
         return np.asarray(np.sum(np.broadcast_arrays(*terms), axis=0))
 
     def _counted(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
-        """A metric up to its worst case, the mean where it is unknown."""
+        """A metric limited to its worst case, or its mean where it is unknown."""
         known = np.asarray(values, dtype=float)
         return np.minimum(np.where(np.isnan(known), self.mean[name], known), self.worst[name])
 
     @property
     def failed(self) -> float:
-        """Price of a failed run: the cost of 100 % overshoot that never settles."""
+        """Cost of a failed run, with 100 % overshoot and no settling."""
         return float(self.value(self.worst))
 
     @property
@@ -156,5 +155,5 @@ class Objective:
 
 
 def _own_worst(sample: NDArray[np.float64]) -> float:
-    """What a failed run is charged of a user's own metric, whose worst case nobody stated."""
+    """Value of a user's own metric for a failed run, from the samples."""
     return float(sample.max() + (np.ptp(sample) or abs(sample.max()) or 1.0))

@@ -1,4 +1,4 @@
-"""The safety envelope: what recorded signals must stay within."""
+"""The safety envelope: limits of recorded signals."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from gmfbo.recordings.recording import Recording, Trajectory
 
 @dataclass(frozen=True)
 class Exit:
-    """Where a run left the envelope.
+    """First exit of a run from the envelope.
 
     Attributes
     ----------
     row : int
         First row that is outside.
     reason : str
-        Which signal or condition, in one line.
+        Signal or condition, in one line.
     """
 
     row: int
@@ -52,9 +52,9 @@ class Envelope:
         Parameters
         ----------
         run : Recording
-            Measured or simulated; blank cells are passed over.
+            Measured or simulated; blank cells are ignored.
         all_signals : bool
-            Refuse a run that lacks a signal; otherwise what speaks of it is passed over.
+            Raise for a run that lacks a signal; otherwise ignore limits of missing signals.
 
         Returns
         -------
@@ -93,8 +93,8 @@ class Envelope:
         Parameters
         ----------
         run : Recording
-            A simulated one (`Trajectory`) is cut where it leaves: the plant would be stopped
-            there. A measured one is kept whole.
+            A simulated run (`Trajectory`) is cut at its exit, where the plant would be stopped. A
+            measured one is kept whole.
 
         Returns
         -------
@@ -109,7 +109,7 @@ class Envelope:
         simulated = isinstance(run, Trajectory)
         if not self or (isinstance(run, Trajectory) and run.status == "unsafe"):
             return run
-        # A run that failed may have stopped before it wrote anything.
+        # A failed run may have stopped before it wrote a row.
         whole = not (isinstance(run, Trajectory) and run.status != "ok")
         left = self.first_exit(run, all_signals=whole)
         if left is None:

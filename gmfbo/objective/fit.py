@@ -1,4 +1,4 @@
-"""How well a simulated trajectory meets a recording."""
+"""Error of a simulated trajectory against a recording."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def compare_at(trajectory: Recording, recording: Recording, signal: str) -> NDAr
 
 
 def scored_rows(recording: Recording, signal: str, *, warmup: float = 0.0) -> NDArray[np.bool_]:
-    """Rows that count: sampled, within `use`, and after the warm-up.
+    """Rows that are scored: sampled, within `use`, and after the warm-up.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Limits on metrics, and how probable it is that gains meet them."""
+"""Limits on metrics, and the probability that gains meet them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LEAST_SIGMA = 1e-10
 
 @dataclass(frozen=True)
 class Limits:
-    """Metrics that may be at most a value, for each reference that is played.
+    """Upper limits on metrics, for each reference.
 
     Attributes
     ----------
@@ -37,13 +37,13 @@ class Limits:
         return bool(self.most)
 
     def limited(self, metrics: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
-        """Value of each limited metric that its limit is held against.
+        """Value of each limited metric to be compared with its limit.
 
         Parameters
         ----------
         metrics : mapping of str to array_like, shape (...)
-            Of one run or many. With several references `overshoot` is their mean, which would
-            hide a bad one, and `overshoot[2]` that of the second: then the largest counts.
+            Of one run or many. With several references, `overshoot` is their mean, which may hide
+            a bad one, and `overshoot[2]` belongs to the second: the largest of these counts.
 
         Returns
         -------
@@ -59,7 +59,7 @@ class Limits:
         }
 
     def excess(self, metrics: Mapping[str, float]) -> float:
-        """By how much limits are exceeded: sum of shares of the limits, zero where all are met.
+        """Sum of relative excesses over the limits; zero where all limits are met.
 
         Parameters
         ----------

@@ -11,13 +11,13 @@ METRICS = ("overshoot", "transient_time", "rise_time", "settling_time")
 """The metrics in the order in which the paper states its weights."""
 
 RISE_LEVELS = (0.1, 0.9)
-"""Shares of the step between which rise time is taken."""
+"""Shares of the step between which the rise time is measured."""
 
 SETTLING_BAND = 0.02
 """Half width of the band: share of the step (settling) or of the peak error (transient)."""
 
 WORST_OVERSHOOT = 100.0
-"""[%] Overshoot that a failed run is charged with."""
+"""[%] Overshoot assigned to a failed run."""
 
 
 def step_metrics(
@@ -39,9 +39,9 @@ def step_metrics(
     - settling_time [s]: after it `|e|` stays within 0.02;
     - transient_time [s]: after it `|e|` stays within 0.02 of its own peak.
 
-    The final value is the reference, not the last sample, so a steady-state error shows: a time
-    that is never reached within the horizon is the horizon. A response with a non-finite sample
-    gets the worst case of `worst_metrics`.
+    The final value is the reference, not the last sample, so that a steady-state error shows. A
+    level that is not reached within the horizon gets the horizon as its time. A response with a
+    non-finite sample gets the worst case of `worst_metrics`.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def step_metrics(
         raise InputError(f"step metrics: expected a step other than zero, got {step_size}")
     since_step, window = _window(times, responses, step_time, horizon)
     finite = np.asarray(np.isfinite(window).all(axis=-1))
-    # A constant stands in for broken responses, so that no warning or NaN arises from them.
+    # A constant replaces broken responses, so that no warning or NaN arises from them.
     error = 1.0 - (np.where(finite[..., None], window, initial) - initial) / step_size
     peak = np.abs(error).max(axis=-1)
     low, high = (_first_reach(since_step, 1.0 - error, level, horizon) for level in RISE_LEVELS)
@@ -90,7 +90,7 @@ def step_metrics(
 
 
 def worst_metrics(horizon: float) -> dict[str, float]:
-    """Metrics that a failed run is charged with: 100 % overshoot, and never there.
+    """Metrics of a failed run: 100 % overshoot, and the horizon for each time.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _window(
             f"got {time.shape} and {response.shape}"
         )
     end = step_time + horizon
-    # Times that are sums of rounded steps may miss the ends by a few units in the last place.
+    # Times that are sums of rounded steps may miss the ends by rounding errors.
     slack = 1e-6 * (time[-1] - time[0]) / (time.size - 1)
     if not horizon > 0.0 or time[0] > step_time + slack or time[-1] < end - slack:
         raise InputError(
@@ -141,7 +141,7 @@ def _at(
     """Interpolate each response at one instant, shape (...)."""
     right = int(np.clip(np.searchsorted(time, instant), 1, time.size - 1))
     share = np.clip((instant - time[right - 1]) / (time[right] - time[right - 1]), 0.0, 1.0)
-    # An end that falls on a sample must not pick up a NaN from its neighbour.
+    # An end that falls on a sample must not get a NaN from its neighbour.
     if share < 1e-6 or share > 1.0 - 1e-6:
         return np.asarray(response[..., right if share > 0.5 else right - 1])
     return np.asarray((1.0 - share) * response[..., right - 1] + share * response[..., right])
@@ -150,7 +150,7 @@ def _at(
 def _first_reach(
     time: NDArray[np.float64], response: NDArray[np.float64], level: float, horizon: float
 ) -> NDArray[np.float64]:
-    """[s] First time at which each response is at `level`, shape (...); horizon where never."""
+    """[s] First time at which each response reaches `level`, shape (...); horizon where never."""
     above = response >= level
     right = np.argmax(above, axis=-1)
     left = np.maximum(right - 1, 0)
@@ -167,7 +167,7 @@ def _last_outside(
     band: NDArray[np.float64],
     horizon: float,
 ) -> NDArray[np.float64]:
-    """[s] Last time at which |error| exceeds `band`, shape (...); the horizon where at the end."""
+    """[s] Last time at which |error| exceeds `band`, shape (...); horizon if at the end."""
     outside = np.abs(error) > band[..., None]
     last = time.size - 1
     left = last - np.argmax(outside[..., ::-1], axis=-1)
@@ -175,7 +175,7 @@ def _last_outside(
     before = _take(error, left)
     side = np.sign(before)
     fall = side * (before - _take(error, right))
-    # Outside on the left and inside on the right, so the fall is positive where it is used.
+    # The error is outside on the left and inside on the right, so its fall is positive there.
     usable = outside.any(axis=-1) & (left < last)
     share = np.where(usable, (side * before - band) / np.where(usable, fall, 1.0), 0.0)
     entered = time[left] + share * (time[right] - time[left])

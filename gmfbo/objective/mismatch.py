@@ -1,4 +1,4 @@
-"""How far the twin is off, and what follows for the surrogate and the query cost.
+"""Mismatch of the twin, and its effect on the surrogate and the query cost.
 
 Two measures of the same pairs (objective of the corrected twin g_c, of the twin g_2, equal
 gains), both fractions, not percent:
@@ -20,8 +20,8 @@ from gmfbo.errors import InputError
 
 SOURCE_LENGTHSCALE_BOUNDS = (0.1, 1.0)
 QUERY_COST_BOUNDS = (0.1, 1.0)
-# |g_c| below this share of the spread of all |g_c| counts as that share: a guard, not a choice
-# of the publication.
+# |g_c| below this share of the spread of all |g_c| counts as that share: a guard that is not in
+# the publication.
 LEAST_SHARE = 1e-6
 
 
@@ -44,7 +44,7 @@ def scaled_mismatch(corrected: ArrayLike, twin: ArrayLike) -> float:
     Raises
     ------
     InputError
-        A value is negative: then it is g, not G.
+        A value is negative, so it is g, not G.
     """
     g_c, g_2 = _pairs(corrected, twin)
     if g_c.size == 0:

@@ -19,19 +19,19 @@ from gmfbo.recordings.recording import Recording
 
 @dataclass(frozen=True)
 class OwnMetrics:
-    """Metrics by a function of the user: from a run of one reference to numbers.
+    """Metrics by a function of the user, from a run of one reference.
 
     Attributes
     ----------
     label : str
         `mine.py:function`, for messages.
     function : callable
-        Takes a `Recording`, returns a mapping of names to numbers, or one number, which then
-        bears the function's name. Less is better.
+        Takes a `Recording`, returns a mapping of names to numbers, or one number, which gets
+        the function's name. Smaller is better.
     required : frozenset of str
         Names that it must return.
     content_hash : str
-        Of its file.
+        Hash of its file.
     """
 
     label: str
@@ -48,7 +48,7 @@ class OwnMetrics:
         label : str
             `FILE.py:FUNCTION`.
         folder : Path
-            Where the path begins.
+            Folder to which the path is relative.
         required : frozenset of str
             Names that the function must return.
 
@@ -93,7 +93,7 @@ class OwnMetrics:
         Raises
         ------
         OwnMetricsError
-            The function raised, or returned something else than finite numbers by name.
+            The function raised, or returned anything but finite numbers by name.
         """
         try:
             returned = self.function(run)

@@ -17,7 +17,7 @@ def page_file(name: str, package: str = __package__) -> str:
     name : str
         File name.
     package : str
-        Package that the file lies in; this one holds those that all pages share.
+        Package with the file; this one holds the files that all pages share.
     """
     return files(package).joinpath(name).read_text(encoding="utf-8")
 
@@ -32,7 +32,7 @@ def page(title: str, body: str, styles: Sequence[str], scripts: Sequence[str]) -
     body : str
         HTML.
     styles, scripts : sequence of str
-        Texts, in order; the scripts are one and see each other's names.
+        Texts, in order; the scripts are joined, and share their names.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def embedded_json(name: str, content: str) -> str:
 
 
 def section(heading: str, *parts: str, name: str = "") -> str:
-    """Put HTML under a heading; nothing at all where there is none.
+    """Put HTML under a heading; nothing where there is no HTML.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def columns(*parts: str, style: str = "") -> str:
     *parts : str
         HTML; empty ones are left out.
     style : str
-        Class in the page's style, which may say how wide a column is at least.
+        Class in the page's style, which may set the least width of a column.
     """
     shown = "".join(f"<div>{part}</div>" for part in parts if part)
     return f'<div class="{f"columns {style}".strip()}">{shown}</div>' if shown else ""

@@ -31,7 +31,7 @@ def json_path(path: Path) -> str:
 
 
 def unit_text(unit: str) -> str:
-    """Write a unit as it is read: `kg.m2` is "kg m²"; none for a plain number.
+    """Write a unit for reading: `kg.m2` is "kg m²"; empty for a plain number.
 
     Parameters
     ----------
@@ -46,12 +46,12 @@ def unit_text(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Scale:
-    """A unit as it is shown, and what one of it is in the unit of `diagnosis.json`.
+    """A shown unit, and its size in the unit of `diagnosis.json`.
 
     Attributes
     ----------
     factor : float
-        [unit of the JSON] Of one shown unit.
+        [unit of the JSON] Size of one shown unit.
     unit : str
         Shown, such as "mN m".
     """
@@ -66,11 +66,11 @@ def scale_for(value: float, unit: str, *, share: bool = False) -> Scale:
     Parameters
     ----------
     value : float
-        [unit] The largest that is shown with it.
+        [unit] Largest value shown in the unit.
     unit : str
         As an FMU spells it.
     share : bool
-        A plain number is a share, told in per cent.
+        Whether a plain number is a share, shown in per cent.
     """
     if share and unit in ("", "1"):
         return Scale(0.01, "%")
@@ -88,19 +88,19 @@ def scale_for(value: float, unit: str, *, share: bool = False) -> Scale:
 
 
 def marked(path: Path, text: str, *, factor: float = 1.0, digits: int | None = None) -> str:
-    """Mark a number that is shown.
+    """Mark a shown number with its place.
 
     Parameters
     ----------
     path : sequence of str or int
         Its place in `diagnosis.json`.
     text : str
-        As it is shown; a dash for none.
+        Shown text; a dash for none.
     factor : float
-        That times the shown number is the number in the JSON; negative where "early" says the
+        Number in the JSON over the shown number; negative where the word "early" gives the
         sign.
     digits : int, optional
-        Significant ones, where zeros at the end are not.
+        Significant digits, where trailing zeros are not.
 
     Returns
     -------
@@ -158,7 +158,7 @@ def marked_probability(path: Path, value: float) -> str:
 
 @dataclass(frozen=True)
 class MarkedInterval:
-    """A value and its 95 % interval, with as many digits as the interval says something about.
+    """A value and its 95 % interval, rounded to the digits that the interval justifies.
 
     Attributes
     ----------
@@ -204,7 +204,7 @@ def marked_interval(path: Path, value: float, low: float, high: float, unit: str
 
 
 def _rounded(number: float, half: float) -> str:
-    """Write a number to the digits that its uncertainty leaves (Particle Data Group rounding)."""
+    """Round a number by its uncertainty (rule of the Particle Data Group)."""
     if not math.isfinite(number):
         return "-"
     if not math.isfinite(half) or half <= 0.0:

@@ -16,14 +16,14 @@ SHADES = 10
 
 
 def shade_levels(values: Array) -> Array:
-    """Values between two shades, shape (SHADES - 1,): as much area of each.
+    """Limits between shades, shape (SHADES - 1,), such that each shade has the same area.
 
     Costs rise steeply at the box's edge; shades by rank show the valley too.
 
     Parameters
     ----------
     values : ndarray, shape (n, m)
-        What is mapped.
+        Mapped values.
     """
     return np.asarray(np.quantile(values, np.linspace(0.0, 1.0, SHADES + 1)[1:-1]))
 

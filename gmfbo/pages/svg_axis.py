@@ -1,4 +1,4 @@
-"""Axes of a chart: where values lie in the drawing, and which are written beside it."""
+"""Axes of a chart: places of values in the drawing, and labelled ticks."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Axis:
-    """A stretch of values laid over a stretch of the drawing.
+    """A range of values mapped to a stretch of the drawing.
 
     Attributes
     ----------
     low, high : float
         Ends of the values.
     start, end : float
-        Where they lie in the drawing.
+        Their places in the drawing.
     """
 
     low: float
@@ -40,7 +40,7 @@ class Axis:
         Parameters
         ----------
         values : sequence of ndarray
-            What has to fit.
+            Values that have to fit.
         start, end : float
             Where the ends lie in the drawing.
         margin : float
@@ -49,7 +49,7 @@ class Axis:
         together = np.concatenate([np.asarray(one, dtype=np.float64) for one in values])
         finite = together[np.isfinite(together)]
         low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
-        # A constant still needs an axis; its own size, else one, is as good as any.
+        # A constant still needs an axis: use its own size as range, or else one.
         spread = (high - low) or abs(high) or 1.0
         if high == low:
             margin = 0.5
@@ -71,7 +71,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class LogAxis(Axis):
-    """An axis of ratios: values lie by their logarithm; those of zero or less at its low end."""
+    """A logarithmic axis; values of zero or less lie at its low end."""
 
     @property
     def log(self) -> bool:
@@ -107,7 +107,7 @@ class LogAxis(Axis):
 
 @dataclass(frozen=True)
 class CountAxis(Axis):
-    """An axis of whole numbers; the margin to spare at its ends is counted in them."""
+    """An axis of whole numbers; the margin at its ends is counted in them."""
 
     @classmethod
     def over(cls, values: Sequence[Array], start: float, end: float, margin: float) -> CountAxis:
@@ -134,7 +134,7 @@ class NamedAxis(Axis):
 
     @classmethod
     def of(cls, names: Sequence[str], start: float, end: float) -> NamedAxis:
-        """Lay names over a stretch of the drawing, half a place to spare at either end.
+        """Place names along a stretch of the drawing, with half a place free at either end.
 
         Parameters
         ----------

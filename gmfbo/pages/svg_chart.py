@@ -22,7 +22,7 @@ class Line:
     Attributes
     ----------
     name : str
-        What the legend says.
+        Name in the legend.
     style : str
         Class in the page's style, which gives colour and dashes.
     x, y : ndarray, shape (n,)
@@ -71,17 +71,17 @@ def line_chart(
     lines : sequence of Line
         Drawn in order, the last on top.
     title : str
-        What a screen reader says.
+        Text for a screen reader.
     x_label, y_label : str
         Quantities with their units; no `x_label`, no numbers under the x axis.
     style : str
         Class in the page's style, which gives the height.
     band : Band, optional
-        Area below the lines, such as a 95 % band.
+        Band drawn below the lines, such as a 95 % interval.
     windows : sequence of (float, float)
         Stretches of the x axis to shade.
     buckets : int
-        Stretches of a line of which the lowest and the highest point are kept.
+        Stretches of a line, of each of which the lowest and highest point are kept.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def line_chart(
 
 
 def legend(lines: Sequence[Line]) -> str:
-    """Name each line beside a piece of it, as an HTML list.
+    """Legend of the lines as an HTML list.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def band_path(band: Band, x_axis: Axis, y_axis: Axis) -> str:
     Parameters
     ----------
     band : Band
-        What to draw.
+        The band.
     x_axis, y_axis : Axis
         Of the chart.
     """
@@ -165,11 +165,11 @@ def line_path(line: Line, x_axis: Axis, y_axis: Axis, buckets: int = MOST_BUCKET
     Parameters
     ----------
     line : Line
-        What to draw.
+        The line.
     x_axis, y_axis : Axis
         Of the chart.
     buckets : int
-        Stretches of which the lowest and the highest point are kept.
+        Stretches, of each of which the lowest and highest point are kept.
     """
     pieces = []
     known = np.isfinite(line.y) & np.isfinite(line.x)

@@ -1,4 +1,4 @@
-"""What is around a chart's drawing: axes, grid, numbers and labels that keep their size."""
+"""Frame of a chart: axes, grid, numbers and labels that keep their size."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def framed(
     inside : sequence of str
         SVG in the drawing's units, drawn in order upon the grid.
     title : str
-        What a screen reader says.
+        Text for a screen reader.
     x_label, y_label : str
         Quantities with their units; no `x_label`, no numbers under the x axis.
     style : str
@@ -40,7 +40,7 @@ def framed(
     under : sequence of str
         SVG in the drawing's units below the grid.
     over : sequence of str
-        SVG whose places are shares of the drawing and whose sizes are pixels, such as marks.
+        SVG with positions in shares of the drawing and sizes in pixels, such as marks.
 
     Returns
     -------

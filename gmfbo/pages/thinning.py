@@ -1,4 +1,4 @@
-"""Fewer points and digits that look the same: no peak of a curve is lost."""
+"""Thin curves and digits without a visible change: no peak is lost."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ Array = NDArray[np.float64]
 
 
 def thinned_rows(columns: Sequence[Array], buckets: int) -> NDArray[np.intp]:
-    """Rows with the lowest and highest value of each column in each stretch: no peak is lost.
+    """Rows with the lowest and highest value of each column in each stretch.
 
     Parameters
     ----------
     columns : sequence of ndarray, shape (n,)
-        Of the same rows; what is not finite is not looked at.
+        Of the same rows; values that are not finite are ignored.
     buckets : int
         Stretches.
 
@@ -32,7 +32,7 @@ def thinned_rows(columns: Sequence[Array], buckets: int) -> NDArray[np.intp]:
     starts = np.arange(0, n, size)
     kept = [np.array([0, n - 1])]
     for column in columns:
-        # What pads the last stretch is never an extreme; of a stretch of NaN the start is kept.
+        # Padding of the last stretch is never an extreme; a stretch of NaN keeps its start.
         for sign in (1.0, -1.0):
             judged = np.full(starts.size * size, np.inf)
             judged[:n] = np.where(np.isfinite(column), sign * column, np.inf)
@@ -41,13 +41,13 @@ def thinned_rows(columns: Sequence[Array], buckets: int) -> NDArray[np.intp]:
 
 
 def few_digits(values: Array, digits: int) -> list[float | None]:
-    """Round numbers for JSON; null stands for what is not finite.
+    """Round numbers for JSON; null stands for values that are not finite.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
         Numbers.
     digits : int
-        Significant ones.
+        Significant digits.
     """
     return [float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in values.tolist()]

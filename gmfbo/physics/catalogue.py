@@ -1,6 +1,6 @@
-"""The effects that gmfbo knows; to add one, import it here and list it.
+"""Catalogue of the effects; to add one, import it here and list it.
 
-One that is not part of gmfbo is added by `add_effect`, or by the entry point of a package.
+Effects outside of gmfbo are added by `add_effect`, or by the entry point of a package.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from gmfbo.physics.effects.torsional_compliance import torsional_compliance
 from gmfbo.physics.effects.transport_delay import transport_delay
 from gmfbo.physics.effects.viscous_friction import viscous_friction
 
-# The order is that of reports, and decides between effects that explain equally well.
+# The order of reports; the first wins among effects that explain equally well.
 _EFFECTS = (
     coulomb_friction,
     stribeck_friction,
@@ -83,7 +83,7 @@ _PORTS = ("torque", "command", "sensor")
 
 
 class _Catalogue(Mapping[str, Effect]):
-    """Effects by name; those of installed packages are loaded when the first is asked for."""
+    """Effects by name; effects of installed packages are loaded at the first look-up."""
 
     def __init__(self) -> None:
         self._own = {effect.name: effect for effect in _EFFECTS}
@@ -111,12 +111,12 @@ class _Catalogue(Mapping[str, Effect]):
 
     def _all(self) -> dict[str, Effect]:
         if not self._loaded:
-            self._loaded = True  # at once: what is loaded may look up an effect itself
+            self._loaded = True  # set first, since a loaded package may look up an effect itself
             try:
                 for effect in _installed_effects():
                     self.add(effect)
             except InputError:
-                self._loaded = False  # said again wherever effects are asked for
+                self._loaded = False  # so that each later look-up reports the error again
                 raise
         return {**self._own, **self._added}
 
@@ -149,20 +149,20 @@ def _installed_effects() -> Iterator[Effect]:
 
 
 CATALOGUE = _Catalogue()
-"""All effects by name: those of gmfbo in the order above, then those that were added."""
+"""All effects by name: gmfbo's in the order above, then added ones."""
 
 
 def add_effect(effect: Effect) -> None:
-    """Let every diagnosis of this process know an effect that is not part of gmfbo.
+    """Add an effect that is not part of gmfbo to every diagnosis of this process.
 
-    Its law is C in a `physics.fmu` of your own, which the environment variable `GMFBO_PHYSICS`
-    names: `fmu_build.own_effect.build_physics` makes one. Adding the same effect again does
-    nothing.
+    Its law is C code in a `physics.fmu` of your own, made by
+    `fmu_build.own_effect.build_physics` and named by the environment variable `GMFBO_PHYSICS`.
+    Adding the same effect again does nothing.
 
     Parameters
     ----------
     effect : Effect
-        Its bounds, its smallest size worth claiming, and how to speak of it.
+        Its bounds, its smallest claimed size, and its words.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""An effect that a twin may lack: what it needs, what it does, and how to speak of it."""
+"""An effect that a twin may lack: requirements, law and words."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.units import quantity
 
-_LEAST_KEPT = 1e-3  # of the shaft's inertia, when a load is taken out of it
+_LEAST_KEPT = 1e-3  # of the shaft's inertia that remains when a load is split off
 
 _TERM = re.compile(r"([A-Za-z]+|1)(\d*)")
 _PLAIN = ("s", "Hz", "1")
@@ -109,7 +109,7 @@ class EffectParameter:
     name : str
         As in `physics.fmu`: its variable there is `effect.name`.
     words : str
-        What it is, for a table.
+        Description for a table.
     unit : str
         Expression over the words of `Units`: `torque/velocity`.
     low, high : callable
@@ -117,7 +117,7 @@ class EffectParameter:
     scale : callable
         Typical size, by which the optimiser scales its steps; positive.
     hidden : bool
-        Fitted, but no headline number.
+        Whether it is fitted, but no headline number.
     """
 
     name: str
@@ -132,14 +132,14 @@ class EffectParameter:
 def positive(
     name: str, words: str, unit: str, shown: Range, most: float = 1.0, typical: float = 0.07
 ) -> EffectParameter:
-    """Make an amplitude between 0 and `most` times what the excitation shows.
+    """Make an amplitude between 0 and `most` times the size shown by the excitation.
 
     Parameters
     ----------
     name, words, unit : str
         As in EffectParameter.
     shown : callable
-        What the excitation shows, in the parameter's unit.
+        Size shown by an excitation, in the parameter's unit.
     most, typical : float
         Largest and typical size, as shares of what is shown.
     """
@@ -156,14 +156,14 @@ def positive(
 def signed(
     name: str, words: str, unit: str, shown: Range, most: float = 1.0, typical: float = 0.07
 ) -> EffectParameter:
-    """Make an amplitude of either sign, up to `most` times what the excitation shows.
+    """Make an amplitude of either sign, up to `most` times the size shown by the excitation.
 
     Parameters
     ----------
     name, words, unit : str
         As in EffectParameter.
     shown : callable
-        What the excitation shows, in the parameter's unit.
+        Size shown by an excitation, in the parameter's unit.
     most, typical : float
         Largest and typical size, as shares of what is shown.
     """
@@ -220,61 +220,61 @@ class Effect:
     signal_path : str
         controller, actuator, plant, transmission or sensor.
     parameters : tuple of EffectParameter
-        Those that are fitted, headline first.
+        Fitted parameters, the headline first.
     starts : callable (Excitation) -> sequence of mapping
-        Grid of starting points for the fit; each is screened on its own.
+        Start values for the fit; each is screened separately.
     size : callable (parameters, Excitation) -> float
-        How large the effect is, at least 0.
+        Size of the effect, at least 0.
     size_name, size_unit : str
-        What that size is called, and its unit as an expression over the words of `Units`.
+        Name of that size, and its unit as an expression over the words of `Units`.
     floor : callable (Excitation) -> float
         Size below which the effect is never claimed.
     acts : callable (States, parameters) -> ndarray (n,) of bool
-        The samples where the effect shows most.
+        Samples at which the effect shows most.
     region : callable (parameters, Units) -> str
-        Where that is, in words that contain `region_state`.
+        Words for these samples, which contain `region_state`.
     region_state : str
         velocity, position, command, current, acceleration or time.
     statement : callable (parameters, Units, place) -> str
-        One plain sentence with number and unit; the place is `Units.place`.
+        One plain sentence with number and unit; `place` is `Units.place`.
     equation, source : str
-        The law in ASCII, and who stated it.
+        The law in ASCII, and its publication.
     is_itself : callable (parameters, Excitation) -> bool
-        Whether values are still what the name means; otherwise the fit is no evidence of it.
+        Whether the values still fit the effect's name; else the fit is no evidence of it.
     fixed : callable (Excitation) -> mapping
         Parameters of `physics.fmu` that are set, not fitted.
     fixed_otherwise : callable (Excitation) -> sequence of dict of str to float
-        Other values of those, tried in this order once the parameters are fitted, as long as they
+        Other values of the fixed parameters, tried in this order after the fit as long as they
         explain more.
     signal : callable (States, parameters) -> ndarray (n,) or None
-        What the effect adds to its port on a given trajectory, without feedback; None where it
+        Signal added to the port on a given trajectory, without feedback; None where the effect
         has motion of its own and must be simulated.
     feature : callable (States) -> ndarray (n,) or None
         That signal for unit size at its typical shape: for screening and location.
     not_excited : callable (Excitation) -> str or None
-        Why these recordings cannot show it, or None.
+        Reason why these recordings cannot show it, or None.
     requires : tuple of str
-        States it needs beyond position and command; a velocity can be differentiated and a
-        command stands for an unknown current, so these are not listed.
+        Required states beyond position and command. Velocity and current are not listed: the
+        position is differentiated, and the command replaces an unknown current.
     inertia_share : bool
-        Its `load_inertia` is taken out of the twin's inertia; what is left it gets as
+        Whether its `load_inertia` is split off the twin's inertia; the rest is passed as
         `shaft_inertia`, since a hard joint moves both within a step.
     acts_at_rest : bool
-        It pushes, or moves, an axis that stands still under its first reference.
+        Whether it pushes or moves an axis that stands still under its first reference.
     least_time : float
-        Seconds for which `acts` must hold before the effect is claimed.
+        [s] Time for which `acts` must hold before the effect is claimed.
     contains : tuple of str
-        Simpler effects that are a limit of it.
+        Simpler effects that are limiting cases of it.
     flattens_to : tuple of str
-        Those of them that it only looks like while the axis moves little; its own limit is none.
+        Simpler effects that it resembles only while the axis moves little.
     same_loop : tuple of str
-        Effects elsewhere in the loop that leave the same reading and the same command.
+        Effects elsewhere in the loop that cause the same reading and the same command.
     vanishing : mapping of str to tuple of str
-        Simpler effect: the parameters without which this one is that.
+        By simpler effect: parameters at whose zero this effect becomes that one.
     confused_with : mapping of str to str
-        Other effect: what separates the two.
+        By other effect: the excitation that separates the two.
     parameter_like : tuple of str
-        Roles of twin parameters whose signature it shares.
+        Roles of twin parameters with the same signature.
     """
 
     name: str
@@ -312,18 +312,18 @@ class Effect:
 
     @property
     def is_searched(self) -> bool:
-        """Its place was looked for: a line over position or time, or an instant."""
+        """Whether its place is found by a search: a line over position or time, or an instant."""
         names = {parameter.name for parameter in self.parameters}
         return bool(names & {"wavenumber", "wavenumber_1", "frequency", "start"})
 
     @property
     def is_line(self) -> bool:
-        """It repeats over position or time."""
+        """Whether it repeats over position or time."""
         return self.is_searched and not self.is_passing
 
     @property
     def is_passing(self) -> bool:
-        """It acts once, from an instant that was looked for."""
+        """Whether it acts once, from an instant found by a search."""
         return "start" in {parameter.name for parameter in self.parameters}
 
     def bounds(self, excitation: Excitation) -> dict[str, tuple[float, float]]:
@@ -332,7 +332,7 @@ class Effect:
         Parameters
         ----------
         excitation : Excitation
-            What the recordings show.
+            Excitation by the recordings.
         """
         return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}
 
@@ -342,7 +342,7 @@ class Effect:
         Parameters
         ----------
         excitation : Excitation
-            What the recordings show.
+            Excitation by the recordings.
         """
         return {p.name: p.scale(excitation) for p in self.parameters}
 
@@ -352,9 +352,9 @@ class Effect:
         Parameters
         ----------
         parameters : mapping of str to float
-            Fitted ones, and any other of the effect's own (a further line of cogging).
+            Fitted ones, and further ones of the effect (another line of cogging).
         excitation : Excitation
-            From which the fixed ones follow.
+            Decides the fixed parameters.
 
         Returns
         -------

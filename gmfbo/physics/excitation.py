@@ -1,4 +1,4 @@
-"""What a set of recordings shows of the axis, in the twin's own units."""
+"""Excitation: ranges of the axis' motion in a set of recordings, in the twin's units."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ class Excitation:
     command_rate : float
         Largest `|d command / dt|` from row to row [command/s].
     current : float
-        Largest `|current|`; that of the command where no current is known.
+        Largest `|current|`, or `|command|` where no current is known.
     speed : float
         99.5 % quantile of `|velocity|`.
     stroke : float
         Range of the position over all recordings.
     resolution : float
-        Smallest position step that counts: encoder quantum or noise.
+        Smallest significant position step: encoder quantum or noise.
     duration, total : float
-        Longest recording, and all together [s].
+        [s] Longest recording, and all together.
     sample : float
         Sampling time of the recordings [s].
     step : float
@@ -52,13 +52,13 @@ class Excitation:
     loop_time : float
         Slowest relevant time constant of the closed loop [s].
     inertia : float or None
-        Torque per acceleration of the twin's shaft, where the twin names it or it was measured.
+        Torque per acceleration of the twin's shaft, if the twin names it or it was measured.
     angular : bool
-        The position is an angle [rad]; else a length [m].
+        Whether the position is an angle [rad]; else it is a length [m].
     reversals : int
         Sign changes of the velocity that last.
     load : float or None
-        Largest `|load torque|` where that state is known; else the current stands for it.
+        Largest `|load torque|` where that state is known; else the current replaces it.
     effective_current : float or None
         Root mean square of the current; None where it was not measured.
     wavenumbers : tuple of float
@@ -73,7 +73,7 @@ class Excitation:
     Raises
     ------
     InputError
-        A range is not positive and finite, so that nothing can be scaled by it.
+        A range is not positive and finite, so it cannot serve as a scale.
     """
 
     torque: float
@@ -114,9 +114,9 @@ class Excitation:
 
     @property
     def shaft_inertia(self) -> float:
-        """Inertia of the shaft; without a known one, what the torque moves to speed in a loop time.
+        """Inertia of the shaft; if unknown, the one that the torque moves to speed in a loop time.
 
-        Good to an order of magnitude only: enough to keep elastic elements numerically stable.
+        An order of magnitude is enough to keep elastic elements numerically stable.
         """
         if self.inertia is not None:
             return self.inertia
@@ -124,5 +124,5 @@ class Excitation:
 
     @property
     def load_range(self) -> float:
-        """Largest `|load torque|`, or largest `|current|` where that stands for it."""
+        """Largest `|load torque|`, or largest `|current|` in its place."""
         return self.current if self.load is None else self.load

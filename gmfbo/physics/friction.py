@@ -1,4 +1,4 @@
-"""What the friction laws have in common."""
+"""Common parts of the friction laws."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from gmfbo.physics.effect import EffectParameter, Units, Values, positive
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 
-# The decision rests on evidence; this share of the range is where a drive engineer stops caring.
+# Share of the torque range below which friction does not matter to a drive engineer.
 FLOOR_SHARE = 1.5e-4
 
-# What a contact gives before it slides; a gear or a cable gives more.
+# Elastic displacement of a contact before it slides; a gear or a cable has more.
 _CONTACT_ANGLE = 0.015  # [rad]
 _CONTACT_SHARE = 0.004  # of a stroke in length
 
@@ -47,17 +47,17 @@ def fixed_deflection(excitation: Excitation) -> Values:
 
 
 def acts_at_reversals(states: States, parameters: Values) -> Mask:
-    """Friction shows most where the direction changes."""
+    """Samples near a change of direction, where friction shows most."""
     return states.near_reversals()
 
 
 def reversal_region(parameters: Values, units: Units) -> str:
-    """Say where plain friction shows."""
+    """Words for the region in which plain friction shows."""
     return "where the velocity changes sign"
 
 
 def no_reversal(excitation: Excitation) -> str | None:
-    """Without a reversal, friction and a constant torque are one."""
+    """Reason if there is no reversal: friction then equals a constant torque."""
     return None if excitation.reversals > 0 else "no reversal of the velocity"
 
 
@@ -84,7 +84,7 @@ def bristle(position: Array, deflection: float) -> Array:
 
 
 def deflection(words: str, visible: Deflections) -> EffectParameter:
-    """Make the parameter that holds a deflection that can be seen, within these bounds."""
+    """Make the parameter of a visible deflection, within these bounds."""
     return EffectParameter(
         "deflection",
         words,
@@ -103,7 +103,7 @@ def contact_deflections(excitation: Excitation) -> tuple[float, float]:
 
 
 def body_deflections(excitation: Excitation) -> tuple[float, float]:
-    """Deflections of a gear or cable, which begin where those of a contact end."""
+    """Bounds of a gear's or cable's deflection, from the upper bound of a contact's on."""
     low = contact_deflections(excitation)[1]
     return low, max(0.2 * excitation.stroke, 20.0 * low)
 

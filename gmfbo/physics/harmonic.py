@@ -1,4 +1,4 @@
-"""What effects that repeat over the position have in common."""
+"""Common parts of effects that repeat over the position."""
 
 from __future__ import annotations
 
@@ -12,21 +12,20 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 from gmfbo.units import number
 
-# Cycles over the stroke where no line was found: a shape to state detectable sizes for.
+# Cycles over the stroke where no line was found, for the smallest detectable size.
 _CYCLES = 10.0
-_ALONE = 4  # lines that are tried one at a time
+_ALONE = 4  # lines tried one at a time
 _TOLD = 3  # lines that a sentence names
 
 _LEAST_CYCLES = 1.5
-"""Over the stroke. Fewer are an offset, a slope and a bend to these recordings: any torque that
-varies smoothly over the position looks like it (a spring that hardens, one with a gap)."""
+"""Over the stroke. Fewer cycles look like any smooth torque over the position, such as a spring."""
 
 MOST = 8
 """Lines that cogging may have in `physics.fmu`."""
 
 
 def wavenumbers(excitation: Excitation) -> tuple[float, ...]:
-    """Give the lines to start from: those found in the recordings, strongest first, at most MOST.
+    """Start lines: at most MOST found in the recordings, strongest first.
 
     Returns
     -------
@@ -37,7 +36,7 @@ def wavenumbers(excitation: Excitation) -> tuple[float, ...]:
 
 
 def repeating(excitation: Excitation) -> tuple[float, ...]:
-    """Give those of them that show cycles enough; a typical one where none does.
+    """Start lines with enough cycles; a typical one where none has.
 
     Returns
     -------
@@ -58,7 +57,7 @@ def starts(excitation: Excitation, size: float) -> list[dict[str, float]]:
     Parameters
     ----------
     excitation : Excitation
-        With the lines that were found.
+        With the lines found in the recordings.
     size : float
         Of sine and cosine [unit of the amplitude].
     """
@@ -67,25 +66,25 @@ def starts(excitation: Excitation, size: float) -> list[dict[str, float]]:
 
 
 def repeats(line: float, excitation: Excitation) -> bool:
-    """Whether a line shows cycles enough to be told from a smooth curve over the position.
+    """Whether a line has enough cycles to be told from a smooth curve over the position.
 
     Parameters
     ----------
     line : float
         [rad per position unit]
     excitation : Excitation
-        What the recordings show.
+        Excitation by the recordings.
     """
     return line * excitation.stroke >= 2.0 * math.pi * _LEAST_CYCLES
 
 
 def strongest_repeats(parameters: Values, excitation: Excitation) -> bool:
-    """Whether the strongest of the numbered lines shows cycles enough."""
+    """Whether the strongest of the numbered lines has enough cycles."""
     return repeats(strongest_first(parameters)["wavenumber_1"], excitation)
 
 
 def lowest(excitation: Excitation) -> float:
-    """Slowest line that a fit may reach: half a cycle over the stroke [rad/position unit]."""
+    """Lowest wavenumber of a fit: half a cycle over the stroke [rad/position unit]."""
     return min(math.pi / excitation.stroke, 0.5 * min(wavenumbers(excitation)))
 
 
@@ -125,7 +124,7 @@ def lines(states: States, parameters: Values) -> Array:
 
 
 def too_short(excitation: Excitation) -> str | None:
-    """Less than an eighth of a turn shows hardly a cycle of any line worth naming."""
+    """Reason if the stroke is below an eighth of a turn, too short for a cycle of most lines."""
     if excitation.angular and excitation.stroke < 0.25 * math.pi:
         return "the axis turns less than 45 degrees"
     return None
@@ -143,7 +142,7 @@ def largest_amplitude(parameters: Values) -> float:
 
 
 def strongest_first(parameters: Values) -> dict[str, float]:
-    """Number lines anew by their amplitude; parameters of another kind are kept."""
+    """Renumber lines by their amplitude; other parameters are kept."""
     tails = [
         name.removeprefix("wavenumber") for name in parameters if name.startswith("wavenumber_")
     ]
@@ -161,7 +160,7 @@ def strongest_first(parameters: Values) -> dict[str, float]:
 
 
 def told(parameters: Values, angular: bool, sizes: Callable[[float], str] | None = None) -> str:
-    """Say how often the strongest lines repeat: `7, 28 and 36 cycles a turn and 2 weaker lines`.
+    """Words for the strongest lines: `7, 28 and 36 cycles a turn and 2 weaker lines`.
 
     Parameters
     ----------
@@ -170,7 +169,7 @@ def told(parameters: Values, angular: bool, sizes: Callable[[float], str] | None
     angular : bool
         The position is an angle.
     sizes : callable, optional
-        Words for an amplitude, which then stand before each line: `0.05 N m with 7`.
+        Words for an amplitude, put before each line: `0.05 N m with 7`.
     """
     ranked = strongest_first(parameters)
     count = sum(name.startswith("wavenumber_") for name in ranked)
@@ -187,7 +186,7 @@ def told(parameters: Values, angular: bool, sizes: Callable[[float], str] | None
 
 
 def cycles(line: float, angular: bool) -> str:
-    """Say how often a line repeats: `7 cycles a turn`, or `400 cycles per m` along a length."""
+    """Words for a line: `7 cycles a turn`, or `400 cycles per m` along a length."""
     often = number(line if angular else line / (2.0 * math.pi))
     cycle = "one cycle" if often == "1" else f"{often} cycles"
     return f"{cycle} {'a turn' if angular else 'per m'}"

@@ -1,4 +1,4 @@
-"""What limits of the command have in common."""
+"""Common parts of limits of the command."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def cut_floor(excitation: Excitation) -> float:
 
 
 def clipped(command: Array, limit: Array | float) -> Array:
-    """What a limit takes from a command: clip(u) - u, shape (n,)."""
+    """Change of a command by a limit: clip(u) - u, shape (n,)."""
     return np.asarray(np.clip(command, -limit, limit) - command, dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""What errors of the position sensor have in common."""
+"""Common parts of errors of the position sensor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A trajectory as effects see it."""
+"""States: the signals of a trajectory on which effects depend."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class States:
     time : ndarray (n,)
         [s]
     position, velocity, command, current : ndarray (n,)
-        In the twin's units; the command stands for a current that is not known.
+        In the twin's units; the command replaces an unknown current.
     rest : float
         Speeds below this count as standstill, so that noise has no direction.
     load_torque : ndarray (n,) or None
-        Where it is known; else `|current|` stands for it.
+        Where it is known; else `|current|` replaces it.
     """
 
     time: Array
@@ -75,7 +75,7 @@ class States:
         turns = np.flatnonzero(signs[1:] != signs[:-1])
         near = np.zeros(len(self.time), dtype=np.bool_)
         for turn in turns:
-            # From leaving one direction to taking the other: a standstill between them counts.
+            # From the end of one direction to the start of the other, standstill included.
             first, last = self.time[moving[turn]], self.time[moving[turn + 1]]
             near |= (self.time >= first - within) & (self.time <= last + within)
         return near

@@ -1,4 +1,4 @@
-"""What delays and lags have in common."""
+"""Common parts of delays and lags."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from gmfbo.physics.effect import EffectParameter, Range, Values
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 
-# physics.fmu remembers the commands of this time, and of this many steps.
+# Length of the memory for commands in physics.fmu, in time and in steps.
 _MEMORY, _MEMORY_STEPS = 0.1, 2000  # [s]
 
 
 def floor(excitation: Excitation) -> float:
-    """Shortest time that is claimed [s]; a coarse integrator alone looked like 0.15 ms."""
+    """Shortest time that is claimed [s]; a coarse integrator alone looks like 0.15 ms."""
     return max(0.4e-3, 0.35 * excitation.sample)
 
 
@@ -25,12 +25,12 @@ def longest_lag(excitation: Excitation) -> float:
 
 
 def longest_delay(excitation: Excitation) -> float:
-    """Upper bound of a delay [s]: that of a lag, within the memory of physics.fmu."""
+    """Upper bound of a delay [s]: the bound of a lag, within the memory of physics.fmu."""
     return min(_MEMORY, _MEMORY_STEPS * excitation.step, longest_lag(excitation))
 
 
 def delay_too_coarse(excitation: Excitation) -> str | None:
-    """A delay within the memory of physics.fmu can be shorter than any that is claimed."""
+    """Reason if no delay within the memory of physics.fmu is long enough to be claimed."""
     if 4.0 * floor(excitation) < longest_delay(excitation):
         return None
     return "the sampling is too coarse to show a delay"
@@ -49,10 +49,10 @@ def time_parameter(name: str, words: str, longest: Range = longest_lag) -> Effec
 
 
 def starts(name: str, excitation: Excitation, longest: Range = longest_lag) -> list[Values]:
-    """Times to start from, about a factor of two apart, up to a good share of the longest.
+    """Start values, about a factor of two apart, up to a good share of the longest.
 
-    A loop that rings with the phase of a late command is no smooth function of the delay: a fit
-    from half of it or twice as much stays there.
+    The response of a ringing loop is no smooth function of the delay: a fit that starts at half
+    or twice the true delay stays there.
     """
     first, last = min(2.0 * floor(excitation), 0.5 * longest(excitation)), 0.6 * longest(excitation)
     count = 1 + max(round(math.log2(last / first)), 1)
@@ -60,7 +60,7 @@ def starts(name: str, excitation: Excitation, longest: Range = longest_lag) -> l
 
 
 def delayed(times: Array, values: Array, delay: float) -> Array:
-    """Values as they were `delay` [s] earlier, the first one held before; shape (n,)."""
+    """Values `delay` [s] earlier, with the first value held before; shape (n,)."""
     return np.interp(times - delay, times, values)
 
 
@@ -87,11 +87,11 @@ def lateness_feature(times: Array, values: Array) -> Array:
 
 
 def acts_in_fast_change(times: Array, values: Array) -> Mask:
-    """Mark where a signal changes fast: above half of the quantile 0.95 of its rate."""
+    """Mark fast changes of a signal: above half of the quantile 0.95 of its rate."""
     rate = np.abs(np.gradient(values, times))
     return np.asarray(rate > 0.5 * np.quantile(rate, 0.95), dtype=np.bool_)
 
 
 def command_acts(states: States, parameters: Values) -> Mask:
-    """Lateness of the actuator shows where the command changes fast."""
+    """Samples with a fast command, at which lateness of the actuator shows."""
     return acts_in_fast_change(states.time, states.command)

@@ -1,4 +1,4 @@
-"""What effects with a load of their own have in common."""
+"""Common parts of effects with a load of their own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def load_inertia() -> EffectParameter:
 
 
 def unknown_inertia(excitation: Excitation) -> str | None:
-    """A load is taken out of the twin's inertia, which must therefore be known."""
+    """Reason if the twin's inertia, of which the load is a part, is unknown."""
     if excitation.inertia is None:
         return "the inertia of the twin's shaft is not known: name its parameter in [roles]"
     return None

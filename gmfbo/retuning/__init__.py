@@ -1,8 +1,8 @@
 """A diagnosis becomes IS2: the one place where tuning and diagnosis meet.
 
-After a real run the twin's uncertain parameters and tables are estimated (`Calibration`), what
-is then still unexplained is put to the diagnosis (`complete`), and the corrected twin takes the
-place of the old one (`PhysicsRefiner`); a twin that misleads is taken back (`misleads`).
+After a real run the twin's uncertain parameters and tables are estimated (`Calibration`). A
+mismatch that remains is diagnosed (`complete`), and the corrected twin replaces the old one
+(`PhysicsRefiner`). A twin that misleads is withdrawn (`misleads`).
 
 Importing this package adds its methods to `gmfbo.tuning.methods.METHODS`.
 """

@@ -1,9 +1,9 @@
-"""Estimates what is uncertain about a twin from real runs, by simulating it.
+"""Calibrate a twin: estimate its uncertain parameters and tables from real runs.
 
-The most probable x under its prior and the recordings: a Gauss-Newton method in the form of
-Levenberg (1944) and Marquardt (1963), with the noise of each signal estimated beside it. What the
-runs of a twin change with x is found by differences once, and then corrected along the steps that
-are made (Broyden 1965), so that a later estimate from one more run costs a fraction of the first.
+The estimate is the most probable x under its prior and the recordings, by Gauss-Newton steps in the
+form of Levenberg (1944) and Marquardt (1963); the noise of each signal is estimated too. The
+Jacobian is found by differences once, and then updated along the steps (Broyden 1965), so that a
+later estimate with one more run costs a fraction of the first.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from gmfbo.retuning.unknowns import Unknowns
 Vector = NDArray[np.float64]
 
 EFFECTIVE_SAMPLES = 75
-"""Independent samples that a signal of one run counts for: neighbouring ones are alike."""
+"""Independent samples by which a run's signal counts, since neighbouring samples are alike."""
 
 FLOOR = 2e-3
-"""Least error of a signal over its range: quantisation, and what no twin holds."""
+"""Least error of a signal over its range, by quantisation and unmodelled physics."""
 
 DIFFERENCE = 0.05
 """Step of the differences in standard deviations of the prior; the encoders of a twin make a
@@ -34,7 +34,7 @@ _STEPS, _TRIES, _GAIN = 12, 5, 0.01
 
 @dataclass(frozen=True, eq=False)
 class RealRun:
-    """One run of the axis that the twin is held against; s signals, m samples.
+    """One run of the axis to be compared with the twin; s signals, m samples.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class RealRun:
     measured : ndarray, shape (s, m)
         [SI]
     simulate : callable
-        FMU parameters to the twin's signals, shape (s, m); None where the twin fails.
+        Maps FMU parameters to the twin's signals, shape (s, m); None where the twin fails.
     weight : float
         Between 0 and 1; less for a run from before the plant changed.
     """
@@ -56,7 +56,7 @@ class RealRun:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Where an estimation stands; enough to go on from.
+    """State of an estimation, from which it can be continued.
 
     Attributes
     ----------
@@ -77,18 +77,18 @@ class Estimate:
 
     @classmethod
     def begin(cls, unknowns: Unknowns, signals: int) -> Self:
-        """Before any recording: tables smoothed, all else nominal."""
+        """Estimate before any recording: smoothed tables, nominal parameters."""
         return cls(unknowns.smoothed, np.ones(signals), {})
 
 
 @dataclass(eq=False)
 class Calibration:
-    """The estimation from some runs.
+    """Estimation from some runs.
 
     Attributes
     ----------
     unknowns : Unknowns
-        What is estimated.
+        Estimated parameters and tables.
     runs : sequence of RealRun
         At least one.
     """
@@ -98,17 +98,17 @@ class Calibration:
     simulations: int = 0
 
     def estimate(self, start: Estimate) -> Estimate:
-        """Go on from an earlier estimate.
+        """Continue from an earlier estimate.
 
         Parameters
         ----------
         start : Estimate
-            With the slopes of the runs that it knew.
+            Earlier estimate, with the slopes of its runs.
         """
         x = start.x
         residuals = self._residuals(x)
         if residuals is None:
-            # A table as noisy as the twin's may not run at all; the smooth one does.
+            # The twin may not run with its noisy table, but it does with the smooth one.
             x = self.unknowns.smoothed
             residuals = self._residuals(x)
         if residuals is None:
@@ -136,7 +136,7 @@ class Calibration:
         return Estimate(x, self.errors(residuals), known, self.simulations)
 
     def errors(self, residuals: Sequence[Vector]) -> Vector:
-        """RMS error [SI] of each signal over the runs by their weights, at least its floor."""
+        """Weighted RMS error [SI] of each signal over the runs, at least its floor."""
         weights = np.array([run.weight for run in self.runs])
         squares = np.array([np.mean(left**2, axis=1) for left in residuals])
         mean = np.average(squares, axis=0, weights=weights)
@@ -193,7 +193,7 @@ class Calibration:
         damping: float,
         before: float,
     ) -> tuple[Vector, list[Vector], float, float] | None:
-        """A step to a loss below that before, with its residuals, the loss and the next damping."""
+        """A step that lowers the loss, with its residuals, its loss and the next damping."""
         scales = self._scales(errors)
         prior, left = self.unknowns.prior_slope(x), self.unknowns.prior_rows(x)
         normal, gradient = prior.T @ prior, prior.T @ left
@@ -223,7 +223,7 @@ def _correct(
     before: Sequence[Vector],
     after: Sequence[Vector],
 ) -> None:
-    """Let the slopes tell what the step has just shown (Broyden 1965, eq. 4.5)."""
+    """Update the slopes by the step just made (Broyden 1965, eq. 4.5)."""
     length = float(step @ step)
     for run, old, new in zip(runs, before, after, strict=True):
         slope = slopes[run.number]

@@ -1,4 +1,4 @@
-"""Methods that propose on a twin which is corrected after each real run."""
+"""Methods that propose on a twin corrected after each real run."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from gmfbo.tuning.twin.twin_version import TwinRefiner
 
 @dataclass(frozen=True)
 class OnCorrectedTwin:
-    """Lets another method propose, on a twin that is estimated anew from the real runs.
+    """Lets another method propose, on a twin that is corrected by the real runs.
 
     Attributes
     ----------
     name, summary, reference : str
         As of any method.
     searching : Method
-        Who proposes.
+        Method that proposes.
     refine : callable
-        From a twin and a folder to who corrects it; None where this twin cannot be.
+        Makes a refiner of a twin, with a folder for files; None if it cannot be corrected.
     correction : CorrectionOptions
         How corrected runs are made.
     """
@@ -43,11 +43,11 @@ class OnCorrectedTwin:
     correction: CorrectionOptions = CORRECTION
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
-        """Ask the real axis where the corrected twin promises most."""
+        """Query the real axis where the corrected twin is most promising."""
         return self.searching.propose(state, rng)
 
     def promising(self, state: TuningState) -> NDArray[np.float64]:
-        """Gains around which a closer look pays; none where the method does not say."""
+        """Promising gains for a closer look; none where the method gives none."""
         if isinstance(self.searching, LookingMethod):
             return self.searching.promising(state)
         return np.empty((0, len(state.space)))
@@ -57,7 +57,7 @@ class OnCorrectedTwin:
         return self.searching.recommend(state)
 
     def refiner(self, twin: Source, folder: Path) -> TwinRefiner | None:
-        """Return who corrects the twin; None where it is no FMU with a twin file."""
+        """Refiner of the twin; None where the twin is no FMU with a twin file."""
         return self.refine(twin, folder) if isinstance(twin, FmuTwin) else None
 
 

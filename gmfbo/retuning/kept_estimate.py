@@ -1,4 +1,4 @@
-"""Where an estimation stands, kept beside a study so that it goes on after a kill."""
+"""Keep the state of an estimation beside a study, so that it continues after a kill."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _SLOPE = "slope_"
 
 
 def keep_estimate(path: Path, estimate: Estimate) -> None:
-    """Write an estimate; there whole or not at all.
+    """Write an estimate, whole or not at all.
 
     Parameters
     ----------
     path : Path
         A `.npz`; its folder is made.
     estimate : Estimate
-        What is kept.
+        The estimate.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     image = io.BytesIO()
@@ -34,7 +34,7 @@ def keep_estimate(path: Path, estimate: Estimate) -> None:
 
 
 def read_estimate(path: Path) -> Estimate:
-    """Read what `keep_estimate` wrote.
+    """Read an estimate written by `keep_estimate`.
 
     Parameters
     ----------

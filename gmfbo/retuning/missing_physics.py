@@ -1,4 +1,4 @@
-"""Asks the diagnosis what a calibrated twin still lacks, and builds the twin that has it."""
+"""Diagnose the physics that a calibrated twin lacks, and build the twin with it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FACTOR, _SHARE = 4.0, 1.0
 
 @dataclass(frozen=True, eq=False)
 class Completion:
-    """A twin with the physics that was missing.
+    """A twin completed by the missing physics.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Completion:
     names : tuple of str
         Of the effects.
     parameters : mapping of str to float
-        Uncertain parameters [FMU's unit] that were refitted beside them.
+        Uncertain parameters [FMU's unit] refitted together with the physics.
     sentence : str
         The verdict in plain words.
     """
@@ -48,7 +48,7 @@ def complete(
     *,
     seed: int,
 ) -> Completion | None:
-    """Diagnose a twin, and export it with what is missing.
+    """Diagnose a twin, and export it with the missing physics.
 
     Parameters
     ----------
@@ -66,8 +66,7 @@ def complete(
     Returns
     -------
     Completion or None
-        None where nothing is named: nothing is missing, nothing known explains it, the
-        recordings cannot tell, or this twin cannot be exported.
+        None where no effect is named, or where this twin cannot be exported.
     """
     from gmfbo.diagnosis.engine import diagnose
 
@@ -91,7 +90,7 @@ def complete(
 
 
 def _about(twin: FmuTwin, name: str, value: float) -> Scalar:
-    """A parameter that is known as well as a diagnosis from a few short runs knows it."""
+    """A parameter with the uncertainty of a diagnosis from a few short runs."""
     variable = twin.binding.variables[name].variable
     low = -float("inf") if variable.minimum is None else variable.minimum
     high = float("inf") if variable.maximum is None else variable.maximum

@@ -1,4 +1,4 @@
-"""The real runs of a study, made comparable with a twin that is simulated anew."""
+"""Real runs of a study, prepared for comparison with a simulated twin."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def usable_trials(history: History) -> list[Trial]:
 
 
 def compared_signals(trials: Sequence[Trial], twin: FmuTwin) -> tuple[str, ...]:
-    """Outputs of the twin that every one of these runs holds."""
+    """Outputs of the twin that all of these runs hold."""
     return tuple(
         name
         for name in twin.file.outputs
@@ -46,18 +46,18 @@ def compared_signals(trials: Sequence[Trial], twin: FmuTwin) -> tuple[str, ...]:
 def real_run(
     trial: Trial, signals: Sequence[str], twin: FmuTwin, experiment: ExperimentSeries
 ) -> RealRun:
-    """Make a real run that a twin can be held against.
+    """Make a real run for comparison with a twin.
 
     Parameters
     ----------
     trial : Trial
         Of the axis.
     signals : sequence of str
-        What is compared.
+        Compared signals.
     twin : FmuTwin
-        Simulated at the same gains; nothing else of the trial is known to it.
+        Simulated at the same gains; other parameters of the trial stay hidden from it.
     experiment : ExperimentSeries
-        What was played.
+            References that were played.
     """
     time = trial.recording.time
     times = np.linspace(time[0], time[-1], min(MOST_SAMPLES, time.size))
@@ -83,10 +83,10 @@ def rows_of(
 def plain_recordings(
     trials: Sequence[Trial], twin: FmuTwin, experiment: ExperimentSeries
 ) -> list[Recording]:
-    """Real runs as a diagnosis takes them, one for each reference.
+    """Real runs as recordings for a diagnosis, one for each reference.
 
-    A trial whose plant is an FMU knows the parameters that this plant was run at; they are the
-    answer and not part of the recording. Gains alone go with it.
+    A trial of an FMU plant holds the true parameters of the plant. They are the answer, so only
+    the gains go into the recording.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def plain_recordings(
     twin : FmuTwin
         Names the signals.
     experiment : ExperimentSeries
-        What was played; a recording that lacks the reference gets it from here.
+        References that were played; a recording that lacks its reference gets it from here.
     """
     recordings = []
     for trial in trials:
@@ -119,7 +119,7 @@ def plain_recordings(
                     units={n: unit for n, unit in run.units.items() if n in signals},
                     name=name,
                     parameters=dict(trial.gains),
-                    # A plant that is an FMU logs as gmfbo's own files do.
+                    # An FMU plant logs by the convention of gmfbo's own files.
                     written_by=run.written_by or (__version__ if trial.twin else ""),
                 )
             )

@@ -1,4 +1,4 @@
-"""Corrects the twin of a study from its real runs: estimates, completes, and takes it back."""
+"""Refine the twin of a study: estimate, complete by physics, and revert if it misleads."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ from gmfbo.tuning.history.history import History
 from gmfbo.tuning.twin.twin_version import TwinVersion
 
 UNEXPLAINED = 3.0
-"""Times its floor that a signal's error may be before the diagnosis is asked."""
+"""Error of a signal over its floor, above which the diagnosis is asked."""
 
 SURPRISE = 1.5
-"""Times the error so far that a new run's may be before the twin is estimated anew."""
+"""Error of a new run over the error so far, above which the twin is estimated anew."""
 
 STRANGE = 3.0
 """Times the error so far from which one new run may be that of a changed plant. The next one tells:
 a twin estimated from runs before and after a change hides it from the watch."""
 
 DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
-"""Real runs since the plant changed, from which on it is worth asking the diagnosis again."""
+"""Numbers of real runs since the plant changed at which the diagnosis may be asked again."""
 
 MOST_DIAGNOSED = 4
-"""Real runs that the diagnosis is shown; its time grows with them, later ones resemble the best."""
+"""Most real runs given to the diagnosis; later runs resemble the best one, and cost time."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Version:
-    """What the refiner goes on from.
+    """State of the refiner.
 
     Attributes
     ----------
@@ -57,17 +57,17 @@ class _Version:
     model : FmuTwin
         The twin as given, or the augmented one.
     unknowns : Unknowns
-        What is estimated of it.
+        Its estimated parameters and tables.
     estimate : Estimate or None
-        None before the first.
+        None before the first estimation.
     first : int
-        Number of the last real run that the first correction knew.
+        Number of the last real run used by the first correction.
     last : int
-        Number of the last real run that the estimate knows.
+        Number of the last real run used by the estimate.
     since : int
-        Number of the last real run before the plant changed, as it was known then.
+        Number of the last real run before the newest known change of the plant.
     effects : tuple of str
-        Named by the diagnosis.
+        Effects named by the diagnosis.
     """
 
     number: int
@@ -81,12 +81,12 @@ class _Version:
 
     @property
     def given_up(self) -> bool:
-        """The twin as given is in force again: there was an estimate, and it is taken back."""
+        """Whether the estimate was withdrawn, and the twin as given is in force again."""
         return self.number > 0 and self.estimate is None
 
 
 class Completer(Protocol):
-    """Finds what a twin lacks; as `gmfbo.retuning.missing_physics.complete`."""
+    """Finds a twin's missing physics; as `gmfbo.retuning.missing_physics.complete`."""
 
     def __call__(
         self,
@@ -100,24 +100,23 @@ class Completer(Protocol):
 
 
 class PhysicsRefiner:
-    """Estimates what the twin file calls uncertain; where that does not do, asks for physics.
+    """Estimates uncertain parameters and tables, and asks for physics where these do not suffice.
 
-    After the initial real runs, and after each one that surprises it, the uncertain parameters
-    and tables are estimated from all real runs since the plant changed. Where the surprise is so
-    large that the plant may have changed with this run, the next one is awaited first. Where a
-    signal is still not explained, the diagnosis decides whether physics is missing, and that is
-    estimated along from then on. A corrected twin that predicts the next real runs worse than the
-    twin as given is taken back, and the twin is left as given until the plant changes.
+    After the initial real runs, and after each run with a surprising error, the uncertain
+    parameters and tables are estimated from all real runs since the plant changed. If the error
+    is so large that the plant may have changed, the next run is awaited first. If a signal is
+    still not explained, a diagnosis decides whether physics is missing, which is estimated too
+    from then on. A corrected twin that predicts the next real runs worse than the twin as given
+    is withdrawn, and the twin stays as given until the plant changes.
 
     Parameters
     ----------
     twin : FmuTwin
         As the study file names it.
     folder : Path
-        For what belongs to the versions.
+        Folder for files of the versions.
     completer : callable or None
-        Who is asked for missing physics; None where parameters and tables are all that is
-        estimated.
+        Finds missing physics; None where only parameters and tables are estimated.
     """
 
     def __init__(self, twin: FmuTwin, folder: Path, completer: Completer | None = complete) -> None:
@@ -127,7 +126,7 @@ class PhysicsRefiner:
 
     @cached_property
     def _uncertain(self) -> Unknowns:
-        """Of the twin as given; reading its tables runs it, so not before they are wanted."""
+        """Unknowns of the twin as given, read when needed, since reading tables runs the twin."""
         return Unknowns.of(self._given)
 
     @property
@@ -135,11 +134,11 @@ class PhysicsRefiner:
         return self._newest or _Version(0, self._given, self._uncertain)
 
     def revise(self, history: History) -> TwinVersion | None:
-        """Look at the newest real run; see `TwinRefiner`."""
+        """Correct the twin by the newest real run; see `TwinRefiner`."""
         version, changed = self._version, history.changed_after != self._version.since
         if (version.given_up and not changed) or not (trials := usable_trials(history)):
             return None
-        # What was predicted before a change says nothing of a twin that is estimated after it.
+        # Predictions before a change of the plant say nothing about a twin estimated after it.
         predicted = version.estimate is not None and not changed
         if predicted and misleads(history, self._given, version.first):
             return self._take_back(history)
@@ -172,7 +171,7 @@ class PhysicsRefiner:
         return self._told(reason, signals)
 
     def restore(self, event: Mapping[str, Any]) -> TwinVersion:
-        """Bring back a version that was logged; see `TwinRefiner`."""
+        """Restore a logged version; see `TwinRefiner`."""
         model, unknowns = self._given, self._uncertain
         if event["augmented"] is not None:
             model = FmuTwin(self._folder / event["augmented"])
@@ -188,18 +187,18 @@ class PhysicsRefiner:
             estimate=estimate,
             first=event["first"],
             last=event["after"],
-            since=event.get("since", 0),  # an older log lacks it: a change counts as news
+            since=event.get("since", 0),  # an older log lacks it: any change then counts as new
             effects=tuple(event["effects"]),
         )
         return self._as_version(event["reason"], {})
 
     def close(self) -> None:
-        """Give back the augmented twins."""
+        """Close the augmented twins."""
         for twin in self._opened:
             twin.close()
 
     def _is_news(self, runs: Sequence[RealRun], seen: int, estimate: Estimate) -> bool:
-        """Whether a real run beyond the first ones, which the estimate knows, teaches something."""
+        """Whether a new real run calls for another estimate."""
         surprises = [self._surprise(run, estimate) for run in runs[seen:]]
         if not surprises:
             return False
@@ -209,7 +208,7 @@ class PhysicsRefiner:
         return max(surprises) > SURPRISE
 
     def _surprise(self, run: RealRun, estimate: Estimate) -> float:
-        """Error of a real run over the error so far, of the signal that is worst."""
+        """Largest ratio over the signals of a real run's error to the error so far."""
         simulated = run.simulate(self._version.unknowns.settings(estimate.x))
         if simulated is None or len(estimate.errors) != len(simulated):
             return np.inf
@@ -223,7 +222,7 @@ class PhysicsRefiner:
         signals: Sequence[str],
         estimate: Estimate,
     ) -> tuple[_Version, Estimate, str] | None:
-        """The twin with what the diagnosis finds missing, estimated, and the verdict."""
+        """Estimated twin with the physics that the diagnosis names, and the verdict."""
         if self._completer is None:
             return None
         unknowns = self._version.unknowns
@@ -296,7 +295,7 @@ class PhysicsRefiner:
 
 
 def _carried_over(before: Estimate, unknowns: Unknowns, found: Completion) -> Estimate:
-    """The tables as they were estimated; parameters and physics as the diagnosis left them."""
+    """Tables by the last estimate; parameters and physics by the diagnosis."""
     tables = sum(prior.nodes.size for prior in unknowns.priors)
     scalars = len(unknowns.scalars)
     x = np.concatenate([np.zeros(scalars), before.x[before.x.size - tables :]])
@@ -311,7 +310,7 @@ def _unexplained(estimate: Estimate, runs: Sequence[RealRun]) -> bool:
 
 
 def _spread(trials: Sequence[Trial]) -> list[Trial]:
-    """The first, the last, and some evenly between."""
+    """The first and last trial, and some evenly between."""
     if len(trials) <= MOST_DIAGNOSED:
         return list(trials)
     places = np.linspace(0, len(trials) - 1, MOST_DIAGNOSED).round().astype(int)
@@ -319,7 +318,7 @@ def _spread(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _is_better(one: Estimate, other: Estimate) -> bool:
-    """Whether the signals are explained better, each by its own measure."""
+    """Whether errors of the signals are smaller, each relative to its own size."""
     return float(np.sum(np.log(one.errors))) < float(np.sum(np.log(other.errors)))
 
 

@@ -1,10 +1,10 @@
-"""What is believed of a lookup table before any recording: it bends little, its nodes have noise.
+"""Prior of a lookup table: the true table is smooth, and the given nodes are noisy.
 
 The true table f is smooth: its second differences are normal numbers of standard deviation
 `BEND` times its range (a thin plate, Wahba 1990, Spline models for observational data). The table
-of the twin is f with independent normal noise at the nodes; how much, is what its own roughness
-says most likely. The penalty is on the roughness of the corrected table and not of the
-correction: what has to go is rough.
+of the twin is f with independent normal noise at the nodes, whose likeliest size follows from the
+table's roughness. The penalty is on the roughness of the corrected table, not of the correction,
+since a correction of noise is rough.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ BEND = 0.1
 twin, which saturates by a quarter, has 0.05."""
 
 LEAST_NOISE = 1e-3
-"""Share of the range by which a table's nodes may always be off: the digits of a data sheet."""
+"""Least noise of a table's nodes, as a share of the range: the digits of a data sheet."""
 
 FALL = 0.02
 """Share of the range by which a table that rises may fall between two nodes."""
@@ -31,14 +31,14 @@ _NOISES = np.geomspace(LEAST_NOISE, 3.0, 60)
 
 @dataclass(frozen=True, eq=False)
 class TablePrior:
-    """A smooth table of which noisy nodes are given; n nodes.
+    """Prior of a smooth table with noisy nodes; n nodes.
 
     Attributes
     ----------
     nodes : ndarray, shape (n,)
         The table as it is, row by row.
     scale : float
-        Range of the smooth table, in which all else is told [unit of the nodes].
+        Range of the smooth table, the unit of all other values [unit of the nodes].
     noise : float
         Standard deviation of the nodes' noise over `scale`.
     bending : ndarray, shape (r, n)
@@ -57,7 +57,7 @@ class TablePrior:
     def of(
         cls, nodes: NDArray[np.float64], shape: tuple[int, ...], rising: int | None = None
     ) -> Self:
-        """Learn the noise of a table from its roughness.
+        """Estimate the noise of a table from its roughness.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ def _smoothing_change(
 
 
 def _likeliest_noise(table: NDArray[np.float64], bending: NDArray[np.float64]) -> float:
-    """By restricted likelihood: what a plane explains tells nothing of the noise."""
+    """Likeliest noise by restricted likelihood, without the part that a plane explains."""
     stiffness, modes = np.linalg.eigh(bending.T @ bending)
     bent = stiffness > 1e-9 * stiffness[-1]
     amplitudes = (modes.T @ table)[bent]

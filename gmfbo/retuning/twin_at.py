@@ -13,12 +13,12 @@ from gmfbo.sources.twin.twin import FmuTwin
 
 @dataclass(frozen=True, eq=False)
 class TwinAt:
-    """Runs somebody else's twin at fixed values; closing it leaves the twin open.
+    """Runs a twin of another owner at fixed values; closing leaves the twin open.
 
     Attributes
     ----------
     twin : FmuTwin
-        Who runs.
+        The twin.
     values : mapping of str to float
         [FMU's unit] Over the twin's own parameters.
     """
@@ -28,7 +28,7 @@ class TwinAt:
 
     @property
     def name(self) -> str:
-        """Of the twin."""
+        """Name of the twin."""
         return self.twin.name
 
     @property

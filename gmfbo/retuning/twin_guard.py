@@ -1,4 +1,4 @@
-"""Whether a corrected twin misleads: what it said of real runs before they were made."""
+"""Check whether a corrected twin misleads, by its predictions of real runs."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.twin.runs_beside import runs_beside
 
 LEAST_RUNS = 2
-"""Real runs that were predicted; one alone may be an accident."""
+"""Fewest predicted real runs; a single one may be an outlier."""
 
 NEWEST_RUNS = 4
-"""Predictions that count: what an early version got wrong is mended since."""
+"""Newest predictions that count, since later versions correct earlier errors."""
 
 
 def misleads(history: History, given: Source, first: int) -> bool:
     """Whether corrected twins predicted the real runs worse than the twin as given does.
 
-    A real run is predicted by the twin that was in force when its gains were chosen: its run
-    beside it was made before any estimate knew the real one. The errors of the scored signal are
-    compared as ratios, so that one wild run does not decide.
+    The prediction of a real run is made by the twin in force when its gains were chosen, before
+    any estimate used that run. Errors of the scored signal are compared as ratios, so that one
+    outlier does not decide.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def misleads(history: History, given: Source, first: int) -> bool:
     given : Source
         The twin as the study file names it.
     first : int
-        Number of the last real run that the first correction knew.
+        Number of the last real run used by the first correction.
     """
     beside = runs_beside(history.trials)
     unseen = [
@@ -58,5 +58,5 @@ def _error(trial: Trial, simulated: Recording, history: History) -> float:
     assert measured is not None, "a trial that ended well"
     size = float(np.ptp(measured)) or 1.0
     error = size if found is None else float(np.sqrt(np.mean((found - measured) ** 2)))
-    # Two twins that are both right to the last digit are equally good.
+    # Two twins that are both exact are equally good.
     return max(error, 1e-3 * size)

@@ -1,4 +1,4 @@
-"""What of a twin is known only roughly, as one vector with its prior."""
+"""Unknowns of a twin: uncertain parameters and tables as one vector with its prior."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import Uncertain, uncertain_of
 
 _RANGES_PER_SPREAD = 4.0
-"""A range that somebody states holds about 95 %: four standard deviations."""
+"""A stated range is taken as 95 %: four standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Scalar(Uncertain):
 
     @property
     def logarithmic(self) -> bool:
-        """A range of one sign is a range of factors: inertias, stiffnesses, levels."""
+        """Whether the range has one sign, so that it is a range of factors."""
         return self.low > 0.0 and self.nominal > 0.0
 
     def value(self, x: float) -> float:
@@ -37,7 +37,7 @@ class Scalar(Uncertain):
         return float(np.clip(value, self.low, self.high))
 
     def place(self, value: float) -> float:
-        """Standard deviations x at which it has a value [FMU's unit] within its range."""
+        """Standard deviations x at which the parameter has a value [FMU's unit] of its range."""
         if self.logarithmic:
             spread = np.log(self.high / self.low) / _RANGES_PER_SPREAD
             return float(np.log(max(value, self.low) / self.nominal) / spread)
@@ -54,7 +54,7 @@ class Unknowns:
     Attributes
     ----------
     scalars : tuple of Scalar
-        From [uncertain], and of physics that was found missing.
+        Parameters of [uncertain] and of added physics.
     tables : tuple of LookupTable
         From [tables].
     priors : tuple of TablePrior
@@ -70,7 +70,7 @@ class Unknowns:
 
     @classmethod
     def of(cls, twin: FmuTwin) -> Self:
-        """Read them from a twin.
+        """Read the unknowns of a twin.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class Unknowns:
         return cls(scalars, tables, tuple(priors), tuple(before))
 
     def with_physics(self, added: Sequence[Scalar]) -> Self:
-        """Return them with the parameters of physics behind the other scalars."""
+        """Unknowns with parameters of physics after the other scalars."""
         return replace(self, scalars=(*self.scalars, *added))
 
     @property

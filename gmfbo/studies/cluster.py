@@ -1,4 +1,4 @@
-"""Executors of clusters, by a word on the command line."""
+"""Open an executor of a cluster, by its name on the command line."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def open_executor(name: str) -> Iterator[Executor]:
     Raises
     ------
     InputError
-        It is neither, or the package for it is not installed.
+        The name is neither, or its package is not installed.
     SimulationError
         Nobody answers at the address.
     """
@@ -59,7 +59,7 @@ def _dask(address: str) -> Iterator[Executor]:
             "with 'dask scheduler', and workers with 'dask worker ADDRESS --nthreads 1'"
         ) from None
     with client:
-        # Runs are told apart by their labels, not by what dask takes for the same call.
+        # Runs differ by their labels, though dask may take two for the same call.
         yield client.get_executor(pure=False)
 
 

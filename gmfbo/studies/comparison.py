@@ -1,4 +1,4 @@
-"""What methods came to on the same seeds of one study."""
+"""Result of a comparison of methods on the same seeds of one study."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from gmfbo.studies.outcome import Outcome
 
 @dataclass(frozen=True)
 class Comparison:
-    """What methods came to on the same seeds.
+    """Result of a comparison of methods on the same seeds.
 
     Attributes
     ----------
     folder : Path
-        Where it is kept.
+            Folder of the comparison.
     text : str
-        Its tables.
+            Its tables.
     outcomes : tuple of Outcome
-        All finished runs, those of former calls too; empty where only the tables were read.
+        All finished runs, also of former calls; empty where only the tables were read.
     failed : mapping of str to str
-        `METHOD-SEED` of runs of this call that broke, with the reason.
+        `METHOD-SEED` of failed runs of this call, with the reason.
     """
 
     folder: Path
@@ -37,12 +37,12 @@ class Comparison:
 
     @classmethod
     def read(cls, folder: str | Path) -> Self:
-        """Read the tables of a comparison; its runs need not be there.
+        """Read the tables of a comparison; its runs may be missing.
 
         Parameters
         ----------
         folder : str or Path
-            What `compare` wrote.
+            Folder written by `compare`.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class Comparison:
         Parameters
         ----------
         folder : str or Path
-            Where the SVG, PDF and PNG files go.
+            Folder for the SVG, PDF and PNG files.
 
         Returns
         -------

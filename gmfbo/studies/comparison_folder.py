@@ -1,4 +1,4 @@
-"""Where a comparison is kept: a line a run, and the tables that follow from them."""
+"""Folder of a comparison: a line for each run, and the tables derived from the runs."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from gmfbo.tuning.methods import METHODS
 class ComparisonFolder:
     """A folder `NAME.compare`.
 
-    A line of `runs/METHOD.jsonl` is what a finished run came to, `trials/METHOD-SEED.h5` all its
-    trials where they are kept, `truth/` holds the plant over the box; `table.txt`, `curves.txt` and
-    `landscape.txt` follow from them, and the figures from these three.
+    A line of `runs/METHOD.jsonl` is the outcome of a finished run. `trials/METHOD-SEED.h5` holds
+    all its trials where they are kept, and `truth/` the plant over the box. `table.txt`,
+    `curves.txt` and `landscape.txt` follow from these, and the figures from the three tables.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class ComparisonFolder:
 
     @property
     def table(self) -> Path:
-        """Tables for people."""
+        """File of the tables for reading."""
         return self.path / "table.txt"
 
     @property
@@ -63,9 +63,9 @@ class ComparisonFolder:
         Parameters
         ----------
         outcome : Outcome
-            What it came to.
+                Outcome of the run.
         record : StudyRecord or None
-            All trials, where they are to be kept.
+            All trials, if they are kept.
         """
         if record is not None:
             (self.path / "trials").mkdir(exist_ok=True)
@@ -90,7 +90,7 @@ class ComparisonFolder:
 
     @property
     def finished_runs(self) -> list[Outcome]:
-        """What each finished run came to.
+        """Outcome of each finished run.
 
         Raises
         ------
@@ -102,7 +102,7 @@ class ComparisonFolder:
 
     @contextlib.contextmanager
     def writing(self) -> Iterator[None]:
-        """Hold the folder against other processes; made where it is missing.
+        """Lock the folder against other processes; it is made if missing.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class ComparisonFolder:
         Parameters
         ----------
         key : str
-            Hash of what they must share.
+            Hash of the content that all runs share.
 
         Raises
         ------
@@ -141,12 +141,12 @@ class ComparisonFolder:
         return kept
 
     def log_command(self, command: str) -> list[str]:
-        """Add a command to those that made the folder; returns all, each once.
+        """Add a command to the log of commands; returns all, each once.
 
         Parameters
         ----------
         command : str
-            What the user typed, without what does not change the result.
+            Command of the user, without options that do not change the result.
         """
         file = self.path / "commands.json"
         known: list[str] = json.loads(file.read_text(encoding="utf-8")) if file.exists() else []
@@ -158,7 +158,7 @@ class ComparisonFolder:
     def write_tables(
         self, outcomes: Sequence[Outcome], heading: Sequence[str], landscape: Landscape | None
     ) -> str:
-        """Write all tables, and return that for people.
+        """Write all tables, and return the one for reading.
 
         Parameters
         ----------
@@ -179,7 +179,7 @@ class ComparisonFolder:
 
 
 def by_method(outcomes: Sequence[Outcome]) -> Mapping[str, list[Outcome]]:
-    """Sort outcomes into columns: the order of `gmfbo methods`, then a user's own, by name.
+    """Group outcomes by method: in the order of `gmfbo methods`, then a user's own by name.
 
     Parameters
     ----------

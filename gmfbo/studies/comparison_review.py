@@ -1,4 +1,4 @@
-"""A comparison as a page shows it, from its folder."""
+"""Read a comparison's folder for its page."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from gmfbo.studies.outcome import Outcome
 
 
 def review_comparison(folder: str | Path) -> ComparisonReview:
-    """Read a comparison; without its runs, its tables and curves alone.
+    """Read a comparison; if its runs are missing, only its tables and curves.
 
     Parameters
     ----------
     folder : str or Path
-        What `compare` wrote.
+        Folder written by `compare`.
 
     Raises
     ------

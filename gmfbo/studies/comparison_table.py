@@ -1,4 +1,4 @@
-"""Outcomes of a comparison as text: every seed, and what follows from all."""
+"""Tables of a comparison as text: every seed, and statistics over all."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gmfbo.studies.one_run import PAPER_QUERIES
 from gmfbo.studies.outcome import Outcome
 
 BASELINES = ("bo_ei", "gmfbo")
-"""Methods against which the others are held seed by seed, where they take part."""
+"""Methods with which the others are compared seed by seed."""
 
 SEEDS_A_LINE = 25
 
@@ -114,7 +114,7 @@ class Table:
         return self._by_field([(label, field, np.mean, form) for label, field, form in fields])
 
     def _alarms(self) -> list[str]:
-        """When a change of the plant was noticed: false alarms where the plant does not change."""
+        """Detected changes of the plant; false alarms where the plant does not change."""
         lines = [
             "changes of the plant that were noticed",
             self._row("", ["studies", "of", "first at", "changes"]),
@@ -133,7 +133,7 @@ class Table:
         return [*lines, ""] if len(lines) > 2 else []
 
     def _each_seed(self) -> list[str]:
-        """A block of rows for so many seeds as a screen is wide."""
+        """Blocks of rows, each with as many seeds as fit a screen's width."""
         columns = {name: _column(outcomes, _n_star) for name, outcomes in self.by_method.items()}
         lines = []
         for first in range(0, len(self.seeds), SEEDS_A_LINE):
@@ -212,5 +212,5 @@ def _span(sample: NDArray[np.float64], statistic: Callable[..., NDArray[np.float
 
 
 def _late(sample: NDArray[np.float64]) -> str:
-    """Real runs within which nine of ten seeds arrived: an order statistic, not interpolated."""
+    """Real runs within which nine of ten seeds arrived, by an order statistic."""
     return f"{np.quantile(sample, 0.9, method='higher'):.0f}"

@@ -1,4 +1,4 @@
-"""Means over seeds with their intervals, run by run: what the figures are drawn from."""
+"""Means over seeds with intervals, run by run, for the figures."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _CURVES: tuple[tuple[str, int, Callable[[Outcome], Sequence[float]]], ...] = (
 
 
 def curves_of(by_method: Mapping[str, Sequence[Outcome]]) -> list[Curve]:
-    """Average over seeds, as far as all seeds of a method go.
+    """Average over seeds, up to the shortest seed of a method.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def curves_text(curves: Sequence[Curve]) -> str:
     Parameters
     ----------
     curves : sequence of Curve
-        What `curves_of` made.
+        Result of `curves_of`.
     """
     lines = [" ".join(HEAD)]
     for curve in curves:
@@ -69,7 +69,7 @@ def curves_text(curves: Sequence[Curve]) -> str:
 
 
 def read_curves(path: Path) -> list[Curve]:
-    """Read what `curves_text` wrote.
+    """Read a table written by `curves_text`.
 
     Parameters
     ----------

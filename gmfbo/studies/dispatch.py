@@ -1,4 +1,4 @@
-"""Units handed to an engine; what ends one of them does not end the others."""
+"""Dispatch units to an engine, such that the failure of one does not end the others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gmfbo.studies.engine import Engine
 from gmfbo.studies.unit import Failed, Made, Missing, Result, Unit
 
 ATTEMPTS = 3
-"""A unit whose worker was lost so many times is given up."""
+"""Lost workers after which a unit is given up."""
 
 PATIENCE_S = 600.0
 """[s] A unit that takes longer, and ten times as long as any that finished, is sent once more:
@@ -33,21 +33,21 @@ class _Sent:
 
 
 class Dispatch:
-    """Hands units out and gathers what they came to, each once.
+    """Hands out units and gathers their results, each once.
 
     Parameters
     ----------
     engine : Engine
-        Does them.
+            Runs the units.
     contents : mapping of str to bytes
-        All files by hash; each goes to a worker that says it lacks it.
+        All files by hash; a file is sent to a worker that reports it missing.
     finished : callable
-        Told of each unit, what it came to or why it failed.
+        Called with each unit and its result, or the reason of its failure.
 
     Attributes
     ----------
     contents_sent : int
-        [byte] Files that went to workers so far.
+        [byte] Size of the files sent to workers so far.
     """
 
     def __init__(self, engine: Engine, contents: Mapping[str, bytes], finished: Finished) -> None:
@@ -60,7 +60,7 @@ class Dispatch:
         self.contents_sent = 0
 
     def run(self, units: Iterable[Unit]) -> None:
-        """Do all units, in order, so many at a time as there are workers.
+        """Run all units, in order, as many at a time as there are workers.
 
         Parameters
         ----------
@@ -90,11 +90,11 @@ class Dispatch:
 
     def _hand_out(self) -> None:
         if self._suspects:
-            # One at a time, so that the unit which ends its process is known.
+            # One at a time, to identify the unit that ends its process.
             if not self._under_way:
                 self._send(self._suspects.popleft())
             return
-        # No more than there are workers: what waits inside an executor cannot be called back.
+        # No more units than workers: a unit that waits inside an executor cannot be recalled.
         while self._waiting and self._busy < self._engine.workers:
             sent = self._waiting.popleft()
             if sent.unit.label not in self._done and not self._send(sent):
@@ -117,16 +117,16 @@ class Dispatch:
         return True
 
     def _settle(self, future: Future[Result]) -> bool:
-        """Take what came back; whether the engine broke."""
+        """Take the result of a unit; returns whether the engine broke."""
         sent = self._under_way.pop(future, None)
         if sent is None:
-            return False  # a copy of what has come back meanwhile
+            return False  # a copy of a unit that has finished meanwhile
         try:
             result = future.result()
         except BrokenExecutor:
             self._lose(sent)
             return True
-        except Exception as error:  # whatever an executor says when it has lost a worker
+        except Exception as error:  # executors differ in the exception for a lost worker
             self._lose(sent, " ".join(f"{error!r}".split()))
             return False
         if isinstance(result, Missing):
@@ -143,7 +143,7 @@ class Dispatch:
     def _finish(self, unit: Unit, result: Made | Failed) -> None:
         self._done.add(unit.label)
         for future, sent in list(self._under_way.items()):
-            if sent.unit.label == unit.label:  # a copy, or one that seemed lost
+            if sent.unit.label == unit.label:  # a copy, or a unit that seemed lost
                 future.cancel()
                 del self._under_way[future]
         self._finished(unit, result)
@@ -160,7 +160,7 @@ class Dispatch:
             self._waiting.append(again)
 
     def _give_up_on_all(self) -> None:
-        """What was under way is gone with the engine."""
+        """Mark all running units as lost with the engine."""
         for sent in list(self._under_way.values()):
             self._lose(sent)
         self._under_way.clear()

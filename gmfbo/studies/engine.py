@@ -1,4 +1,4 @@
-"""Where units are done: in this process, on others of this machine, or on any executor."""
+"""Engines that run units: this process, processes of this machine, or any executor."""
 
 from __future__ import annotations
 
@@ -17,58 +17,58 @@ from gmfbo.studies.worker import carry_out
 
 
 class Engine(Protocol):
-    """Takes units and gives futures of what they came to.
+    """Takes units, and gives futures of their results.
 
     Attributes
     ----------
     dies_whole : bool
-        A worker that dies takes all others with it.
+        Whether a worker that dies takes all others with it.
     """
 
     dies_whole: bool
 
     @property
     def workers(self) -> int:
-        """Units that are done at once."""
+        """Number of units that run at once."""
         ...
 
     def submit(self, unit: Unit, contents: Mapping[str, bytes]) -> Future[Result]:
-        """Begin a unit; contents that its worker may lack go along."""
+        """Start a unit, with contents that its worker may lack."""
         ...
 
     def renew(self) -> None:
-        """Make it usable again after it broke."""
+        """Make the engine usable again after it broke."""
         ...
 
     def stop(self) -> None:
-        """Give up what is under way, now."""
+        """Abandon running units at once."""
         ...
 
     def close(self) -> None:
-        """Give back what was opened."""
+        """Close opened workers."""
         ...
 
 
 class InProcess:
-    """This process: a unit is done when it is submitted."""
+    """This process: a unit is run when it is submitted."""
 
     dies_whole = True
     workers = 1
 
     def submit(self, unit: Unit, contents: Mapping[str, bytes]) -> Future[Result]:
-        """Do a unit."""
+        """Run a unit."""
         future: Future[Result] = Future()
         future.set_result(carry_out(unit, contents))
         return future
 
     def renew(self) -> None:
-        """Nothing: it does not break."""
+        """Do nothing: this engine does not break."""
 
     def stop(self) -> None:
-        """Nothing is under way."""
+        """Do nothing: no unit is running."""
 
     def close(self) -> None:
-        """Nothing was opened."""
+        """Do nothing: no worker was opened."""
 
 
 class Processes:
@@ -88,7 +88,7 @@ class Processes:
         self._before = set(multiprocessing.active_children())
 
     def submit(self, unit: Unit, contents: Mapping[str, bytes]) -> Future[Result]:
-        """Begin a unit in one of the processes."""
+        """Start a unit in one of the processes."""
         if self._pool is None:
             # Spawned, not forked: a copy of a process with threads may hang.
             context = multiprocessing.get_context("spawn")
@@ -114,19 +114,19 @@ class Processes:
 
 
 class OnExecutor:
-    """Workers of an executor that somebody else opened, and will close.
+    """Workers of an executor that the caller opened, and will close.
 
     Parameters
     ----------
     executor : Executor
-        Its workers have the same gmfbo; they need share no files with this process.
+        Its workers have the same gmfbo, and need not share files with this process.
     workers : int, optional
-        Units that it does at once; found out where the executor says so.
+        Number of units that run at once; asked of the executor unless given.
 
     Raises
     ------
     InputError
-        It does not say how many workers it has.
+        It does not tell its number of workers.
     """
 
     dies_whole = False
@@ -137,15 +137,15 @@ class OnExecutor:
 
     @property
     def workers(self) -> int:
-        """Units that are done at once, as of now: workers may come and go."""
+        """Number of units that run at once at present: workers may come and go."""
         return max(self._count(), 1)
 
     def submit(self, unit: Unit, contents: Mapping[str, bytes]) -> Future[Result]:
-        """Begin a unit on some worker."""
+        """Start a unit on a worker."""
         return self._executor.submit(carry_out, unit, contents)
 
     def renew(self) -> None:
-        """Refuse: whoever opened the executor can open another one.
+        """Raise, since only the caller can open another executor.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class OnExecutor:
         )
 
     def stop(self) -> None:
-        """Leave its workers to whoever opened it; nothing waits for them any more."""
+        """Leave its workers to the caller, without waiting for them."""
 
     def close(self) -> None:
         """Leave the executor open."""
@@ -179,7 +179,7 @@ def _workers_of(executor: Any) -> Callable[[], int]:
 
 
 def _begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it."""
+    """Leave Ctrl-C to the parent process, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None

@@ -1,4 +1,4 @@
-"""When a method has arrived: the best observed gains are as good as the true optimum."""
+"""Goal of a method: its best observed gains are as good as the true optimum."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 TOLERANCE = 0.02
-"""Share of the way from the optimum to the median gains that counts as arrived."""
+"""Simple regret, over the way from the optimum to the median gains, at arrival."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """The true optimum of a plant, and the measure of what is left to it.
+    """The true optimum of a plant, and the scale of the simple regret.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Goal:
 
     @classmethod
     def over(cls, costs: ArrayLike) -> Self:
-        """Take the goal from the true costs over the box.
+        """Make the goal from the true costs over the box.
 
         Parameters
         ----------
@@ -47,22 +47,22 @@ class Goal:
             True cost g of a run.
         """
         spread = self.median - self.least
-        # A box in which most gains are equally good leaves no way to go.
+        # In a box of mostly equal gains the regret has no scale.
         return (cost - self.least) / spread if spread > 0.0 else float(cost > self.least)
 
 
 @dataclass(frozen=True)
 class Descent:
-    """What the real runs of a study came to, one entry a real run.
+    """Progress of a study's best real run, one entry a real run.
 
     Attributes
     ----------
     best : tuple of float
-        Least true cost g so far; it begins anew where the plant changes.
+        Least true cost g so far; it starts anew where the plant changes.
     regret : tuple of float
-        The same as a share of the way from the optimum to the median.
+        Simple regret, as a share of the way from the optimum to the median.
     first_counted : int
-        Real run, from 1, from which on arriving counts: the first on the changed plant.
+        First real run, from 1, that counts as arrival: the first on the changed plant.
     """
 
     best: tuple[float, ...]
@@ -88,24 +88,24 @@ class Descent:
         regret: list[float] = []
         for number, cost in enumerate(costs, start=1):
             changed = change_after is not None and number > change_after
-            # What was best on the plant as it was says nothing of the plant as it is.
+            # The best run on the old plant says nothing about the changed plant.
             anew = not best or (changed and number == (change_after or 0) + 1)
             best.append(cost if anew else min(best[-1], cost))
             regret.append(goals[-1 if changed else 0].regret(best[-1]))
         return cls(tuple(best), tuple(regret), 1 if change_after is None else change_after + 1)
 
     def arrival(self, real_runs: int | None = None) -> int | None:
-        """Return n*: real runs, initial ones counted, until the best is within 2 % of the way.
+        """Return n*: real runs, initial ones included, until the regret is below 2 %.
 
         Parameters
         ----------
         real_runs : int, optional
-            Only so many runs are looked at.
+            Number of first runs that count.
 
         Returns
         -------
         int or None
-            None where it never arrived.
+            None where the goal was never reached.
         """
         looked_at = self.regret[:real_runs]
         for number, regret in enumerate(looked_at, start=1):

@@ -1,4 +1,4 @@
-"""The true objective over the box, and how wrong the twin is there, as text."""
+"""Landscape: the true objective over the box, and the twin's error, as text."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def landscape_of(study: Study, seed: int, side: int, truth: Path) -> Landscape |
     study : Study
         As given.
     seed : int
-        Decides the twin and the constants of the cost.
+        Seed of the twin and of the cost's constants.
     side : int
         Points along a side.
     truth : Path
@@ -36,7 +36,7 @@ def landscape_of(study: Study, seed: int, side: int, truth: Path) -> Landscape |
     Returns
     -------
     Landscape or None
-        None where other than two gains are tuned. Of a plant that changes, the plant as it was.
+        None where other than two gains are tuned. A plant that changes is shown before its change.
     """
     same = seeded(study, seed, study.file.method, study.location)
     opened = TrueSources.open(same)
@@ -54,14 +54,14 @@ def landscape_of(study: Study, seed: int, side: int, truth: Path) -> Landscape |
         x=plant.points[:, 0].reshape(shape)[:, 0],
         y=plant.points[:, 1].reshape(shape)[0],
         objective=np.asarray(objective.value(plant.metrics)).reshape(shape),
-        # G is never negative, so that a share of it has a meaning; g crosses zero.
+        # The relative error uses G, which is never negative, since g crosses zero.
         error=100.0 * np.abs(simulated - real).reshape(shape) / real.reshape(shape),
         seed=seed,
     )
 
 
 def _cost(study: Study) -> Objective:
-    """Cost with the constants that the initial runs of the twin give on this seed."""
+    """Cost with constants by the twin's initial runs on this seed."""
     ended = study.file.budget.model_copy(update={"iterations": 0, "is1_runs": None})
     file = study.file.model_copy(update={"budget": ended, "method": "random"})
     with tempfile.TemporaryDirectory(prefix="gmfbo-") as place:
@@ -77,7 +77,7 @@ def landscape_text(landscape: Landscape) -> str:
     Parameters
     ----------
     landscape : Landscape
-        What `landscape_of` made.
+        Result of `landscape_of`.
     """
     lines = [
         f"# seed {landscape.seed}; error: |G of the twin - G of the plant| / G of the plant [%]",
@@ -91,7 +91,7 @@ def landscape_text(landscape: Landscape) -> str:
 
 
 def read_landscape(path: Path) -> Landscape | None:
-    """Read what `landscape_text` wrote; None where there is no such file.
+    """Read a table written by `landscape_text`; None where there is no such file.
 
     Parameters
     ----------

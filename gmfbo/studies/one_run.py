@@ -1,4 +1,4 @@
-"""One method on one seed: the study is run and judged against the truth."""
+"""One run of a comparison: a method on a seed, judged against the true optimum."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ from gmfbo.tuning.tuner import Tuner
 from gmfbo.version import __version__
 
 PAPER_QUERIES = 20
-"""N of the publication: queries of either source after the initial data."""
+"""N of the publication: queries of both sources after the initial data."""
 
 
 @dataclass(frozen=True, eq=False)
 class OneRun:
-    """A study to be run.
+    """A study to run.
 
     Attributes
     ----------
     study : Study
-        With the seed and the place for files that its method makes.
+        With its seed, and a folder for files of its method.
     key : str
-        Hash of what all runs of the comparison share.
+        Hash of the content that all runs of the comparison share.
     method : Method
-        Who proposes.
+            Method that proposes.
     truth : Path
         Folder of the plant's grids.
     side : int
-        Points along a side of the grid that gives the truth.
+        Points along a side of the grid of the true optimum.
     """
 
     study: Study
@@ -58,9 +58,9 @@ class OneRun:
         Returns
         -------
         outcome : Outcome
-            What it came to.
-        record : StudyRecord
-            All its trials.
+                Outcome of the run.
+            record : StudyRecord
+                All its trials.
         """
         store = MemoryStore(self.study.location, self.study.text)
         stamps = _Stamps([], [])
@@ -103,8 +103,6 @@ class OneRun:
 
 @dataclass
 class _Stamps:
-    """When each query was done."""
-
     queries: list[int]
     ends: list[float]
     began: float = 0.0
@@ -146,7 +144,7 @@ def seeded_file(file: StudyFile, seed: int, method: str) -> StudyFile:
     Parameters
     ----------
     file : StudyFile
-        As given; without an end of its budget it gets that of the publication.
+        As given; a budget without an end becomes the publication's.
     seed : int
         Of the copy.
     method : str
@@ -159,7 +157,7 @@ def seeded_file(file: StudyFile, seed: int, method: str) -> StudyFile:
 
 
 def make_truth(study: Study, side: int, truth: Path) -> None:
-    """Run the plant, and the changed plant, over the box, unless that was done before.
+    """Run the plant, and the changed plant, over the box, unless done before.
 
     Parameters
     ----------
@@ -214,5 +212,5 @@ def _real_runs_within(trials: Sequence[Trial], queries: Sequence[int], most: int
 
 
 def _short(value: float) -> float:
-    """Eight digits: enough to draw and to compare, and a small text."""
+    """Round to eight digits, enough to draw and compare, for a small text."""
     return float(f"{value:.8g}")

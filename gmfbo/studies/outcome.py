@@ -1,4 +1,4 @@
-"""What one method came to on one seed, kept as a small text."""
+"""Outcome of one method on one seed, kept as a line of text."""
 
 from __future__ import annotations
 
@@ -19,34 +19,34 @@ class Outcome:
     Attributes
     ----------
     study : str
-        Hash of all that two studies must share to be compared: study file, twins, grid.
+        Hash of the content that compared studies share: study file, twins, grid.
     method : str
         Its name.
     seed : int
         Of the study.
     n_star : int or None
-        Real runs, initial ones counted, until the best is within 2 % of the way from the optimum
-        to the median; None where it never arrived.
+        Real runs, initial ones included, until the best is within 2 % of the way from the optimum
+        to the median; None where the method never arrived.
     n_star_paper : int or None
-        The same within 20 queries of either source after the initial data.
+        n* within 20 queries of both sources after the initial data.
     most_real_runs : int
-        Real runs that the budget allows; a run that never arrived counts as one more.
+        Real runs that the budget allows; a method that never arrived counts as one more.
     least, median : float
         True optimum and median cost over the box, of the plant at the end.
     best, regret : tuple of float
-        After each real run: least true cost g, and its share of the way to the median.
+        After each real run: least true cost g, and simple regret over the way to the median.
     cost : tuple of float
-        After the initial data and after each query: all runs so far in units of a real run.
+        After the initial data and each query: cost of all runs so far in units of a real run.
     seconds : tuple of float
-        [s] Wall clock of each query, with all that it entailed.
+        [s] Wall clock of each query, with all runs that it caused.
     seconds_before : float
         [s] Wall clock of the initial data.
     twin_runs, corrected_runs : int
-        Runs of IS2 and IS3 in all, initial ones and surveys counted.
+        Number of runs of IS2 and IS3, with initial runs and surveys.
     version : str
         Of gmfbo.
     alarms : tuple of int or None
-        Real runs at which a change of the plant was noticed; None in a run of an early version.
+        Real runs at which a change of the plant was detected; None in a run of an early version.
     """
 
     study: str
@@ -69,22 +69,22 @@ class Outcome:
 
     @property
     def queries(self) -> int:
-        """Queries of either source after the initial data."""
+        """Number of queries of both sources after the initial data."""
         return len(self.seconds)
 
     @property
     def never(self) -> int:
-        """What stands for n* where the method never arrived."""
+        """Substitute for n* where the method never arrived."""
         return self.most_real_runs + 1
 
     @property
     def line(self) -> str:
-        """As a line of text, without its end."""
+        """The outcome as a line of text, without its end."""
         return json.dumps(asdict(self))
 
     @classmethod
     def of_line(cls, line: str) -> Self:
-        """Read what `line` made.
+        """Read a line made by `line`.
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ class Outcome:
         Raises
         ------
         ValueError
-            It is none of these texts.
+            The text is no outcome.
         """
         try:
             raw = json.loads(line)
@@ -114,7 +114,7 @@ def read_outcomes(path: Path) -> list[Outcome]:
     Parameters
     ----------
     path : Path
-        What `write_outcomes` wrote.
+        File written by `write_outcomes`.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def read_outcomes(path: Path) -> list[Outcome]:
 
 
 def write_outcomes(path: Path, outcomes: Iterable[Outcome]) -> None:
-    """Write the finished runs of one method, a line each by seed; there whole or not at all.
+    """Write the finished runs of one method, a line each, as a whole file or not at all.
 
     Parameters
     ----------

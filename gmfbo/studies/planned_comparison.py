@@ -1,4 +1,4 @@
-"""The runs that a comparison still lacks, as units of work, and what becomes of them."""
+"""Planned comparison: missing runs as units of work, and their results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from gmfbo.version import __version__
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """Which runs a comparison is to hold.
+    """Runs that a comparison shall hold.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Wanted:
     grid : int
         Points along a side of the grid of gains that gives the true optimum.
     keep_trials : bool
-        Every trial of every run is kept, not only what the run came to.
+        Whether every trial of every run is kept, not only the outcome.
     """
 
     methods: tuple[tuple[Method, int], ...]
@@ -60,24 +60,24 @@ class Wanted:
 
 @dataclass(eq=False)
 class PlannedComparison:
-    """A comparison whose folder is held for writing.
+    """A comparison with its folder locked for writing.
 
     Attributes
     ----------
     study : Study
         As given.
     folder : ComparisonFolder
-        Where it is kept.
+            Its folder.
     wanted : Wanted
         Its runs.
     key : str
-        Hash of what they share.
+        Hash of the content that the runs share.
     gathered : Gathered
-        All files of the study; its contents and those of the grids are what workers may lack.
+        All files of the study, which workers may lack, as the grids.
     outcomes : list of Outcome
-        Finished runs, those of former calls too.
+        Finished runs, also of former calls.
     failed : dict of str to str
-        `METHOD-SEED` of runs of this call that broke, with the reason.
+        `METHOD-SEED` of failed runs of this call, with the reason.
     """
 
     study: Study
@@ -92,7 +92,7 @@ class PlannedComparison:
 
     @classmethod
     def begin(cls, study: Study, folder: ComparisonFolder, wanted: Wanted) -> Self:
-        """Look what is there already.
+        """Read the finished runs, and plan the rest.
 
         Parameters
         ----------
@@ -123,16 +123,16 @@ class PlannedComparison:
 
     @property
     def name(self) -> str:
-        """Of the study."""
+        """Name of the study."""
         return self.study.file.name
 
     @property
     def label(self) -> str:
-        """Tells its units from those of other comparisons."""
+        """Prefix that distinguishes its units from those of other comparisons."""
         return self.folder.path.resolve().as_posix()
 
     def truths(self) -> list[Unit]:
-        """Units that run the plant over the box, for the seeds whose plant is not known yet."""
+        """Units that run the plant over the box, for seeds without a grid yet."""
         seeds = sorted({seed for _, seed in self._lacking()})
         if not seeds_apart(self.study):
             seeds = seeds[:1]
@@ -140,20 +140,20 @@ class PlannedComparison:
         return [self._unit(f"truth-{seed}", None, seed) for seed in unknown]
 
     def runs(self) -> list[Unit]:
-        """Units of the runs that are lacking; the plant over the box is known by now."""
+        """Units of the missing runs; the grids of the plant are known by now."""
         return [
             self._unit(f"{method.name}-{seed}", method, seed) for method, seed in self._lacking()
         ]
 
     def take(self, unit: Unit, came: Made | Failed) -> str:
-        """Keep what a unit came to, and say it in a line.
+        """Keep the result of a unit, and describe it in a line.
 
         Parameters
         ----------
         unit : Unit
             Of this comparison.
         came : Made or Failed
-            What it came to.
+            Its result.
         """
         name = unit.label.rpartition(": ")[2]
         method, _, seed = name.rpartition("-")
@@ -173,7 +173,7 @@ class PlannedComparison:
         return f"{head} n* {arrived}, {len(one.regret)} real runs, {spent:.0f} s"
 
     def tables(self, heading: Sequence[str]) -> str:
-        """Write the tables of all that is finished.
+        """Write the tables of all finished runs.
 
         Parameters
         ----------
@@ -215,7 +215,7 @@ class PlannedComparison:
         file = seeded_file(
             self.gathered.files.file, seed, method.name if method else self.study.file.method
         )
-        # The name is enough where a worker knows the method by it.
+        # The name is enough if workers know the method by it.
         known = method is not None and METHODS.get(method.name) is method
         return Unit(
             label=f"{self.label}: {name}",
@@ -235,7 +235,7 @@ def _study_key(study: Study, grid: int) -> str:
     first = seeded(study, 0, study.file.method, study.location)
     parts = first.file.model_dump(mode="json", exclude={"name", "out", "method", "seed", "earlier"})
     for source in ("is1", "is2"):
-        parts[source].pop("twin", None)  # its content counts, wherever it lies
+        parts[source].pop("twin", None)  # the twin's content counts, not its path
     opened = TrueSources.open(first)
     with closing(opened.sources):
         parts["content"] = opened.sources.content_hashes

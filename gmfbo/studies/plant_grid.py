@@ -1,4 +1,4 @@
-"""The truth about a plant: what every gain of the box comes to, simulated once and kept."""
+"""Grid of a plant: metrics over the whole box, simulated once and kept."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def grid_points(gains: int, side: int) -> NDArray[np.float64]:
     gains : int
         d.
     side : int
-        Points along a side in two gains; side^2 in all, at least, for every d.
+        Points along a side in two gains; at least side^2 points for every d.
 
     Returns
     -------
@@ -71,18 +71,18 @@ def grid_points(gains: int, side: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class TrueSources:
-    """The sources of a study, opened to be run all over the box.
+    """The sources of a study, opened to be run over the whole box.
 
     Attributes
     ----------
     sources : StudySources
-        Opened for the study's seed; whoever opened them closes them.
+        Opened for the study's seed; the caller closes them.
     gains : GainChoice
-        What is tuned.
+            Tuned and held gains.
     experiment : ExperimentSeries
-        What every source repeats.
+            Experiment of every source.
     safety : SafetySection
-        What the plant must stay within.
+            Safety envelope of the plant.
     """
 
     sources: StudySources
@@ -102,7 +102,7 @@ class TrueSources:
         Raises
         ------
         StudyFileError
-            The plant is none that can be run all over the box.
+            The plant cannot be run over the whole box.
         """
         file = study.file
         if file.is1.twin is None:
@@ -132,7 +132,7 @@ class TrueSources:
         return tuple(plant for plant in both if plant is not None)
 
     def grid(self, source: Source, side: int, folder: Path) -> PlantGrid:
-        """Run a source all over the box, or read what that came to before.
+        """Run a source over the whole box, or read the grid of an earlier run.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class TrueSources:
         side : int
             Points along a side.
         folder : Path
-            Where grids are kept, one text each.
+            Folder of the grids, one text each.
         """
         space = self.gains.space
         points = space.from_unit(grid_points(len(space), side))

@@ -1,4 +1,4 @@
-"""Files that a worker has been sent, each content once."""
+"""Shelf of a worker: received files, each content once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gmfbo.files.private_folder import PrivateFolder
 
 
 class Shelf:
-    """A folder of this process for contents by hash, and for trees of files made of them."""
+    """Folder of this process for contents by hash, and for trees of files made of them."""
 
     def __init__(self) -> None:
         self._folder = PrivateFolder()
@@ -22,11 +22,11 @@ class Shelf:
 
     @property
     def is_there(self) -> bool:
-        """Whether this process has the folder."""
+        """Whether the folder exists and belongs to this process."""
         return self._folder.is_mine and self._folder.path.exists()
 
     def missing(self, hashes: Iterable[str]) -> frozenset[str]:
-        """Contents that have not been put here.
+        """Hashes of contents that are missing here.
 
         Parameters
         ----------
@@ -48,15 +48,15 @@ class Shelf:
                 self._content(digest).write_bytes(content)
 
     def tree(self, hashes: Mapping[str, str], folder: str) -> Path:
-        """Folder that holds these files; made once.
+        """Folder with these files; made once.
 
         Parameters
         ----------
         hashes : mapping of str to str
-            Relative path with slashes = hash; all contents are here.
+            Relative path with slashes = hash; all contents have been put here.
         folder : str
-            Relative path of a folder that is to be there too, though no file lies in it: paths
-            that begin there may climb out of it.
+            Relative path of a folder to make even if it is empty, since relative paths may start
+            there.
         """
         name = hashlib.sha256(repr((folder, sorted(hashes.items()))).encode()).hexdigest()
         root = self._folder.path / f"tree-{name}"
@@ -70,7 +70,7 @@ class Shelf:
         return root
 
     def place(self, digest: str, path: Path) -> None:
-        """Put a content where a file is wanted.
+        """Write a content to a path.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ _SHELVES: list[Shelf] = []
 
 
 def own_shelf() -> Shelf:
-    """The shelf of this process; another one where somebody removed its folder."""
+    """The shelf of this process; a new one if its folder was removed."""
     if not (_SHELVES and _SHELVES[-1].is_there):
         _SHELVES[:] = [Shelf()]
     return _SHELVES[-1]

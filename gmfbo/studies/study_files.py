@@ -1,4 +1,4 @@
-"""All files that a study needs, so that it can run where there is no other copy of them."""
+"""Gather all files that a study needs, so that it can run on another machine."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ class StudyFiles:
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """Files of a study where they were found.
+    """Files of a study with their contents.
 
     Attributes
     ----------
     files : StudyFiles
-        What belongs where.
+        Paths and hashes.
     contents : dict of str to bytes
         Each content by its hash.
     """
@@ -81,7 +81,7 @@ def gather(study: Study) -> Gathered:
     """
     origin = study.origin.resolve()
     file, paths = study.file, set[Path]()
-    # Links are followed, so that each path says where its content lies beside other files.
+    # Links are followed, so that relative paths between the files stay valid.
     is2 = file.is2.model_copy(update={"twin": _resolved(origin, file.is2.twin)})
     paths.update(twin_files(origin / is2.twin))
     is1 = file.is1
@@ -118,7 +118,7 @@ def _content(path: Path) -> bytes:
 
 
 def seeds_apart(study: Study) -> bool:
-    """Whether the plant is another one on each seed.
+    """Whether each seed has another plant.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a campaign sends to a worker, and what comes back: values alone."""
+"""Units of work that a campaign sends to workers, and their results, as values."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from gmfbo.tuning.query.method import Method
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """One method on one seed of a study, or the truth about its plant.
+    """One method on one seed of a study, or the grid of its plant.
 
     Attributes
     ----------
     label : str
-        Names it; no two units of a campaign share one.
+        Unique name within the campaign.
     files : StudyFiles
         The study, with its seed.
     truth : mapping of str to str
-        Name of each grid of the plant that is known already = SHA-256 of its content.
+        Name of each known grid of the plant = SHA-256 of its content.
     method : str, Method or None
-        Who proposes; its name is enough where workers know it. None runs the plant all over
-        the box.
+        Method that proposes, or its name where workers know it. None runs the plant over the
+        whole box.
     key : str
-        Hash of what all runs of the comparison share.
+        Hash of the content that all runs of the comparison share.
     side : int
-        Points along a side of the grid that gives the truth.
+        Points along a side of the grid of the true optimum.
     keep : bool
-        All trials come back, not only what they came to.
+        Whether all trials come back, not only the outcome.
     version : str
-        Of gmfbo, which must be the worker's too.
+        Version of gmfbo, which the worker must have too.
     """
 
     label: str
@@ -53,16 +53,16 @@ class Unit:
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """What a unit came to.
+    """Result of a unit.
 
     Attributes
     ----------
     outcome : Outcome or None
-        None of a unit that runs the plant all over the box.
+        None for a unit that runs the plant over the whole box.
     truth : mapping of str to bytes
-        Grids of the plant that were not known before, by name.
+        New grids of the plant, by name.
     record : StudyRecord or None
-        All trials, where the unit is to keep them.
+        All trials, if the unit keeps them.
     """
 
     outcome: Outcome | None
@@ -72,7 +72,7 @@ class Made:
 
 @dataclass(frozen=True)
 class Missing:
-    """A worker lacks contents; the unit is to be sent again with them.
+    """A worker lacks contents; send the unit again with them.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Missing:
 
 @dataclass(frozen=True)
 class Failed:
-    """A unit cannot be done.
+    """A unit that cannot be run.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ from gmfbo.tuning.study_file.study_sections import StudyFile, stated
 
 
 def parse_variation(text: str) -> tuple[str, list[Any]]:
-    """A key and its values, from `KEY = [VALUE, ...]` in TOML.
+    """Parse a key and its values from `KEY = [VALUE, ...]` in TOML.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def parse_variation(text: str) -> tuple[str, list[Any]]:
     Raises
     ------
     InputError
-        It is none.
+        The text is no such line.
     """
     key, _, values = text.partition("=")
     try:
@@ -44,7 +44,7 @@ def parse_variation(text: str) -> tuple[str, list[Any]]:
 
 
 def variation_text(key: str, values: Sequence[Any]) -> str:
-    """What `parse_variation` reads.
+    """Text that `parse_variation` reads.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def variants(study: Study, vary: Mapping[str, Sequence[Any]]) -> list[Study]:
     Raises
     ------
     InputError
-        A key is none, or a study file cannot say this.
+        A key is invalid, or the study file refuses a value.
     """
     if not vary:
         return [study]

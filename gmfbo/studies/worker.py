@@ -1,4 +1,4 @@
-"""What a worker does with a unit; it shares nothing with the campaign but gmfbo itself."""
+"""Run a unit on a worker, which shares nothing with the campaign but gmfbo itself."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from gmfbo.version import __version__
 
 
 def carry_out(unit: Unit, contents: Mapping[str, bytes]) -> Result:
-    """Do a unit, with contents that were sent before or come along.
+    """Run a unit, with contents sent before or along with it.
 
     Parameters
     ----------
     unit : Unit
-        What is to be done.
+        The unit.
     contents : mapping of str to bytes
         By hash; kept for later units.
     """
@@ -47,7 +47,7 @@ def carry_out(unit: Unit, contents: Mapping[str, bytes]) -> Result:
         except GmfboError as error:
             return Failed(" ".join(str(error).split()))
         except Exception as error:
-            # A method is foreign code too: its fault costs this run, and is named.
+            # A method may be foreign code: its error fails this run only, and is reported.
             return Failed(" ".join(f"{error!r}".split()))
 
 

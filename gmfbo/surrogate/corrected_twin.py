@@ -1,10 +1,10 @@
 """Surrogate of the axis whose prior mean is the objective of the corrected twin.
 
-The objective g is a known function of a trajectory, and jumps where a response just enters or
-leaves the settling band; trajectories do not jump. So the twin is corrected at the level of
-trajectories, y(t; k) = y_twin(t; k) + residual(t; k), the objective of that is the prior mean
-m(k), and a Gaussian process on g - m carries what is left (Kennedy and O'Hagan 2001, with the
-discrepancy modelled before the objective and not after it)::
+The objective g is a known function of a trajectory. It jumps where a response just enters or leaves
+the settling band, whereas trajectories do not jump. So the twin's trajectories are corrected,
+y(t; k) = y_twin(t; k) + residual(t; k). Their objective is the prior mean m(k), and a Gaussian
+process models the rest g - m (Kennedy and O'Hagan 2001, here with the discrepancy before the
+objective and not after it)::
 
     runs = AxisRuns(points (n, d), values (n,), simulated (n, m), measured (n, m))
     model = CorrectedTwinModel.fit(runs, cost_of)            # cost_of: (q, m) -> (q,)
@@ -14,9 +14,9 @@ discrepancy modelled before the objective and not after it)::
 `simulated` is the twin at these points: run there, or interpolated from a survey of the box by
 a `ResidualProcess` of the survey's trajectories, `centred=True`, with `likeliest_lengthscale`.
 
-How far the prior mean can be trusted is measured, not assumed: each run of the axis is predicted
-from the others, and the median error of g is the scale of the process. A twin that misleads
-makes that error large, and the search then spreads over the box as a single-source one does.
+The accuracy of the prior mean is measured: each run of the axis is predicted from the others, and
+the median error of g is the scale of the process. A misleading twin makes that error large, and the
+search then spreads over the box as a single-source search does.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ from gmfbo.errors import InputError
 
 CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
-# Lengthscale of g - m in the unit cube. The cost jumps, so little is learned far from a run; on
-# drives with weak to gross twin errors 0.1 to 0.3 needed the same number of runs, and 0.3 and
-# more stalled with the grossest.
+# Lengthscale of g - m in the unit cube. The cost jumps, so a run tells little about far gains. On
+# drives with weak to gross twin errors, 0.1 to 0.3 needed the same number of runs; 0.3 and more
+# stalled with the grossest error.
 DEPARTURE_LENGTHSCALE = 0.15
 # Candidates for the residual over the gains, and the log-normal prior (median, spread).
 LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
 _LENGTHSCALE_PRIOR = (0.4, 0.7)
-# Share of the scale that a repeated run may differ by.
+# Noise of a repeated run, as a share of the scale.
 NUGGET = 1e-4
 # Least scale, as a share of the spread of the observed objectives: with a perfect twin the
 # measured error is zero, and improvement would be decided by rounding.
@@ -58,12 +58,12 @@ class AxisRuns:
     points : ndarray, shape (n, d)
         Gains in the unit cube.
     values : ndarray, shape (n,)
-        Objective g, to be minimised; a failed run has its price.
+        Objective g, to be minimised; that of a failed run is finite.
     simulated, measured : ndarray, shape (n, m)
         [signal] Trajectories; a row of NaN in either where that run failed.
     extra : ndarray, shape (n,), optional
-        Variance of a run over that of the process: of one from before the plant changed. None
-        is zero.
+        Extra noise variance of runs from before the plant changed, over the variance of the
+        process. None is zero.
     """
 
     points: NDArray[np.float64]
@@ -90,12 +90,12 @@ class AxisRuns:
             raise InputError("objectives hold NaN or infinity; price a failed run first")
 
     def extra_of(self, rows: NDArray[np.generic]) -> NDArray[np.float64]:
-        """Extra variance of some runs, given by a mask or their places."""
+        """Extra variance of some runs, given by a mask or indices."""
         return (np.zeros(len(self.values)) if self.extra is None else self.extra)[rows]
 
     @property
     def paired(self) -> NDArray[np.bool_]:
-        """Runs of which both trajectories are whole, shape (n,)."""
+        """Mask of the runs with both trajectories, shape (n,)."""
         whole = np.isfinite(self.simulated) & np.isfinite(self.measured)
         return np.asarray(whole.all(axis=1))
 
@@ -107,14 +107,14 @@ class CorrectedTwinModel:
     Attributes
     ----------
     runs : AxisRuns
-        What it was fitted to.
+        Runs of the fit.
     cost_of : callable
         From trajectories, shape (q, m), to g, shape (q,).
     residual : ResidualProcess
-        Of measured minus simulated trajectories; zero while no run has both.
+        Process of measured minus simulated trajectories; zero while no run has both.
     scale : float
         [g] Prior standard deviation of g - m: the median error of predicting each run by the
-        others; the spread of the observed costs while there is none.
+        others, or the spread of the observed costs while there is no such error.
     """
 
     runs: AxisRuns
@@ -239,8 +239,8 @@ def _prior_mean(
 def _left_out_errors(runs: AxisRuns, cost_of: CostOf, lengthscale: float) -> NDArray[np.float64]:
     """Errors of predicting each paired run from the others, in prior standard deviations [g].
 
-    A run beside another one is predicted well whatever the twin is worth, so each error is
-    divided by the share of the prior standard deviation that the other runs leave there.
+    A run close to another one is predicted well by any twin. So each error is divided by the
+    posterior standard deviation there, relative to the prior one.
     """
     rows = np.flatnonzero(runs.paired)
     if len(rows) == 0:

@@ -1,4 +1,4 @@
-"""Noise of single rows beyond that of the rest, to believe some observations less."""
+"""Extra noise of single observations, to give them less weight."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from gmfbo.surrogate.observations import Observations
 
 
 class ExtraNoise(Noise):
-    """A noise model, and on the rows that were fitted a variance of their own on top.
+    """A noise model, with extra variances of the fitted rows.
 
     Parameters
     ----------
     inner : Noise
         Of all rows.
     inputs : Tensor, shape (n, d + 1)
-        The rows that are fitted.
+        Rows that are fitted.
     extra : Tensor, shape (n,)
         Variance [standardised objective squared].
     """
@@ -40,7 +40,7 @@ class ExtraNoise(Noise):
     def forward(
         self, *params: Any, shape: torch.Size | None = None, **kwargs: Any
     ) -> LinearOperator:
-        """Diagonal noise covariance; elsewhere than at the fitted rows that of the model."""
+        """Diagonal noise covariance; without extra variance at rows that were not fitted."""
         common = self.inner(*params, shape=shape, **kwargs)
         if not params:
             return common
@@ -52,14 +52,14 @@ class ExtraNoise(Noise):
 
 
 def believe_less(model: GPyTorchModel, observations: Observations) -> None:
-    """Give a surrogate the extra noise of its observations; without any it stays as it is.
+    """Add the extra noise of its observations to a surrogate; without any it stays unchanged.
 
     Parameters
     ----------
     model : GPyTorchModel
         Not yet fitted, with a standardised outcome; changed in place.
     observations : Observations
-        What it is made of.
+        Observations of the surrogate.
     """
     if observations.extra is None:
         return

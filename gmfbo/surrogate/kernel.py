@@ -2,8 +2,8 @@ r"""Kernel over gains and information source.
 
 c(z, z') = gamma_0(s, s') c_0(k, k') + gamma_1(s, s') c_1(k, k'),  z = [k, s]
 
-c_i = sigma_i^2 Matern-5/2(|k - k'|, l_i): c_0 is what twin and axis share, c_1 the twin's error.
-gamma_0 = Matern-5/2(|s - s'|, l_g0): how much of c_0 they share.
+c_i = sigma_i^2 Matern-5/2(|k - k'|, l_i): c_0 is common to twin and axis, c_1 is the twin's error.
+gamma_0 = Matern-5/2(|s - s'|, l_g0): correlation of twin and axis in c_0.
 gamma_1 = (1 - s)(1 - s')(1 + s s')^p: vanishes at the axis (s = 1).
 
 With s in {0, 1} the factor (1 + s s')^p is 1 wherever gamma_1 is not 0, so p cannot be learned
@@ -11,11 +11,11 @@ from such data; it stays the constant `POLYNOMIAL_DEGREE`.
 
 The correlation of axis and twin at equal gains is gamma_0(0, 1) / sqrt(1 + sigma_1^2 / sigma_0^2).
 With l_g0 <= 1, as published, gamma_0(0, 1) <= 0.524, and even endless runs of a perfect twin
-remove at most 27.5 % of the axis' variance; with l_g0 = 5 it is 0.968 and 93.7 %.
+remove at most 27.5 % of the axis' variance; with l_g0 = 5 these are 0.968 and 93.7 %.
 
 A third source, the corrected twin, is a point s_3 in [0, 1] on the same line, learned from the
-data: near 1 it is as good as the axis, at 0 it is the twin. Both factors are positive
-semi-definite for any s, hence so is their sum of products.
+data: near 1 it is as good as the axis, at 0 it equals the twin. All factors are positive
+semi-definite for any s, and so is the sum of their products.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class AdaptiveSourceKernel(Kernel):
     ard : bool
         One lengthscale for each gain; otherwise isotropic, as published.
     third_source : bool
-        Give the corrected twin its own, learned place s_3 between twin and axis; otherwise it
+        Whether the corrected twin has a learned place s_3 between twin and axis; otherwise it
         counts as the twin, as published.
 
     Raises

@@ -37,7 +37,7 @@ from gmfbo.surrogate.observations import Observations, with_source
 
 @dataclass(frozen=True)
 class SurrogateSettings:
-    """How the surrogate is built; the defaults are the publication's.
+    """Settings of the surrogate; the defaults are the publication's.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class SurrogateSettings:
     ard : bool
         One lengthscale for each gain.
     third_source : bool
-        The corrected twin is a source of its own, not the twin.
+        Whether the corrected twin is a source of its own, not the twin.
     noise_per_source : bool
         One noise variance for each source.
     noise_floor : float
@@ -73,11 +73,11 @@ class SourceModel(SingleTaskGP):
     train_Y : Tensor, shape (n, 1)
         Objective g, to be minimised, on its own scale.
     covar_module : Kernel, optional
-        Instead of the published kernel with l_g0 = 1.
+        Kernel in place of the published one with l_g0 = 1.
     likelihood : SourceNoiseLikelihood, optional
-        Instead of one noise variance for all sources.
+        Likelihood in place of one noise variance for all sources.
     mean_module : Mean, optional
-        Instead of a constant; in units of the standardised objective.
+        Mean in place of a constant; in units of the standardised objective.
     """
 
     def __init__(
@@ -104,14 +104,14 @@ class SourceModel(SingleTaskGP):
     ) -> SourceModel:
         """Fit the hyperparameters by maximum a posteriori; the same data gives the same model.
 
-        It starts afresh each time, so that a resumed study goes on exactly as it would have.
+        Each fit starts afresh, so that a resumed study continues exactly.
 
         Parameters
         ----------
         observations : Observations
             Points, sources and values.
         settings : SurrogateSettings, optional
-            How the surrogate is built.
+                Settings of the surrogate.
         """
         settings = settings or SurrogateSettings()
         train_X = observations.train_X()

@@ -36,8 +36,8 @@ class SourceNoise(Noise):
         self.per_source = per_source
         count = len(_COLUMNS) if per_source else 1
         self.register_parameter("raw_noise", torch.nn.Parameter(torch.zeros(count, dtype=DTYPE)))
-        # BoTorch's log-normal noise prior (Hvarfner et al. 2024, loc -4, scale 1) with a wider
-        # scale, since runs of a simulator repeat exactly.
+        # BoTorch's log-normal noise prior (Hvarfner et al. 2024, loc -4, scale 1), but wider, since
+        # runs of a simulator repeat exactly.
         self.register_prior(
             "noise_prior",
             LogNormalPrior(-6.0, 2.0),

@@ -1,8 +1,8 @@
-"""What the surrogate is told: points, sources and objective values.
+"""Observations of the surrogate: points, sources and objective values.
 
-This is the only place where a source gets its number, and where sign and scale of the objective
-are decided: g is minimised, its sign is never turned, and the model standardises it by the
-mean and standard deviation of all observations (`Observations.outcome_transform`).
+Only here a source gets its number, and the objective its sign and scale: g is minimised, its sign
+is never changed, and the model standardises it by the mean and standard deviation of all
+observations (`Observations.outcome_transform`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from gmfbo.correction.torch_setup import DTYPE
 from gmfbo.errors import InputError, did_you_mean
 
 # Value of the source column. The paper's s is 1 for the real axis and 0 for the twin; the
-# corrected twin lies between, where exactly is for the kernel to say.
+# corrected twin lies between, at a place that the kernel decides.
 IS1 = 1.0
 IS2 = 0.0
 IS3 = 0.5
@@ -59,8 +59,8 @@ class Observations:
     values : ndarray, shape (n,)
         Objective g, to be minimised.
     extra : ndarray, shape (n,), optional
-        [g^2] Noise variance of a row beyond that of its source: a run from before the plant
-        changed. None is zero.
+        [g^2] Extra noise variance of a row, for runs from before the plant changed. None is
+        zero.
     """
 
     points: NDArray[np.float64]

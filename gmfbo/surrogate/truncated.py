@@ -3,8 +3,8 @@ r"""BoTorch's multi-fidelity surrogate with its linear truncated kernel.
 c(z, z') = sigma^2 (c_0(k, k') + (1 - s)(1 - s')(1 + s s')^p c_1(k, k')),  z = [k, s], s in {0, 1}
 
 One output scale serves both parts, so that the correlation of axis and twin at equal gains is
-sqrt(1/2) = 0.707 whatever the data say: with s in {0, 1}, c = 2 sigma^2 for two runs of the twin
-and sigma^2 for every other pair (Poloczek, Wang and Frazier 2017; kernel and priors of BoTorch).
+always sqrt(1/2) = 0.707. With s in {0, 1}, c = 2 sigma^2 for two runs of the twin, and sigma^2
+for every other pair. (Poloczek, Wang and Frazier 2017; kernel and priors of BoTorch.)
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from gmfbo.surrogate.observations import Observations, with_source
 class TruncatedModel(SingleTaskMultiFidelityGP):
     """`SingleTaskMultiFidelityGP` of g over [gains, source], as BoTorch's tutorial uses it.
 
-    `note` is always empty; it is there because every surrogate has one.
+    `note`, which every surrogate has, is always empty.
     """
 
     note = ""

@@ -16,7 +16,7 @@ from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.study_file.drift_section import DriftSection
 
 NEXT_TO = 0.02
-"""Distance in the unit cube within which a run says what a repeat would."""
+"""Distance in the unit cube within which a run replaces a repeat."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a tuning method is: the names that a method of one's own needs."""
+"""Public names for a tuning method of one's own."""
 
 from __future__ import annotations
 

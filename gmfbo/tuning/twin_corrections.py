@@ -70,7 +70,7 @@ class TwinCorrections:
         Parameters
         ----------
         watch : Watch
-            Told of a correction.
+            Reports a correction.
         """
         history: History = self.runs.history
         real = history.of("IS1")

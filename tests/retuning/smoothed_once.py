@@ -22,15 +22,15 @@ class SmoothingRefiner:
         self._twin, self._done = twin, False
 
     def revise(self, history: History) -> TwinVersion | None:
-        """Give the smooth twin, once."""
+        """Return the smooth twin, once."""
         return None if self._done else self._smooth()
 
     def restore(self, event: Mapping[str, Any]) -> TwinVersion:
-        """Give the smooth twin again."""
+        """Return the smooth twin again."""
         return self._smooth()
 
     def close(self) -> None:
-        """Nothing was opened."""
+        """Do nothing."""
 
     def _smooth(self) -> TwinVersion:
         self._done = True

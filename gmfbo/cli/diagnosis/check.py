@@ -1,4 +1,4 @@
-"""`gmfbo check`: what is wrong with recordings and what they can show, before any diagnosis."""
+"""`gmfbo check`: faults of recordings, and effects that they can show."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def check(
 
 
 def _check_file(json: Path | None) -> None:
-    """Refuse a file that cannot be written before the work, not after it."""
+    """Raise for a file that cannot be written, before the work instead of after it."""
     if json is None:
         return
     if json.is_dir():

@@ -1,4 +1,4 @@
-"""`gmfbo compensate`: the diagnosed correction as something that a drive can use."""
+"""`gmfbo compensate`: write the diagnosed feed-forward for a drive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`gmfbo diagnose`: what the twin lacks, shown while it is found."""
+"""`gmfbo diagnose`: find the physics that the twin lacks, with progress."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def diagnose_and_show(
     Returns
     -------
     Diagnosis
-        What was found.
+        The result of the diagnosis.
     """
     from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
     from gmfbo.cli.diagnosis.diagnosis_screen import screenful
@@ -135,14 +135,14 @@ def diagnose_and_show(
 
 
 def with_notes_of_saving(diagnosis: Diagnosis, out: Path) -> Diagnosis:
-    """Add what saving noted, first: it finds out whether the twin can be exported.
+    """Put notes of saving first, which tell whether the twin can be exported.
 
     Parameters
     ----------
     diagnosis : Diagnosis
-        As it was saved.
+        Saved before.
     out : Path
-        Where.
+        Its folder.
     """
     noted = [note for note in type(diagnosis).from_json(out).notes if note not in diagnosis.notes]
     return replace(diagnosis, notes=(*noted, *diagnosis.notes))
@@ -164,7 +164,7 @@ def _check_effects(assume: Sequence[str], exclude: Sequence[str]) -> None:
 
 
 def _check_folder(out: Path) -> None:
-    """Refuse a folder that cannot be made before the work, not after it."""
+    """Raise for a folder that cannot be made, before the work instead of after it."""
     from gmfbo.files.durable import cause
 
     if out.exists() and not out.is_dir():

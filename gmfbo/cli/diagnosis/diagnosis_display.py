@@ -14,7 +14,7 @@ TAKEN = BAR + len(" 100% 0:00:00 ") + 1  # columns of all but the words
 
 
 class DiagnosisDisplay:
-    """One line: how far it is, how long it took so far, and what is being done.
+    """One line: progress, time so far, and the present stage.
 
     Parameters
     ----------
@@ -36,9 +36,9 @@ class DiagnosisDisplay:
         self._task = self._bar.add_task("reading", total=1.0)
 
     def show(self, stage: str, share: float) -> None:
-        """Show a stage, in words, and the share of the whole that is done, 0 to 1."""
+        """Show a stage, in words, and the share done, 0 to 1."""
         done = min(max(share, 0.0), 1.0)
-        # Too long a text would squeeze the bar, not itself.
+        # A text that is too long would shrink the bar.
         shown = stage if len(stage) <= self._room else f"{stage[: self._room - 3]}..."
         self._bar.update(self._task, description=shown, completed=done)
 

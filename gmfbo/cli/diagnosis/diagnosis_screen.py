@@ -1,4 +1,4 @@
-"""What a diagnosis came to, in one screen of 80 by 24."""
+"""Result of a diagnosis on one screen of 80 by 24."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ INDENT = 13
 
 @dataclass(frozen=True)
 class _Detail:
-    """How much is told: lines of the sentence, effects and signals, lines of each entry."""
+    """Level of detail: lines of the sentence, effects and signals, lines of each entry."""
 
     sentence: int
     entries: int
@@ -33,12 +33,12 @@ _DETAILS = (_Detail(6, 5, 2), _Detail(5, 3, 1), _Detail(4, 2, 1), _Detail(3, 1, 
 
 
 def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
-    """Return the lines of one screen; the report has what does not fit.
+    """Lines of one screen; the report has the rest.
 
     Parameters
     ----------
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
     written : sequence of Path
         Files that were written.
 
@@ -87,7 +87,7 @@ def _entry(name: str, text: str, most: int) -> list[str]:
     if not text:
         return []
     wide = WIDTH - INDENT
-    # A path or a name is worth more whole than within the margin.
+    # A path or a name stays whole, even beyond the margin.
     wrapped = textwrap.wrap(text, wide, break_long_words=False, break_on_hyphens=False)
     wrapped = _cut(wrapped, most, wide)
     heads = [name, *[""] * (len(wrapped) - 1)]
@@ -109,7 +109,7 @@ def _effect(effect: NamedEffect, most: int) -> list[str]:
 
 
 def _refitted(diagnosis: Diagnosis) -> str:
-    """Return the twin's parameters that the recordings see, old and new."""
+    """Identifiable parameters of the twin, before and after the refit."""
     return "; ".join(
         f"{name} {number(one.nominal)} -> {interval(one.value, one.low, one.high, one.unit)}"
         for name, one in diagnosis.parameters.items()

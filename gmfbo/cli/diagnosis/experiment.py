@@ -1,4 +1,4 @@
-"""`gmfbo experiment`: what to play next, and what was observed against what was predicted."""
+"""`gmfbo experiment`: propose the next recording, and compare it with predictions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an experiment would show, and what a confirmation run said, as lines of a terminal."""
+"""A proposed experiment, or the result of a confirmation run, as lines of a terminal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
 
 INDENT = 13
-_EFFECTS = 6  # that are listed with their sizes
+_EFFECTS = 6  # effects listed with their sizes
 
 
 def _entry(head: str, text: str, most: int = 4) -> list[str]:
@@ -22,12 +22,12 @@ def _entry(head: str, text: str, most: int = 4) -> list[str]:
 
 
 def experiment_lines(proposed: ProposedExperiment, written: str) -> list[str]:
-    """What is played, how far it goes, what it shows and what is predicted.
+    """Lines of a proposal: motion, extremes, detectable effects and predictions.
 
     Parameters
     ----------
     proposed : ProposedExperiment
-        What was chosen.
+        The proposed experiment.
     written : str
         Where it was written.
     """
@@ -108,7 +108,7 @@ def confirmation_lines(confirmation: Confirmation, written: str) -> list[str]:
     Parameters
     ----------
     confirmation : Confirmation
-        What was observed.
+        The judged confirmation run.
     written : str
         Where it was written.
     """

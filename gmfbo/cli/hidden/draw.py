@@ -1,4 +1,4 @@
-"""What is hidden in the demo's axis: drawn from the user's seed, large enough to be found."""
+"""Draw the demo's hidden physics from the user's seed, large enough to be found."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from gmfbo.cli.hidden.effects import EFFECTS, Rng, log_uniform
 
 NOTHING = "nothing"
-"""The axis is its twin, to the last parameter."""
+"""The axis equals its twin in all parameters."""
 
 PARAMETERS = "parameters"
-"""The axis has another inertia and another viscous friction than its twin, and nothing else."""
+"""The axis differs from its twin in inertia and viscous friction only."""
 
-_PLAIN_SHARE = 0.08  # of the draws each: nothing, and parameters alone
+_PLAIN_SHARE = 0.08  # share of the draws with nothing hidden, and with wrong parameters only
 
 
 @dataclass(frozen=True)
 class Draw:
-    """What was hidden.
+    """Hidden physics of a plant.
 
     Attributes
     ----------
@@ -62,6 +62,6 @@ def draw(seed: int) -> Draw:
 
 
 def _factor(rng: Rng, most: float) -> float:
-    """By at least 10 %, up or down: the twin is visibly wrong."""
+    """Factor that differs from one by at least 10 %, so that the twin is visibly wrong."""
     factor = log_uniform(rng, 1.1, most)
     return factor if rng.random() < 0.5 else 1.0 / factor

@@ -1,4 +1,4 @@
-"""The effects that the demo may hide: what they are in the plant, and what is found of them.
+"""Effects that the demo may hide: in the plant, and in a diagnosis.
 
 The plant's laws are not those of the catalogue (hard friction, contact by Hunt and Crossley, delays
 off the grid), so only values that mean the same in both are compared. A limit of the command's rate
@@ -16,8 +16,8 @@ import numpy as np
 Rng = np.random.Generator
 Values = Mapping[str, float]
 
-# Torque that the recordings ask of the rigid axis at most, by its inertia: a limit has to be below
-# it, and far below it the axis would not follow at all.
+# Largest torque over inertia that the references ask of the rigid axis. A torque limit has to be
+# below it, but not far, or the axis would not follow at all.
 _HARDEST = 350.0  # [rad/s2]
 
 
@@ -45,7 +45,7 @@ class Size:
 
 @dataclass(frozen=True)
 class HiddenEffect:
-    """One effect of the catalogue, and how large it is made in the plant.
+    """One effect of the catalogue, and its range of sizes in the plant.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class HiddenEffect:
     draw : callable
         From a generator and the rigid plant's parameters to those that switch the effect on.
     sizes : tuple of Size
-        What is compared.
+        Compared size.
     """
 
     name: str
@@ -63,7 +63,7 @@ class HiddenEffect:
 
 
 def log_uniform(rng: Rng, low: float, high: float) -> float:
-    """Draw a size: every factor is as likely."""
+    """Draw a size from a log-uniform distribution."""
     return float(np.exp(rng.uniform(math.log(low), math.log(high))))
 
 

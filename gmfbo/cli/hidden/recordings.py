@@ -10,9 +10,7 @@ import numpy as np
 from gmfbo.cli.hidden.references import SAMPLE_S, references
 from gmfbo.errors import SimulationError
 
-_AT_REST_S = (
-    0.4  # [s] under control before the logger starts: sagging, sticking and ringing are over
-)
+_AT_REST_S = 0.4  # [s] under control before the logger starts, for transients to end
 
 
 def record(plant: Mapping[str, float], seed: int, folder: Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""What the demo's axis is asked to follow while it is recorded: the same for every draw."""
+"""References of the demo's recordings, the same for every draw."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SAMPLE_S = 1e-3
 """[s] Period of the controller and of the logger."""
 
 DURATION_S = 2.5
-"""[s] Of each recording."""
+"""[s] Duration of each recording."""
 
 _QUIET_S = 0.1  # at zero, before the motion
 

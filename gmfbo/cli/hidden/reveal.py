@@ -1,4 +1,4 @@
-"""The answer beside what was found, and whether that is right."""
+"""Compare the hidden physics with the diagnosis, and mark it."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _VERDICTS = {
 
 
 def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
-    """Say whether a diagnosis found what was hidden.
+    """Mark a diagnosis by the hidden physics.
 
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
 
     Returns
     -------
@@ -62,14 +62,14 @@ def _mark(effect: NamedEffect, hidden: str) -> Mark:
 
 
 def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
-    """Return the table of what was hidden and what was found.
+    """Table of hidden physics and diagnosis.
 
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
 
     Returns
     -------
@@ -115,14 +115,14 @@ def _size_rows(
 
 
 def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
-    """Say the mark with its reason, in one sentence.
+    """The mark with its reason, in one sentence.
 
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     diagnosis : Diagnosis
-        What was found.
+        The result of the diagnosis.
     """
     mark, hidden = judged(drawn, diagnosis), words(drawn.hidden)
     if mark == "right":

@@ -1,4 +1,4 @@
-"""A draw in a file whose hash is told first: nobody can change the answer unseen afterwards."""
+"""Sealed draw: a file whose hash is shown first, so that a later change would be noticed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gmfbo.errors import InputError
 
 @dataclass(frozen=True)
 class Sealed:
-    """A draw that was written away.
+    """A draw in a sealed file.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ def seal(drawn: Draw, path: Path) -> Sealed:
     Parameters
     ----------
     drawn : Draw
-        What was hidden.
+        The hidden physics.
     path : Path
         File to write.
 
@@ -53,7 +53,7 @@ def seal(drawn: Draw, path: Path) -> Sealed:
 
 
 def unseal(sealed: Sealed) -> Draw:
-    """Read a draw back, if nobody touched it.
+    """Read a draw, if its file is unchanged.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""`gmfbo ask`: the next gains, for whoever runs the axis."""
+"""`gmfbo ask`: the next gains, for the user who runs the axis."""
 
 from __future__ import annotations
 

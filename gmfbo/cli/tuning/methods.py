@@ -1,4 +1,4 @@
-"""`gmfbo methods`: the tuning methods, a line and a source each."""
+"""`gmfbo methods`: list the tuning methods, each with its publication."""
 
 from __future__ import annotations
 

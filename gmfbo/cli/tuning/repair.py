@@ -1,4 +1,4 @@
-"""`gmfbo repair`: a damaged study becomes one that can be read and resumed."""
+"""`gmfbo repair`: make a damaged study readable and resumable."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from gmfbo.cli.completion import paths_ending
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 
-TABLE_NAME = "table.txt"  # by which the folder of a comparison is known; studies load torch
+TABLE_NAME = "table.txt"  # marks a comparison's folder; importing studies would load torch
 
 
 MANUAL = Manual(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class StudyDisplay:
-    """A bar with the newest run below a line for each real run.
+    """Progress bar with the newest run, below a line for each real run.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class StudyDisplay:
             self._bar.console.print(f"note: {step.note}")
 
     def _done(self, step: progress.Progress) -> tuple[str, int, int]:
-        """What is counted, how many are done, and at how many the study ends."""
+        """Counted unit, number done, and number at which the study ends."""
         if self._most_real_runs is not None:
             return "real runs", step.is1_runs, self._most_real_runs
         return "queries", step.iteration, step.iterations
@@ -75,7 +75,7 @@ class StudyDisplay:
 
 
 def real_run_text(step: progress.Progress) -> str:
-    """Tell of a real run in a line; nothing for other runs.
+    """Describe a real run in a line; empty for other runs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""`gmfbo tell`: take the recording of the run that was asked for."""
+"""`gmfbo tell`: read the recording of the requested run."""
 
 from __future__ import annotations
 

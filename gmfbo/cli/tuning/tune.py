@@ -59,7 +59,7 @@ def tune(
 
 
 def run_study(study: Study, *, resume: bool) -> TuningResult:
-    """Run a study with its progress on the terminal, and print what it came to.
+    """Run a study with its progress on the terminal, and print its result.
 
     Parameters
     ----------
@@ -91,14 +91,14 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
 
 
 def print_result(study: Study | StudyReview, result: TuningResult) -> None:
-    """Print the gains that a study came to.
+    """Print the best gains of a study.
 
     Parameters
     ----------
     study : Study or StudyReview
         Of which file and location are told.
     result : TuningResult
-        What it came to.
+        Its result.
     """
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "

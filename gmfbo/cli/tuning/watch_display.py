@@ -1,4 +1,4 @@
-"""A study on the terminal while another process writes it."""
+"""Display of a study on the terminal while another process writes it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SOURCES = {"IS1": "real axis", "IS2": "twin", "IS3": "corrected twin"}
 
 
 class WatchDisplay:
-    """A few lines that stay below a line for each real run; those alone where it is no terminal.
+    """Status lines below a line for each real run; only the latter where output is no terminal.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class WatchDisplay:
         self._live = Live(console=console, auto_refresh=False, transient=True)
 
     def show(self, steps: list[Progress]) -> None:
-        """Show what came since the last call, or that nothing did.
+        """Show the runs since the last call, or that there are none.
 
         Parameters
         ----------

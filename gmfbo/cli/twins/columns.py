@@ -1,4 +1,4 @@
-"""`gmfbo columns`: which column of a logger's file is which signal, saved once."""
+"""`gmfbo columns`: map a logger's columns to signals, and save the mapping."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def columns(
         _print_columns(file, {_clock_name(file): "time", **_by_column(found)}, guesses)
         _print_missing(source, found, file)
         if save is not None:
-            read_recording(recording, source, mapping=mapping)  # refuse what would not be read
+            read_recording(recording, source, mapping=mapping)  # raises for an unreadable mapping
             _save(save, twin, recording, mapping, found, guesses)
 
 
@@ -120,7 +120,7 @@ def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) 
 
 
 def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> dict[str, str]:
-    """Column by the name that the twin uses, as the readers find it."""
+    """Columns by the twin's names, as the readers find them."""
     names = {column.name for column in file.columns}
     found = {n: e.column for n, e in mapping.columns.items() if e.column in names}
     for name, spec in source.signal_specs().items():
@@ -133,7 +133,7 @@ def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> di
 
 
 def _guesses(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> dict[str, str]:
-    """Columns whose last word is like the signal's name, and which are not taken."""
+    """Free columns whose last word resembles a signal's name."""
     taken = {*found.values(), _clock_name(file)}
     free = [c.name for c in file.columns if c.name not in taken and not c.fault]
     guesses: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""`gmfbo inspect`: what an FMU is, without running it."""
+"""`gmfbo inspect`: describe an FMU without running it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from gmfbo.sources.inspection.inspection import FmuVariable
 
 MOST_ROWS = 60
-"""Variables of a kind that are listed; a lookup table may have hundreds."""
+"""Most listed variables of a kind; a lookup table may have hundreds."""
 
 
 MANUAL = Manual(

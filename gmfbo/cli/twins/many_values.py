@@ -16,7 +16,7 @@ class ManyValuesCommand(ManualCommand):
     many: tuple[str, ...] = ("--validate",)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Repeat the flag before each of its values, which is what the parser knows."""
+        """Repeat the flag before each of its values, as the parser expects."""
         return super().parse_args(ctx, repeat_flags(args, self.many))
 
 
@@ -36,7 +36,7 @@ def repeat_flags(arguments: list[str], many: tuple[str, ...]) -> list[str]:
         The same, with each of those flags before each of its values.
     """
     spread: list[str] = []
-    flag, waiting = "", False  # a flag whose first value is yet to come stands in `spread` already
+    flag, waiting = "", False  # `spread` already holds a flag before its first value
     for position, argument in enumerate(arguments):
         if argument == "--":
             return [*spread, *arguments[position:]]

@@ -1,4 +1,4 @@
-"""`gmfbo simulate`: one trajectory of a twin, held against a recording."""
+"""`gmfbo simulate`: one trajectory of a twin, compared with a recording."""
 
 from __future__ import annotations
 

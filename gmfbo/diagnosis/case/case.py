@@ -22,7 +22,7 @@ from gmfbo.diagnosis.scoring.whitening import Spectrum, Whitener, Window
 from gmfbo.sources.twin.twin import FmuTwin
 
 _MORE_THAN_NOISE = 1.06
-"""times what noise gives: nulls of the blind benchmark leave 0.84 to 1.00."""
+"""Times the chi2 of noise; nulls of the blind benchmark have 0.84 to 1.00."""
 
 
 @dataclass(frozen=True, eq=False)

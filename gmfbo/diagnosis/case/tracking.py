@@ -21,7 +21,7 @@ would turn that noise into torque in proportion to its inertia, and the least in
 """
 
 HOLDING_RAD_S = 90.0
-"""[rad/s] The same for a loop whose effort is read as the torque that is missing."""
+"""[rad/s] Bandwidth of a tracking loop whose effort is read as the missing torque."""
 
 _TRACKING_DAMPING = 0.8
 

@@ -17,7 +17,7 @@ from scipy.signal.windows import hann
 Array = NDArray[np.float64]
 
 TRUSTED_COHERENCE = 0.8
-"""Below it more than a fifth of a signal's power is not of the reference."""
+"""Below it, the reference does not cause more than a fifth of a signal's power."""
 
 _SEGMENTS = 3.0  # of the shortest recording; half of each overlaps with the next
 _LEAST_ROWS = 32

@@ -29,9 +29,9 @@ class Finding:
     signal : str
         Column; empty where all columns or the clock are meant.
     what : str
-        What is wrong, with numbers.
+        Fault, with numbers.
     cure : str
-        What to do about it.
+        Cure of the fault.
     """
 
     kind: str
@@ -43,7 +43,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class ColumnQuality:
-    """How one signal was logged in one recording.
+    """Quality of one signal's column in one recording.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class ColumnQuality:
 
 @dataclass(frozen=True)
 class ClockQuality:
-    """How evenly a recording was sampled.
+    """Quality of a recording's clock.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 KINDS = ("shift", "scale", "offset")
 
 LEAST_GAIN = 0.02
-"""Share of a gain, above which another one is told from the one that was stated."""
+"""Share of a gain above which it is told from the stated one."""
 
 _ROUNDS = 4  # linear steps, enough to find a shift of many samples
 _SMALL = 0.01  # change of scale, and of the range, for the controller's derivatives

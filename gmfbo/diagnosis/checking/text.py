@@ -44,7 +44,7 @@ def check_lines(check: Check, *, every: bool = False) -> list[str]:
     Parameters
     ----------
     check : Check
-        What was seen.
+        The result of the check.
     every : bool
         Tell of all findings and effects, not of the usual ones.
     """

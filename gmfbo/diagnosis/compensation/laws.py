@@ -16,7 +16,7 @@ Column = NDArray[np.float64]
 Values = Mapping[str, float]
 
 REST_SHARE = 0.01
-"""Of the fastest recorded motion: within it the sign of the velocity is smoothed."""
+"""Of the fastest recorded motion: half width over which the sign of the velocity is smoothed."""
 
 _BEYOND = 1.25  # of the recorded range, up to which a law is tabulated
 _STRIBECK_SHARE = 0.1  # of the Stribeck velocity: widest smoothing allowed
@@ -294,4 +294,4 @@ ADVICE: Mapping[str, str] = {
     "pulse_disturbance": "it passed and will not come again by the clock: find what pushed the "
     "axis",
 }
-"""What to do about effects that no feed-forward cancels."""
+"""Advice for effects that no feed-forward cancels."""

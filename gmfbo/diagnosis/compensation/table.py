@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Column = NDArray[np.float64]
 
 TARGETS = ("torque", "command", "reference")
-"""What a compensation is added to."""
+"""Signals to which a compensation may be added."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,7 +89,7 @@ def csv_text(compensation: Compensation) -> str:
     Parameters
     ----------
     compensation : Compensation
-        What to write.
+        Compensation to write.
     """
     head = [f"# {line}" for line in _story(compensation)]
     tables = compensation.tables
@@ -113,7 +113,7 @@ def c_text(compensation: Compensation) -> str:
     Parameters
     ----------
     compensation : Compensation
-        What to write.
+        Compensation to write.
     """
     story = [
         piece

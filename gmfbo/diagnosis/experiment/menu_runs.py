@@ -228,7 +228,7 @@ def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whi
     case : Case
         Whose simulators play the menu now.
     menu : Menu
-        What is played.
+        Played references.
     entry : int
         Which reference.
     simulated : Simulated

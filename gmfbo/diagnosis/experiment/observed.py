@@ -179,7 +179,7 @@ def save_confirmation(confirmation: Confirmation, folder: Path) -> Path:
     Parameters
     ----------
     confirmation : Confirmation
-        What was observed.
+        The new confirmation.
     folder : Path
         Of the diagnosis.
 

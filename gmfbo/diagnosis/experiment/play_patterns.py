@@ -15,7 +15,7 @@ from gmfbo.errors import InputError
 Column = NDArray[np.float64]
 
 PARTS = 2
-"""Patterns that are played one after the other."""
+"""Number of patterns played one after the other."""
 
 _SHARES = (0.9, 0.7, 0.5, 0.35, 0.2, 0.1)  # of the time of a part, tried one after the other
 _REST_ROWS = 8  # at each end, so that differences of any order begin and end at zero

@@ -40,7 +40,7 @@ Progress = Callable[[str, float], None]
 Pair = tuple[int, int]
 
 POSITION_NOISE, OTHER_NOISE = 1e-4, 2e-3
-"""Of a signal's range: noise that is assumed where no diagnosis has measured it."""
+"""Assumed noise, as a share of a signal's range, without a diagnosis that measured it."""
 
 _SUBSTEPS = 5  # substeps of a communication step while only limits are checked
 _UNSEEN = 100.0  # times the smallest size: an effect that does not show counts as this large
@@ -292,7 +292,7 @@ class _Choice:
         }
 
     def _predicted(self, recording: Recording) -> dict[str, str]:
-        """What is seen of the whole under each explanation; empty where there is but one."""
+        """Predicted outcome under each explanation; empty where there is only one."""
         case = self.case
         shown = self.rivals or self.explanations
         if len(shown) < 2:

@@ -14,7 +14,7 @@ from gmfbo.physics.effect import EffectParameter
 from gmfbo.sources.twin.uncertain import Uncertain
 
 DIFFERENCE_STEP = 5e-3
-"""Share of a parameter's scale; 1e-8 would see nothing through dead bands and encoder counts."""
+"""Share of a parameter's scale; 1e-8 would be lost in dead bands and encoder counts."""
 
 PRIOR_WIDTH = 3.0
 """Standard deviation of a weak prior of an effect's parameters, in typical sizes."""

@@ -69,7 +69,7 @@ class _Valley:
         self._matrix = normal.matrix[0] + np.diag(fitted.prior)
 
     def reach(self, i: int, half: float) -> float:
-        """How many half widths the parameter may move, at least 1."""
+        """Half widths by which the parameter may move, at least 1."""
         x, before, last = self._fitted.x, 0.0, 1.0
         others = np.arange(x.size) != i
         inner = self._matrix[np.ix_(others, others)]

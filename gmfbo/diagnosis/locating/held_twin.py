@@ -15,7 +15,7 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.sources.twin.augmented_twin import Response
 
 DISTURBANCE = 0.05
-"""Share of the torque's range that a null simulation hides."""
+"""Hidden disturbance of a null simulation, as a share of the torque's range."""
 
 _DISTURBANCE_HZ = 7.0
 

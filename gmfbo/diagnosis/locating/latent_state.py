@@ -26,7 +26,7 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StateFit:
-    """How well a state explains a latent signal.
+    """Score of a state that may explain a latent signal.
 
     Attributes
     ----------

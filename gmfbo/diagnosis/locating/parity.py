@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 BLOCK_S = 0.03
-"""[s] Over which a residual is averaged: shorter than a reversal or a pulse lasts."""
+"""[s] Averaging time of a residual, shorter than a reversal or a pulse."""
 
 FAILS_ABOVE = 3.0
-"""Mean square of block scores above which a parity fails; one where the twin is right."""
+"""Mean square of block scores above which a parity fails; it is one for a right twin."""
 
 
 @dataclass(frozen=True, eq=False)

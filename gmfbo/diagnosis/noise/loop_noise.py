@@ -20,7 +20,7 @@ from gmfbo.diagnosis.scoring.nuisances import Direction
 from gmfbo.sources.twin.augmented_twin import Response
 
 NOISE_RUNS = 4
-"""Noise runs of each recording; smoothing over frequency does the rest."""
+"""Noise runs of each recording; few are enough, since spectra are smoothed over frequency."""
 
 _CONTAINED = 0.5  # of the sensor port's noise: a reading that shows more contains the port
 _SENT = 0.1  # of a resolution: own noise that remains where the loop's noise contains the rounding

@@ -43,7 +43,7 @@ WORDS: Mapping[str, str] = {
     "unnamed_spline": "unnamed spline",
     "noise_floor": "noise floor",
 }
-"""What each model is called on the page."""
+"""Name of each model on the page."""
 
 _MOST_POINTS = 48_000  # of all drawn lines: about half a megabyte
 _MOST_NUMBERS = 110_000  # of all curves for the script: about another

@@ -31,7 +31,7 @@ VERDICTS: Mapping[str, str] = {
     "missing_physics": "physics is missing",
     "outside_library": "unknown physics",
 }
-"""What each verdict is called on the page."""
+"""Name of each verdict on the page."""
 
 _HEADLINE = 290  # characters that a headline may have: three lines
 _QUANTITY = re.compile(

@@ -49,7 +49,7 @@ class Findings:
     evidence : {"sufficient", "insufficient"}
         Whether these recordings suffice; if not, the verdict names only what is certain.
     effects : tuple of NamedEffect
-        What is missing, strongest evidence first.
+        Named effects, strongest evidence first.
     parameters : mapping of str to EstimatedParameter
         The twin's uncertain parameters, refitted.
     combinations : tuple of Combination
@@ -65,7 +65,7 @@ class Findings:
     shape : Shape or None
         The inferred signal where the verdict is `outside_library`.
     next_experiment : NextExperiment or None
-        What to record next, where that would tell more.
+        Next experiment, if it would tell more.
     not_testable : tuple of NotTestable
         Effects that could not be tested, and why.
     cost : Cost

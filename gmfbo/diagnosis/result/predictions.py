@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 PARAMETERS_ONLY = "parameters"
-"""Name of the explanation that has no physics beside the refitted twin."""
+"""Name of the explanation without physics: the refitted twin."""
 
 
 @dataclass(frozen=True)

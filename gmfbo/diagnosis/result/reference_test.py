@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ResidualTest:
-    """How much of one signal's error follows the reference in one held-out recording.
+    """Part of one signal's error that follows the reference in one held-out recording.
 
     All are RMS over the range of the recorded signal, dimensionless.
 

@@ -1,4 +1,4 @@
-"""Where the mismatch sits, and its shape where it has no name."""
+"""Location of the mismatch, and its shape where it has no name."""
 
 from __future__ import annotations
 

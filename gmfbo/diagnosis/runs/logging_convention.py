@@ -29,7 +29,7 @@ def logged_new(
     twin : FmuTwin
         The user's twin, whose file may state the convention.
     recordings : sequence of Recording
-        What was measured.
+        Recordings of the axis.
     simulations : Simulations
         Of these recordings.
     nominal : sequence of Simulated

@@ -48,7 +48,7 @@ def reversals(states: States) -> int:
 
 @dataclass(frozen=True)
 class Stiffness:
-    """How the twin answers a torque at its port.
+    """Response of the twin to a torque at its port.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ from gmfbo.sources.twin.augmented_twin import RunPlan
 _JITTER_SHARE = 0.15  # of a sample; below it, times count as evenly spaced
 _GAP_SAMPLES = 4.5  # beyond which interpolation between the neighbouring rows is meaningless
 LEAST_ROWS = 64
-"""Samples of a signal below which a recording says nothing."""
+"""Fewest samples of a signal that can be scored."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Columns, Response, RunPlan
 
 REMEMBERED = 256 * 2**20
-"""[B] Responses that are kept, of failed runs too: screening, starts and fits meet again."""
+"""[B] Kept responses, of failed runs too, since screening, starts and fits share points."""
 
 _COLUMNS = 12  # about as many columns as a response has
 

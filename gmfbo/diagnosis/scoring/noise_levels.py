@@ -18,10 +18,10 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.scoring.whitening import Spectrum, Window
 
 TOLERANCE = 5e-3
-"""Share of a signal below which nobody cares (prototype: 0.5 % and floors, 0 of 16 false)."""
+"""Negligible share of a signal (prototype: 0.5 % and floors, 0 of 16 false)."""
 
 POSITION_TOLERANCE = 5e-4
-"""The same for a position, of which the controller sees a hundredth as error."""
+"""Negligible share of a position, whose control error is about a hundredth of it."""
 
 _LOWEST_HZ = 1.0  # below it, a tracking loop holds a free axis
 _NOISE_BAND = (0.30, 0.48)  # of the sampling frequency: too fast for mechanics

@@ -21,16 +21,16 @@ Direction = tuple[NDArray[np.float64], ...]
 """One array a signal."""
 
 SCALE, POSITION_SCALE = 0.02, 3e-4
-"""Column scales: current and torque sensors are specified to 1-3 %, encoders are not off."""
+"""Priors of column scales: current and torque sensors are within 1-3 %, encoders exact."""
 
 CLOCK_SKEW = 2e-4
 """Quartz clocks of two devices differ by up to 100 ppm each."""
 
 SHIFT_SHARE = 0.1
-"""Of a sample: when within its period a column is latched."""
+"""Of a sample: a column may be latched at any time within its period."""
 
 ACTUATOR_LAG_S, ACTUATOR_GAIN = 2.5e-4, 0.02
-"""Current loops differ by 0.1-0.3 ms and torque constants by 2 % from what their twins say."""
+"""Current loops differ from their twins by 0.1-0.3 ms, torque constants by 2 %."""
 
 _FREE = 10.0  # times the range: as good as no prior
 _OFFSET = 5e-4  # of a signal's range

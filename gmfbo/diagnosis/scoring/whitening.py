@@ -17,7 +17,7 @@ from scipy.signal.windows import tukey
 Spectrum = NDArray[np.complex128]
 
 TOP_FREQUENCY = 200.0
-"""[Hz] Above it a residual of a drive is noise and computing delays."""
+"""[Hz] Above it, a drive's residual is noise and computing delays."""
 
 _TAPERED = 0.1  # share of a window that rises and falls
 _UNSEEN = 1e30  # variance of a signal beyond its own Nyquist frequency

@@ -31,7 +31,7 @@ def windows_of(
     Parameters
     ----------
     records : sequence of Record
-        What is scored.
+        Recordings that are scored.
     loop_time : float
         [s] Slowest time constant of the closed loop; a stretch is at least five long.
     nominal : sequence of Simulated, optional

@@ -29,7 +29,7 @@ def _signal(states: States, parameters: Values) -> Array:
 
 def _acts(states: States, parameters: Values) -> Mask:
     behind = np.abs(_signal(states, parameters))
-    # A command that jumps is followed within the row, but not at once.
+    # A jump of the command is followed within the row, but not at once.
     late = np.abs(np.diff(states.command, prepend=states.command[:1]))
     return np.asarray(
         (behind > 1e-9 * max(np.max(np.abs(states.command)), 1e-300))

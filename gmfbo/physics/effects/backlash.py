@@ -17,7 +17,7 @@ def _unit(excitation: Excitation) -> float:
 
 
 def _fixed(excitation: Excitation, damping_ratio: float = _DAMPING_RATIOS[0]) -> Values:
-    # Stiffer than this, the contact's own deflection is far below any gap that is claimed.
+    # With this stiffness, the contact's own deflection is far below any gap that is claimed.
     stiffness = excitation.torque / (0.1 * _unit(excitation))
     # Motor and load of equal shares meet as a quarter of the inertia.
     own = math.sqrt(stiffness * 0.25 * excitation.shaft_inertia)

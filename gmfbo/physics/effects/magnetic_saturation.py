@@ -48,7 +48,7 @@ magnetic_saturation = Effect(
             "Saturation coefficient",
             "1/command",
             low=lambda e: 0.0,
-            # Above 1/command, more command would give less torque.
+            # Above 1/command, a larger command would give less torque.
             high=lambda e: 0.95 / e.command,
             scale=lambda e: 0.2 / e.command,
         ),

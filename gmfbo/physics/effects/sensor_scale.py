@@ -5,7 +5,7 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 from gmfbo.units import percent
 
-_MOST = 0.3  # that a sensor may be off by
+_MOST = 0.3  # largest relative error of a sensor
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -38,8 +38,8 @@ sensor_scale = Effect(
             scale=lambda e: 0.02,
         ),
     ),
-    # In a loop a tenth shifts a resonance by several times what one percent does, and as far off
-    # the slope says nothing: both ways are tried.
+    # In a loop, a scale error of a tenth shifts a resonance far, where derivatives are no guide:
+    # both signs are tried.
     starts=lambda e: [{"share": 0.03}, {"share": 0.1}, {"share": -0.1}],
     is_itself=_is_itself,
     size=lambda p, e: abs(p["share"]),

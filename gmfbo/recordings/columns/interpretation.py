@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Reading:
-    """Signals and parameters read so far."""
-
     signals: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
     parameters: dict[str, float] = field(default_factory=dict)

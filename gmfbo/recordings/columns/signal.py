@@ -1,4 +1,4 @@
-"""How a recorded column becomes a signal in SI units."""
+"""Conversion of a recorded column to a signal in SI units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal, Protocol, runtime_checkable
 
 @dataclass(frozen=True)
 class SignalSpec:
-    """One signal of a twin file, told in the recording's words: value = scale * column + offset.
+    """One signal of a twin file and its recorded column: value = scale * column + offset.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class SignalSpec:
     scale : float
         SI value of one unit of the column [unit / column unit].
     scaled : bool
-        The twin file gave a scale, so units in the header's brackets are not converted.
+        Whether the twin file gives a scale; units in the header's brackets are then not converted.
     offset : float
         Added after scaling [unit].
     unit : str
@@ -28,7 +28,7 @@ class SignalSpec:
     interpolation : {"hold", "linear"}
         Between rows, where the signal drives an FMU input.
     required : bool
-        A recording without this column is refused.
+        Whether a recording without this column is refused.
     """
 
     name: str
@@ -43,12 +43,12 @@ class SignalSpec:
 
 @runtime_checkable
 class SignalReading(Protocol):
-    """What a reader must know of a twin."""
+    """Signals and parameters of a twin, for a reader of recordings."""
 
     def signal_specs(self) -> Mapping[str, SignalSpec]:
-        """Return the signals that the twin file names, by name."""
+        """Signals of the twin file, by name."""
         ...
 
     def parameter_tunable(self) -> Mapping[str, bool]:
-        """Return each FMU parameter, and whether it may change during a run."""
+        """Each FMU parameter, and whether it may change during a run."""
         ...

@@ -14,7 +14,7 @@ from gmfbo.recordings.columns.columns import Column, RecordedColumns
 LARGE_BYTES = 16 * 2**20
 LARGEST_LENIENT_BYTES = 256 * 2**20
 LARGEST_LENIENT_LINES = 4_000_000
-"""Above either a file that is not plain is refused: cell by cell it takes half a kB a line."""
+"""Above either, only plain files are read: cell by cell, a line takes half a kB."""
 
 HEAD_BYTES = 2**18
 

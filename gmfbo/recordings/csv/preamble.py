@@ -9,7 +9,7 @@ from gmfbo.recordings.csv.times import is_time
 
 _SEPARATOR = re.compile(r'"?sep=(?P<mark>[;,\t])"?', re.IGNORECASE)
 _LOOKED_AT = 200
-"""Lines above a header that are looked at; no logger writes more."""
+"""Most lines above a header; no logger writes more."""
 
 
 def stated_delimiter(line: str) -> str:

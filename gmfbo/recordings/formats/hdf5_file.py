@@ -49,7 +49,7 @@ def open_hdf5(path: Path, kind: str) -> Iterator[Any]:
     path : Path
         File.
     kind : str
-        What was expected, with its article, for the message.
+        Expected kind of file, with its article, for the message.
 
     Raises
     ------

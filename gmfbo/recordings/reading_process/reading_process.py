@@ -33,7 +33,7 @@ _START = (
 
 
 Reader = Callable[[Path], RecordedColumns | RecordedChannels]
-"""Takes a path; a function of a module, so that the other process finds it."""
+"""Takes a path; a module's function, which the other process can import."""
 
 
 def read_apart(path: Path, reader: Reader) -> RecordedColumns | RecordedChannels:

@@ -25,7 +25,7 @@ from gmfbo.recordings.store.writer_lock import WriterLock
 LOCK_NAME = "writer.lock"
 
 INDEX_SHARE = 0.05
-"""Share of the time that a long study may spend on its index, which is written anew each time."""
+"""Share of a long study's time spent on its index, which is rewritten each time."""
 
 _SHORT_STUDY = 50
 

@@ -19,7 +19,7 @@ def csv_text(recording: Recording, version: str) -> str:
     Parameters
     ----------
     recording : Recording
-        What to write.
+        Recording to write.
     version : str
         Version of gmfbo, for the first line.
 

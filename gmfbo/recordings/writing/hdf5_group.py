@@ -15,7 +15,7 @@ from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording, Trajectory
 
 DIGEST = "digest"
-"""Attribute of a trial: digest of all else, which holds wherever HDF5 puts it."""
+"""Attribute of a trial: digest of all other content, whatever its layout in HDF5."""
 
 LAYOUT = 1  # version of the layout below, attribute `layout`
 

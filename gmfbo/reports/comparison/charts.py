@@ -18,7 +18,7 @@ ARRIVED = 0.02
 """Regret at which a method counts as arrived."""
 
 LEAST_REGRET = 1e-3
-"""Below a thousandth of the way differences mean nothing, and zero cannot be drawn."""
+"""Smaller regrets do not differ significantly, and zero cannot be drawn."""
 
 _REAL_RUNS = "real runs, initial ones counted"
 _STYLES = 12  # of methods, in the page's style
@@ -29,12 +29,12 @@ def _method_style(review: ComparisonReview, method: str) -> str:
 
 
 def method_buttons(review: ComparisonReview) -> str:
-    """Legend of all charts; where the page's script runs, a click hides or shows a method.
+    """Legend of all charts; with the page's script, a click hides or shows a method.
 
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     buttons = "".join(
         f'<button type="button" aria-pressed="true" data-method="{escape(name)}" '
@@ -46,12 +46,12 @@ def method_buttons(review: ComparisonReview) -> str:
 
 
 def regret_chart(review: ComparisonReview) -> str:
-    """Draw what is left of the way to the optimum, against real runs.
+    """Draw the simple regret against real runs.
 
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     curves = _of(review, "regret")
     values = [np.maximum(ends, LEAST_REGRET) for c in curves for ends in (c.mean, c.low, c.high)]
@@ -75,7 +75,7 @@ def objective_chart(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     curves = _of(review, "objective")
     return _curves(
@@ -94,7 +94,7 @@ def cost_chart(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     curves = _of(review, "cost")
     return _curves(
@@ -115,7 +115,7 @@ def seed_charts(review: ComparisonReview) -> list[str]:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     if not review.runs:
         return []
@@ -160,7 +160,7 @@ def landscape_maps(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
     """
     found = review.landscape
     if found is None:

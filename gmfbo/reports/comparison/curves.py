@@ -1,4 +1,4 @@
-"""What the figures of a comparison of methods show."""
+"""Data of a comparison's figures."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ class Curve:
     Attributes
     ----------
     method : str
-        Who made it.
+            Its method.
     name : {"objective", "regret", "cost"}
-        What it shows.
+            Quantity on the y axis.
     x : ndarray, shape (n,)
         Real runs; for the cost, queries.
     mean, low, high : ndarray, shape (n,)
         [dimensionless; the cost in units of a real run]
     seeds : int
-        How many are averaged.
+        Number of averaged seeds.
     """
 
     method: str
@@ -52,7 +52,7 @@ class Landscape:
     error : ndarray, shape (n, m)
         [%] Relative error of the twin's scaled cost G.
     seed : int
-        That decides twin and constants.
+        Seed of the twin and of the cost's constants.
     """
 
     names: tuple[str, str]
@@ -65,7 +65,7 @@ class Landscape:
 
 @dataclass(frozen=True, eq=False)
 class SeedRun:
-    """What one method came to on one seed; n real runs.
+    """Result of one method on one seed; n real runs.
 
     Attributes
     ----------
@@ -74,12 +74,12 @@ class SeedRun:
     seed : int
         Of the study.
     n_star : int or None
-        Real runs until it arrived, initial ones counted; None where it never did.
+        Real runs until it arrived, initial ones included; None where it never arrived.
     never : int
-        What stands for n* where it never arrived.
+        Value of n* where it never arrived.
     best, regret : ndarray, shape (n,)
-        After each real run: least true cost g, and its share of the way from the optimum to the
-        median gains.
+        After each real run: least true cost g, and the simple regret, as a share of the way from
+        the optimum to the median gains.
     cost : float
         [real runs] Of all runs.
     twin_runs, corrected_runs : int
@@ -101,7 +101,7 @@ class SeedRun:
 
     @property
     def counted(self) -> int:
-        """Real runs until it arrived, those that never did with their price."""
+        """n*, or its substitute where the method never arrived."""
         return self.never if self.n_star is None else self.n_star
 
 
@@ -122,20 +122,20 @@ class Spread:
 
 @dataclass(frozen=True)
 class MethodSummary:
-    """What a method came to over all its seeds.
+    """Result of a method over all its seeds.
 
     Attributes
     ----------
     method : str
         Its name.
     seeds : int
-        How many.
+            Number of seeds.
     median, mean : Spread
         Of n*, real runs until it arrived.
     never : float
         Share of the seeds on which it did not arrive.
     regret : float
-        Mean at the end, as a share of the way from the optimum to the median gains.
+        Mean simple regret at the end, as a share of the way from the optimum to the median gains.
     cost : float
         [real runs] Mean cost of all runs.
     seconds : float
@@ -154,7 +154,7 @@ class MethodSummary:
 
 @dataclass(frozen=True, eq=False)
 class ComparisonReview:
-    """A comparison of methods as it is told to a person.
+    """A comparison of methods as it is shown.
 
     Attributes
     ----------

@@ -41,7 +41,7 @@ def comparison_page(review: ComparisonReview) -> str:
     Parameters
     ----------
     review : ComparisonReview
-        Of a comparison's folder.
+        Read from a comparison's folder.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Figures of a comparison of methods: landscape, sampling cost, and the way to the optimum."""
+"""Figures of a comparison of methods: landscape, sampling cost, and simple regret."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def sampling_cost(curves: Sequence[Curve]) -> Figure:
 
 @in_style
 def best_observed(curves: Sequence[Curve]) -> Figure:
-    """Draw the best real run so far against real runs: its cost, and what is left to go.
+    """Draw cost and simple regret of the best real run so far, against real runs.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ def before_and_after(diagnosis: Diagnosis, recording: str | None = None) -> Figu
     diagnosis : Diagnosis
         With curves: fresh from `diagnose`, not read from a file.
     recording : str, optional
-        Name of a recording; the held-out one that tells most, unless given.
+        Name of a recording; the held-out one with most improvement unless given.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def before_and_after(diagnosis: Diagnosis, recording: str | None = None) -> Figu
 
 @in_style
 def latent_shape(diagnosis: Diagnosis) -> Figure:
-    """Draw the inferred signal that has no name, with its 95 % band.
+    """Draw the inferred signal of an unnamed mismatch, with its 95 % band.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Values over two gains in a figure for a paper."""
+"""Draw a map of values over two gains, for a paper's figure."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def draw_map(
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where.
+        Panel of the map.
     x, y : ndarray, shape (n,) and (m,)
         [unit of the gain]
     values : ndarray, shape (n, m)
-        What is mapped.
+        Mapped values.
     title : str
         Quantity with its unit.
     colours : str

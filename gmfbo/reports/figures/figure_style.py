@@ -1,4 +1,4 @@
-"""How figures for papers look, and how they are written; they need matplotlib."""
+"""Style and writing of figures for papers; they need matplotlib."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Okabe and Ito (2008): apart for every kind of colour vision.
+# Okabe and Ito (2008): distinguishable with every kind of colour vision.
 BLUE, VERMILION, ORANGE, GREEN = "#0072b2", "#d55e00", "#e69f00", "#009e73"
 PURPLE, GREY = "#7f3fbf", "#8a929c"
 
 METHOD_COLOURS = (BLUE, VERMILION, GREEN, "#cc79a7", "#56b4e9", "#8c6d00", PURPLE, "#555555")
-"""Of methods in order; told apart by colour-blind readers, darkened for lines."""
+"""Of methods in order; distinguishable for colour-blind readers, darkened for lines."""
 
 DASHES = ("-", "--", "-.", ":")
-"""Of methods where the colours are used up."""
+"""Line styles of methods beyond the number of colours."""
 
 FORMATS = (".pdf", ".svg", ".png")
-"""Endings that `save_figure` knows."""
+"""Endings supported by `save_figure`."""
 
-# Letters stay letters, and the same data gives the same bytes.
+# Text stays text, and the same data gives the same bytes.
 _STYLE: Mapping[str, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "gmfbo",
@@ -59,7 +59,7 @@ def in_style(draw: Callable[_P, Figure]) -> Callable[_P, Figure]:
     Returns
     -------
     callable
-        The same; it raises `InputError` where matplotlib is missing.
+        The function in that style; it raises `InputError` where matplotlib is missing.
     """
 
     @wraps(draw)
@@ -96,7 +96,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        What to write.
+        Figure to write.
     path : Path
         Its ending, one of `FORMATS`, decides the format.
 
@@ -147,7 +147,7 @@ def count_along(*panels: Axes) -> None:
 
 
 def gain_label(name: str) -> str:
-    """A gain with its unit, which the FMU alone knows.
+    """Label of a gain, in the FMU's unit.
 
     Parameters
     ----------

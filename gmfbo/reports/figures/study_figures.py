@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 _OBJECTIVE = "objective g [1]"
 _QUERIES = "query of the method [1]"
 _MARKS = {"IS2": ("s", VERMILION, 3.0), "IS3": ("^", PURPLE, 4.0), "IS1": ("o", BLUE, 6.0)}
-"""Shape, colour and size of each source's runs; shape alone tells them apart, too."""
+"""Shape, colour and size of each source's runs; shapes alone differ too."""
 
 
 def draw_study(review: StudyReview, folder: Path) -> list[Path]:
@@ -47,7 +47,7 @@ def draw_study(review: StudyReview, folder: Path) -> list[Path]:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     folder : Path
         Made where it is missing.
 
@@ -78,12 +78,12 @@ def draw_study(review: StudyReview, folder: Path) -> list[Path]:
 
 @in_style
 def gains(review: StudyReview) -> Figure:
-    """Draw the gains that were run: over two a map of the twin's cost, else each against cost.
+    """Draw the gains of all runs: two over a map of the twin's cost, else each against cost.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
@@ -172,12 +172,12 @@ def best_observed(review: StudyReview) -> Figure:
 
 @in_style
 def sampling_cost(review: StudyReview) -> Figure:
-    """Draw the cost of all runs over the queries, with the source that each asked.
+    """Draw the cost of all runs over the queries, with each query's source.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def sampling_cost(review: StudyReview) -> Figure:
     """
     figure = new_figure(5.6, 3.2)
     axes = figure.subplots()
-    ends = {run.query: run.cost for run in review.runs}  # the last of each query counts
+    ends = {run.query: run.cost for run in review.runs}  # the last run of each query counts
     axes.step(list(ends), list(ends.values()), where="post", color=GREY, label="all runs")
     asked = [run for run in review.runs if run.role == "query"]
     for source in ("IS1", "IS2"):
@@ -216,7 +216,7 @@ def mismatch_and_trust(review: StudyReview) -> Figure:
     Raises
     ------
     InputError
-        The method told no mismatch and made no correction; or matplotlib is missing.
+        The method gave no mismatch and made no correction; or matplotlib is missing.
     """
     if not review.mismatch and not review.correction:
         raise InputError(

@@ -1,4 +1,4 @@
-"""A real run over time with the twin's beside it, for a notebook or a paper."""
+"""Draw a real run over time, with the twin's run at its gains."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def trajectories(
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     number : int, optional
-        Trial number of a run of any source, which leads to its real run; the best unless given.
+        Trial number of the real run, or of a run that it caused; the best real run unless given.
     signal : str, optional
-        The scored one unless given.
+        Signal to draw; the scored one unless given.
 
     Returns
     -------
     matplotlib.figure.Figure
-        The signal above, what the twin leaves of it below; of corrected runs their 95 % band.
+        The signal above, the twin's error below; corrected runs with their 95 % band.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def signal_unit(review: StudyReview, signal: str) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     signal : str
         Its name.
     """

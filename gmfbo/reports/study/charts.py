@@ -1,4 +1,4 @@
-"""Charts of a study: how the best came about, who was asked, and how far the twin was trusted."""
+"""Charts of a study: best run so far, queried sources, and trust in the twin."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def descent_charts(review: StudyReview) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     descent = review.descent
     if not descent.numbers:
@@ -74,12 +74,12 @@ def _descent(review: StudyReview, x: Array, x_axis: Axis, x_label: str) -> str:
 
 
 def source_chart(review: StudyReview) -> str:
-    """Draw who was asked at each query, and how many runs of each source came with it.
+    """Draw the source of each query, and the number of runs of each source that it caused.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     last = review.runs[-1].query
     x_axis = _query_axis(review)
@@ -122,12 +122,12 @@ def _count(count: int, x: float, y: float, x_axis: Axis, y_axis: Axis) -> str:
 
 
 def trust_charts(review: StudyReview) -> str:
-    """Draw mismatch and what it allows, and the error of the twin before and after correction.
+    """Draw mismatch, lengthscale and query cost, and the twin's error before and after correction.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     charts = [_mismatch_chart(review), _allowed_chart(review), _error_chart(review)]
     return columns(*charts, style="three")
@@ -188,12 +188,12 @@ def _error_chart(review: StudyReview) -> str:
 
 
 def mismatch_series(review: StudyReview) -> tuple[Array, Array]:
-    """Queries at which the method told a mismatch, and the mismatch e.
+    """Queries with a mismatch, and the mismatch e.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
@@ -212,7 +212,7 @@ def error_series(review: StudyReview) -> tuple[Array, Array, Array]:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
@@ -252,7 +252,7 @@ def _query_axis(review: StudyReview) -> CountAxis:
 
 
 def _new_twins(review: StudyReview, x_axis: Axis) -> list[str]:
-    """A line across the chart where a twin took the place of another: between two queries."""
+    """Lines across the chart where a twin replaced another, between two queries."""
     drawn = []
     for one in review.twin_versions:
         before = [run.query for run in review.runs if run.trial.number <= one.after]
@@ -262,12 +262,12 @@ def _new_twins(review: StudyReview, x_axis: Axis) -> list[str]:
 
 
 def version_list(review: StudyReview) -> str:
-    """List the twins that took the place of another, or the changes of the plant; with reasons.
+    """List the twins that replaced another, and the changes of the plant, with reasons.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     entries = [
         f"<li><b>Twin {escape(one.version)}</b>, after run {one.after} (dotted line in the charts "

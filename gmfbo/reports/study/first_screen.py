@@ -1,4 +1,4 @@
-"""The first screen of a study: best gains, what they gain over the first run, and the price."""
+"""First screen of a study: best gains, their improvement on the first run, and the cost."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ NO_BREAK = "\u00a0"
 
 
 def study_first_screen(review: StudyReview, content: Mapping[str, Any]) -> str:
-    """Write what is seen before anybody scrolls.
+    """Write the part of the page that shows before scrolling.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     content : mapping
         Of `study_content`.
     """
@@ -186,12 +186,12 @@ def _responses(review: StudyReview) -> str:
 
 
 def objective_words(review: StudyReview) -> str:
-    """Say what the objective is.
+    """Describe the objective in words.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
     """
     weights = review.file.objective.weights
     told = ", ".join(

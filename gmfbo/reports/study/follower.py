@@ -1,4 +1,4 @@
-"""Follows a study that another process writes, from its folder alone."""
+"""Follow a study that another process writes, from its folder alone."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _PHASES: Mapping[Role, Phase] = {
 
 
 class StudyFollower:
-    """Reads what is new in a study's folder; no lock is taken, the writer is not disturbed.
+    """Reads new runs from a study's folder, without a lock that would disturb the writer.
 
     Parameters
     ----------
@@ -62,19 +62,19 @@ class StudyFollower:
 
     @property
     def review(self) -> StudyReview:
-        """The study as far as it was read."""
+        """The study as read so far."""
         runs = placed_runs(self._trials, self._events, self.file.budget)
         return StudyReview(self.file, self._store.location, runs, tuple(self._events))
 
     @property
     def state(self) -> State:
-        """Whether it goes on, as its log says."""
+        """State of the study by its log: running, interrupted or ended."""
         if self._events and self._events[-1]["event"] == "interrupt":
             return "interrupted"
         return "ended" if self.review.ended else "running"
 
     def news(self) -> list[Progress]:
-        """Read what came since the last call.
+        """Read the runs since the last call.
 
         Returns
         -------

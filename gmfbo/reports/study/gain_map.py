@@ -1,4 +1,4 @@
-"""Gains that were run, over the cost between them: a map of two, or a profile along each."""
+"""Gains that were run, over the interpolated cost: a map of two, or a profile along each."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cost_map(review: StudyReview) -> CostMap | None:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def gain_map(review: StudyReview) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The cost of one source between its runs, to be drawn below them."""
+"""Interpolate the cost of one source between its runs, for drawings."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _SMOOTHING = 1e-6
 class InterpolatedObjective:
     """Cost g of twin or axis over the gains: a thin-plate spline through the runs.
 
-    It is drawn from the stored runs alone; no method depends on it, and it is not what a
-    surrogate believes.
+    It follows from the stored runs alone. No method depends on it, and it is not the posterior
+    of a surrogate.
 
     Attributes
     ----------
     source : {"IS1", "IS2"}
-        Of the two that of which more different gains were run.
+        The source with runs at more different gains.
     runs : int
-        Different gains that it goes through.
+        Number of different gains that it interpolates.
     """
 
     source: str
@@ -46,12 +46,12 @@ class InterpolatedObjective:
         Parameters
         ----------
         review : StudyReview
-            Of a study.
+            The study as it is shown.
 
         Returns
         -------
         InterpolatedObjective or None
-            None where there are too few runs for it.
+            None where there are too few runs.
         """
         runs = {"IS2": review.twin_runs, "IS1": review.real}
         known = {source: _values(review, own) for source, own in runs.items()}

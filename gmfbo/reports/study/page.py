@@ -25,7 +25,7 @@ def study_page(review: StudyReview) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------

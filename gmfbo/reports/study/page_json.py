@@ -1,4 +1,4 @@
-"""All numbers of a study's page, as the JSON that stands in it."""
+"""Numbers of a study's page, as the JSON embedded in it."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from gmfbo.reports.study.run_roles import Run
 
 
 def study_content(review: StudyReview) -> dict[str, Any]:
-    """Tell a study in numbers and names, without its trajectories.
+    """Content of a study in numbers and names, without trajectories.
 
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
     dict
-        What JSON can hold; null stands for a number that is not finite.
+        JSON values; null stands for a number that is not finite.
     """
     file = review.file
     content: dict[str, Any] = {
@@ -129,7 +129,7 @@ def _place(review: StudyReview) -> int | None:
 
 
 def _comparison(review: StudyReview) -> dict[str, dict[str, float | None]]:
-    """First and best real run, and by what share of the first the best is lower."""
+    """First and best real run, and the relative improvement."""
     first, best = review.first, review.best
     if first is None or best is None:
         return {}
@@ -139,7 +139,7 @@ def _comparison(review: StudyReview) -> dict[str, dict[str, float | None]]:
         name: {
             "first": _number(before),
             "best": _number(after),
-            # The cost may cross zero: a share of it says nothing.
+            # The cost may cross zero, so a share of it would have no meaning.
             "change": _number((after - before) / before)
             if name != "objective" and before > 0.0
             else None,

@@ -1,4 +1,4 @@
-"""What a page and the figures show of a study: its runs, and what follows from them."""
+"""Review of a study: its runs and derived values, for page and figures."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """What the real runs came to, one entry a real run; n in all.
+    """Progress of the best real run; n real runs.
 
     Attributes
     ----------
     numbers : tuple of int
         Of the trials.
     cost : ndarray, shape (n,)
-        [real runs] Of all runs up to that one.
+        [real runs] Cost of all runs up to that one.
     objective : ndarray, shape (n,)
         Cost g of the run, dimensionless.
     best : ndarray, shape (n,)
-        That of the best so far; NaN before the first that succeeded.
+        Least cost so far; NaN before the first run that succeeded.
     """
 
     numbers: tuple[int, ...]
@@ -51,14 +51,14 @@ class Descent:
 
 @dataclass(frozen=True)
 class TwinVersion:
-    """A twin that took the place of another.
+    """A twin that replaced another.
 
     Attributes
     ----------
     version : str
         Its name or number.
     reason : str
-        Why it was changed.
+        Reason of the change.
     after : int
         Trial number of the real run that led to it.
     """
@@ -70,14 +70,14 @@ class TwinVersion:
 
 @dataclass(frozen=True, eq=False)
 class StudyReview:
-    """A study as it is told to a person.
+    """A study as it is shown.
 
     Attributes
     ----------
     file : StudyFile
         The validated study file.
     location : Path
-        Where it was read from.
+        Folder or file that it was read from.
     runs : tuple of Run
         In order.
     events : tuple of mapping
@@ -135,7 +135,7 @@ class StudyReview:
         Parameters
         ----------
         source : {"IS1", "IS2", "IS3"}
-            Who ran.
+            Source of the runs.
         """
         return tuple(run for run in self.runs if run.trial.source == source)
 
@@ -151,12 +151,12 @@ class StudyReview:
 
     @property
     def first(self) -> Trial | None:
-        """First real run that succeeded, against which the best is held."""
+        """First real run that succeeded, with which the best is compared."""
         return next((run.trial for run in self.real if run.trial.status == "ok"), None)
 
     @cached_property
     def descent(self) -> Descent:
-        """How the best real run came about."""
+        """Progress of the best real run."""
         best = [self._best(count) for count in range(1, len(self.real) + 1)]
         return Descent(
             numbers=tuple(run.trial.number for run in self.real),
@@ -166,14 +166,14 @@ class StudyReview:
         )
 
     def _best(self, count: int) -> Trial | None:
-        """Best of the first real runs, by what was known of changes of the plant then."""
+        """Best of the first real runs, by the changes of the plant known then."""
         found = [drift for drift in self.drifts if drift.found_at <= count]
         since = found[-1].last_before if found else 0
         return best_run((run.trial for run in self.real[:count]), self.limits, since)
 
     @cached_property
     def space(self) -> GainSpace:
-        """Box of the gains that were moved: the study file's, else as far as runs went."""
+        """Box of the tuned gains: the study file's, else the range of the runs."""
         gains = []
         for name in self.runs[0].trial.gains:
             values = [run.trial.gains[name] for run in self.runs]
@@ -200,7 +200,7 @@ class StudyReview:
         """Changes of the plant that were found, in order."""
         logged = self.logged("drift")
         if not logged:
-            return ()  # most studies; what reads a change loads what finds it
+            return ()  # most studies: saves the import of the detector
         from gmfbo.tuning.drift.drift import Drift
 
         return tuple(Drift.logged(dict(event)) for event in logged)
@@ -225,7 +225,7 @@ class StudyReview:
 
     @cached_property
     def twin_versions(self) -> tuple[TwinVersion, ...]:
-        """Twins that took the place of another while the study ran, in order."""
+        """Twins that replaced another during the study, in order."""
         return tuple(
             TwinVersion(str(event["version"]), str(event["reason"]), event["after"])
             for event in self.logged("twin_version")
@@ -233,13 +233,13 @@ class StudyReview:
 
     @cached_property
     def twin_runs(self) -> tuple[Run, ...]:
-        """Runs of the twin as it is now; those of twins before it tell of other costs."""
+        """Runs of the present twin, since earlier twins have other costs."""
         versions = self.logged("twin_version")
         now = versions[-1]["twin"] if versions else None
         return tuple(run for run in self.of("IS2") if now is None or run.trial.twin == now)
 
     def twin_beside(self, real: Trial) -> Trial | None:
-        """The newest run of the twin beside a real one; None without any.
+        """The newest run of the twin at a real run's gains; None without one.
 
         Parameters
         ----------
@@ -261,7 +261,7 @@ class StudyReview:
 
     @property
     def ended(self) -> bool:
-        """Whether the study came to its end, and was not gone on with since."""
+        """Whether the study ended, and was not continued since."""
         last = [e["event"] for e in self.events if e["event"] in ("ask", "tell", "recommendation")]
         return bool(last) and last[-1] == "recommendation"
 

@@ -1,4 +1,4 @@
-"""Marks of runs in a chart: a shape and a colour a source, of a size that does not stretch."""
+"""Marks of runs in a chart: a shape and colour for each source, of fixed size."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ SOURCES: Mapping[str, str] = {
     "IS2": "twin (IS2)",
     "IS3": "corrected twin (IS3)",
 }
-"""What each source is called."""
+"""Name of each source."""
 
 
 def run_mark(run: Run, x: float, y: float, x_axis: Axis, y_axis: Axis, style: str = "") -> str:
-    """Draw a run; a script may let it be chosen.
+    """Draw a run, which a script may make selectable.
 
     Parameters
     ----------
     run : Run
-        Which one.
+        The run.
     x, y : float
         Its place on the axes.
     x_axis, y_axis : Axis

@@ -1,4 +1,4 @@
-"""What each run of a study was for, told from its trials and its log."""
+"""Role of each run of a study, from its trials and its log."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ROLES: Mapping[Role, str] = {
     "corrected": "corrected, around a real run",
     "rejected": "corrected, but too uncertain",
 }
-"""What each role is called."""
+"""Name of each role."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Run:
     query : int
         Queries of the method up to this run; 0 with the initial data.
     cost : float
-        [real runs] Of all runs up to this one.
+        [real runs] Cost of all runs up to this one.
     """
 
     trial: Trial
@@ -97,7 +97,7 @@ def placed_runs(
 def _twin_role(
     trial: Trial, *, real: Mapping[str, float] | None, asked: bool, initial: bool, renewed: bool
 ) -> Role:
-    """Role of a run of the twin, by the gains of the real run it belongs to and what it was."""
+    """Role of a twin run, by its request and the gains of the real run that caused it."""
     if trial.source == "IS3":
         return "rejected" if trial.accepted is False else "corrected"
     if trial.parent is not None:

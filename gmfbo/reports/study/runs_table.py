@@ -1,4 +1,4 @@
-"""Runs of a study as tables: the real ones at once, all of them folded."""
+"""Runs of a study as tables: real runs shown, all runs folded."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def runs_tables(review: StudyReview) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------

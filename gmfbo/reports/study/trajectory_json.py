@@ -17,7 +17,7 @@ from gmfbo.reports.study.review import StudyReview
 Array = NDArray[np.float64]
 
 _MOST_NUMBERS = 280_000
-"""Of all runs together, half of them for those that are looked at most: about two megabytes."""
+"""Of all runs, half of them for the most viewed runs: about two megabytes."""
 
 _FEWEST_ROWS = 40
 _DIGITS = 5
@@ -38,13 +38,13 @@ def trajectories_json(review: StudyReview) -> str:
     Parameters
     ----------
     review : StudyReview
-        Of a study.
+        The study as it is shown.
 
     Returns
     -------
     str
         A `<script>` element. `runs` holds by number and signal the times `t` [s] and values `y`;
-        of a corrected run also those before it was corrected, `u`, and the standard deviation,
+        for a corrected run also the values before correction, `u`, and the standard deviation,
         `s`.
     """
     signals = _shown_signals(review)
@@ -70,7 +70,7 @@ def trajectories_json(review: StudyReview) -> str:
 
 
 def _rows_each(trials: Sequence[Trial], names: Sequence[str]) -> int:
-    """Rows that each of these trials may have: times and values of each signal."""
+    """Most rows of each trial, for times and values of each signal."""
     numbers = 2 * max(len(names), 1) * len(trials)
     return max(_MOST_NUMBERS // (2 * numbers), _FEWEST_ROWS)
 
@@ -96,7 +96,7 @@ def _run(trial: Trial, signals: Sequence[str], most: int) -> dict[str, Any]:
 
 
 def _reference(review: StudyReview) -> dict[str, Any] | None:
-    """What the axis was asked to follow, of the first run that recorded it."""
+    """Reference of the axis, from the first run that recorded it."""
     name = review.file.reference.signal
     for run in (*review.real, *review.runs):
         recording = run.trial.recording

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 
 LEAST_NODES = 3
-"""Fewer have no bend, and nothing tells their noise from their shape."""
+"""Fewer nodes have no bend, so noise cannot be told from shape."""
 
 
 def elements(stem: str, names: Iterable[str]) -> dict[tuple[int, ...], str]:

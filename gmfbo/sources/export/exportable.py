@@ -17,7 +17,7 @@ CONTAINER_PLATFORMS = (
     Platform("windows-x86_64", ("win64", "x86_64-windows"), ".dll"),
     Platform("macos-aarch64", ("darwin64", "aarch64-darwin"), ".dylib"),
 )
-"""For which the toolbox has a runtime; it looks in the first folder of each."""
+"""Platforms with a runtime in the toolbox, which looks in the first folder of each."""
 
 _LOST = {
     "canGetAndSetFMUstate": "saving and restoring its state",

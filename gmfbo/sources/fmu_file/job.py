@@ -11,7 +11,7 @@ Status = Literal["ok", "diverged", "failed", "crashed", "timeout"]
 
 
 class ValueType(IntEnum):
-    """How a variable crosses the FMI interface; numbers as in `master.h`.
+    """Type of a variable at the FMI interface; numbers as in `master.h`.
 
     FMI 2.0 has the first three; in FMI 3.0 `REAL` is Float64 and `INTEGER` Int32. Enumerations are
     `INTEGER` in FMI 2.0, `INT64` in FMI 3.0.
@@ -145,7 +145,7 @@ class Stage(IntEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended.
+    """Outcome of a run.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class Outcome:
     rows : int
         Leading rows of y that are valid.
     message : str
-        What happened, in one line; empty when `status` is `ok`.
+        Cause of the end, in one line; empty when `status` is `ok`.
     warnings : int
         FMI calls that answered with a warning.
     stage : Stage

@@ -108,7 +108,7 @@ def unpack(path: Path, folder: Path, wanted: Callable[[PurePosixPath], bool]) ->
     folder : Path
         Exists; everything is written below it.
     wanted : callable
-        Told each member's path, answers whether to write it.
+        Maps each member's path to whether to write it.
 
     Raises
     ------

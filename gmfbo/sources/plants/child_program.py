@@ -17,14 +17,14 @@ from gmfbo.errors import StudyFileError
 from gmfbo.interrupt import signal_name
 
 GRACE_S = 5.0
-"""[s] A program that is asked to end has this long to bring its axis to rest, then it is killed."""
+"""[s] Time for a program to bring its axis to rest when asked to end; then it is killed."""
 
 _TAIL_BYTES = 4096
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a program ended.
+    """End of a program.
 
     Attributes
     ----------

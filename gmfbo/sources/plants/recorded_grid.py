@@ -20,7 +20,7 @@ INDEX = "gains.csv"
 """Optional file in the folder: `recording,ctl.Kp,ctl.Kd` and a row for each recording."""
 
 SAME = 1e-6
-"""Relative difference up to which two values of a gain are one, as when a recording is told."""
+"""Relative difference up to which two values of a gain are the same."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class RecordedGrid:
     runs : tuple of RecordedRun
         In the order of their names.
     reading : SignalReading or None
-        Says which columns are signals, as a twin file does.
+        Tells which columns are signals, as a twin file does.
     content_hash : str
         Hash of all files that are replayed.
     """

@@ -1,7 +1,7 @@
-"""What keeps an FMU from the user's files, network and programs while it runs.
+"""Sandbox that keeps FMUs from the user's files, network and programs.
 
 On Linux the process that runs FMUs shuts itself in before it loads any foreign code: `landlock`
-limits what it may open, `seccomp` what it may ask the kernel for, `limits` how much it may use;
-`policy` is what the user lets it have. All of it is inherited and cannot be taken back. These
+limits the files that it may open, `seccomp` its system calls, and `limits` its resources;
+`policy` holds the rights that the user grants. All of this is inherited and irrevocable. These
 modules need the standard library only, since they work before NumPy is loaded.
 """

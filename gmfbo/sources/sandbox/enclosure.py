@@ -69,7 +69,7 @@ def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure
     Parameters
     ----------
     policy : Policy
-        What the user lets it have.
+        Rights that the user grants.
     own : list of Path
         Folders in which the process may do anything.
     shared : list of Path
@@ -108,7 +108,7 @@ def protection(policy: Policy) -> list[str]:
     Parameters
     ----------
     policy : Policy
-        What the user lets it have.
+        Rights that the user grants.
     """
     here = available()
     if sys.platform != "linux":

@@ -46,7 +46,7 @@ def _absent(*_: object) -> int:
 
 
 ABSENT = ctypes.CFUNCTYPE(ctypes.c_int)(_absent)
-"""Stands for an optional function that a library lacks."""
+"""Placeholder for an optional function that a library lacks."""
 
 
 class FMU2TolerantSlave(fmpy.fmi2.FMU2Slave):  # type: ignore[misc]  # fmpy is untyped

@@ -50,8 +50,6 @@ class _Group:
 
 
 class _Loop:
-    """State of a run."""
-
     def __init__(
         self,
         instances: Sequence[Instance],

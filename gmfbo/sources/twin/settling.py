@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 WINDOW_S = 0.05
-"""[s] Outputs that stay put over this time have settled."""
+"""[s] Time over which settled outputs do not move."""
 
 _WINDOWS = (1, 20, 100)
 _RELATIVE = 1e-6

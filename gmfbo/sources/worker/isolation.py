@@ -35,7 +35,7 @@ from gmfbo.sources.worker.worker_process import (
 )
 
 START_LIMIT_S = 60.0
-"""[s] For a worker to start and load the libraries; a cold disk is slow."""
+"""[s] Time for a worker to start and load the libraries; a cold disk is slow."""
 
 _WARM_UP_ANSWERS = 20
 _WARM_UP_BYTES = 256 * 2**20  # an FMU may fill its caches first; later growth is a leak
@@ -50,7 +50,7 @@ _MADE_AGAIN = {
     ("failed", Stage.INSTANTIATE),
     ("crashed", Stage.INITIALISE),
 }
-"""Where an FMU falls that bears one instance a process and does not say so."""
+"""Outcomes of an FMU that supports one instance a process without stating it."""
 
 
 @dataclass

@@ -22,7 +22,7 @@ from gmfbo.sources.sandbox.limits import forgo_dumps
 _CHECK_MS = 1000
 _COMMANDS, _ANSWERS = 0, 1
 PEAK_MEMORY = "peak_memory"
-"""File in the private folder that tells how much a worker held [bytes] when it fell."""
+"""File in the private folder with the peak memory [bytes] of a dead worker."""
 
 
 def main() -> None:

@@ -7,9 +7,9 @@ Value y_i of run i at gains k_i, in the order in which the runs were made:
 
 With noise variance g s^2, m and s integrated out under their invariant prior (1 / s), the ratio
 of the two marginal likelihoods is a ratio of densities whatever m and s are (Harville 1974, for
-one of them). l and g are not known: the numerator averages over a grid of them, and over rho; the
+one of them). l and g are not known. The numerator averages over a grid of them, and over rho; the
 denominator takes the likeliest of the grid (universal inference, Wasserman, Ramdas and
-Balakrishnan 2020), so that the ratio has an expectation of at most 1 for each of them.
+Balakrishnan 2020). So the ratio has an expectation of at most 1 for each of them.
 
 The ratios summed over all c are the statistic of Shiryaev (1963) and Roberts (1966). Without a
 change its expectation after n runs is at most n - 1 and it is dominated by a submartingale, so
@@ -41,7 +41,7 @@ LEAST_BEFORE, LEAST_SINCE = 3, 2
 in a region of the gains where the axis behaves otherwise."""
 
 LEAST_RUNS = 3
-"""Values below which nothing can be told: m and s take two."""
+"""Fewest values for evidence: m and s take two."""
 
 # Lengthscales over the unit square, which grow as its diagonal does in more dimensions.
 _LENGTHSCALES = (0.15, 0.5, 2.0)

@@ -13,7 +13,7 @@ from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 
 MOST_SAMPLES = 400
-"""Samples of a trajectory that are compared."""
+"""Most compared samples of a trajectory."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -277,7 +277,7 @@ class History:
         return replace(trial, metrics=metrics, objective=float(self.objective.value(metrics)))
 
     def _finite(self, name: str, value: float) -> float:
-        """A finite metric: where a user's own is infinite, the worst of the initial runs.
+        """A finite metric: an infinite one becomes its worst case in the objective.
 
         A metric of one reference, `NAME[2]`, is treated as the metric.
         """

@@ -6,4 +6,4 @@ IS1_COST = 1.0
 """Cost of a real run: the unit."""
 
 TWIN_COST = 0.1
-"""Cost of a run of the twin, corrected or not, as the paper counts it; not the acquisition's H."""
+"""Cost of a twin run, corrected or not, by the paper; not the acquisition's H."""

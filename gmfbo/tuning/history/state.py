@@ -119,7 +119,7 @@ class TuningState:
         Parameters
         ----------
         *sources : {"IS1", "IS2", "IS3"}
-            Who ran.
+            Sources of the runs.
         """
         return tuple(seen for seen in self.observations if seen.source in sources)
 

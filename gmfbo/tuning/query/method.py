@@ -53,7 +53,7 @@ class Recommendation:
 
 @dataclass(frozen=True)
 class CorrectionOptions:
-    """How corrected twin runs (IS3) are made after each real run.
+    """Options of the corrected twin runs (IS3) after each real run.
 
     Attributes
     ----------

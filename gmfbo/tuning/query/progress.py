@@ -18,8 +18,8 @@ class Progress:
     Attributes
     ----------
     phase : {"initial", "query", "correction", "drift", "twin", "done"}
-        Initial data, a query of the method, the twin runs after a real run, a change of the plant
-        or a correction of the twin revealed by the last real run, or the end of the study.
+        Initial data, a query, twin runs after a real run, a detected change of the plant, a
+        correction of the twin, or the end of the study.
     iteration, iterations : int
         Number of queries made, and their limit.
     is1_runs : int

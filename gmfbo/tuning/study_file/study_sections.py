@@ -64,7 +64,7 @@ def _as_words(value: object) -> object:
 Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
 
 DEFAULT_METHOD = "gmfbo_physics"
-"""Fewest real runs of all methods on the project's studies: `tests/benchmarks/results`."""
+"""Method with the fewest real runs on the project's studies: `tests/benchmarks/results`."""
 
 # Separates the draw of hidden physics from all other draws of the same seed.
 _HIDDEN_STREAM = 0x41D

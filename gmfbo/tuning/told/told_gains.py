@@ -12,7 +12,7 @@ from gmfbo.tuning.query.request import TrialRequest
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 
 SAME = 1e-6
-"""Relative difference up to which a gain counts as the one asked for: digits of a text file."""
+"""Relative difference up to which a gain equals the requested one: digits of a text file."""
 
 
 def told_gains(
