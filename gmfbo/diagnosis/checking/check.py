@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -158,21 +158,37 @@ def _driven(case: Case, name: str) -> list[Array]:
 
 
 def _response(
-    case: Case, source: str, signal: str, chosen: Sequence[int], *, simulated: bool
+    case: Case,
+    source: str,
+    signal: str,
+    chosen: Sequence[int],
+    simulated: Sequence[Mapping[str, Array]] | None = None,
 ) -> Response | None:
-    """Estimate a response on each recording's own grid, on which the twin's inputs are held."""
+    """Estimate a response on each recording's own grid, on which the twin's inputs are held.
+
+    `simulated` holds the twin's signals of each recording, at the times of the scored samples;
+    without it the response is the recorded one.
+    """
     xs, ys = [], []
+    slowest = 0.0
     for k in chosen:
         record = case.simulations.records[k]
         grid = record.plan.grid
-        for own, values in zip(record.signals, case.base.simulated[k].signals, strict=True):
+        for own in record.signals:
             if own.name != signal:
                 continue
+            slowest = max(slowest, own.spacing, _spacing(record.plan.recording, source))
             inside = (grid >= own.time[0] - 1e-9) & (grid <= own.time[-1] + 1e-9)
-            column = values if simulated else own.values
+            column = own.values if simulated is None else simulated[k][signal]
             xs.append(np.asarray(record.plan.experiment.inputs[source])[inside])
             ys.append(np.interp(grid[inside], own.time, column))
-    return empirical_response(xs, ys, case.twin.step) if xs else None
+    return empirical_response(xs, ys, case.twin.step, 0.5 / slowest) if xs else None
+
+
+def _spacing(recording: Recording, name: str) -> float:
+    """[s] Between the samples of a recorded column."""
+    sampled = recording.time[np.isfinite(recording.signal(name))]
+    return float(sampled[-1] - sampled[0]) / max(1, sampled.size - 1)
 
 
 def _bandwidth(case: Case, record: int) -> float:
@@ -183,7 +199,7 @@ def _bandwidth(case: Case, record: int) -> float:
     found = [
         own.trusted[1]
         for signal in case.simulations.records[record].signals
-        if (own := _response(case, source, signal.name, [record], simulated=False)) is not None
+        if (own := _response(case, source, signal.name, [record])) is not None
     ]
     known = [f for f in found if np.isfinite(f)]
     return max(known, default=float("nan"))
@@ -193,14 +209,37 @@ def _responses(case: Case) -> tuple[ResponseSeen, ...]:
     source = _source(case)
     if source is None:
         return ()
-    chosen = _alike(case)
+    chosen, simulated = _alike(case), _free_runs(case)
+    if simulated is None:
+        return ()
     seen = []
     for signal in case.twin.file.outputs:
-        recorded = _response(case, source, signal, chosen, simulated=False)
-        twin = _response(case, source, signal, chosen, simulated=True)
+        recorded = _response(case, source, signal, chosen)
+        twin = _response(case, source, signal, chosen, simulated)
         if recorded is not None and twin is not None:
             seen.append(_response_seen(source, signal, recorded, twin))
     return tuple(seen)
+
+
+def _free_runs(case: Case) -> list[dict[str, Array]] | None:
+    """Signals of the twin without any correction, by recording; None where it does not run.
+
+    An open-loop twin was opened with a loop that holds it on its recordings: it would agree
+    with them whatever it lacks.
+    """
+    records = case.simulations.records
+    if case.simulations.tracking is None:
+        return [
+            {own.name: values for own, values in zip(r.signals, run.signals, strict=True)}
+            for r, run in zip(records, case.base.simulated, strict=True)
+        ]
+    runs = [case.twin.run({}, record.plan.recording) for record in records]
+    if any(run.status != "ok" for run in runs):
+        return None
+    return [
+        {own.name: np.interp(own.time, run.time, run.signal(own.name)) for own in record.signals}
+        for record, run in zip(records, runs, strict=True)
+    ]
 
 
 def _alike(case: Case) -> list[int]:

@@ -11,16 +11,20 @@ from scipy.ndimage import median_filter
 
 from gmfbo.diagnosis.checking.result import ClockQuality
 from gmfbo.diagnosis.runs.scored_record import resolution
+from gmfbo.diagnosis.scoring.noise_levels import fast_power
 
 Array = NDArray[np.float64]
 
 _AROUND = 11  # rows whose median gives the usual step around a row
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
+_NOISE_FREE = 0.1  # of the usual step: less noise does not hide whether a signal catches up
 _CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
 _LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
 _REST_ROWS = 50  # a value that stays longer is rest, not a latch
 _CLIPPED_ROWS = 3  # of a stretch at the extreme value
 _CLIPPED_ENTRY = 1e-3  # of the range, by which a signal runs into its limit in one row
+_STEADY_LEAST = 0.05  # of the highest speed, above which an axis moves
+_STEADY_CHANGE = 0.02  # of the speed, between the halves of a stretch at steady speed
 _JUMP = (1.5, 20.0)  # step over its neighbours' where rows are lost
 _JUMP_SPREADS = 6.0  # of all steps beside their neighbours'
 _JUMP_SHARE = 0.2  # of the fastest step: a lost row at standstill shows nothing
@@ -74,7 +78,24 @@ def repeated_rows(values: Array, quantum: float) -> NDArray[np.int64]:
         ones = np.count_nonzero(moving & (np.abs(steps / quantum - 1.0) < 0.5))
         if rows.size <= 0.5 * ones + _CHANCE * np.sqrt(ones + 1.0):
             return np.zeros(0, dtype=np.int64)
-    return rows
+    sticking = _sticking(steps, usual, float(np.sqrt(fast_power(values))))
+    return rows[~sticking[rows - 1]]
+
+
+def _sticking(steps: Array, usual: Array, noise: float) -> NDArray[np.bool_]:
+    """Steps of zero after which the signal does not catch up, shape (n - 1,): the axis stood still.
+
+    The step after r repeated readings of a moving axis is r + 1 steps long. Where noise is as
+    large as the steps, a reading that is exactly the same is a repeat.
+    """
+    still = np.concatenate([[False], steps == 0.0, [False]])
+    edges = np.flatnonzero(np.diff(still.astype(int)))
+    found = np.zeros(steps.size, dtype=bool)
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        after = steps[end] if end < steps.size else 0.0
+        caught_up = 0.5 * (1.0 + (end - start + 1.0)) * usual[start:end]
+        found[start:end] = (noise < _NOISE_FREE * usual[start:end]) & (after < caught_up)
+    return found
 
 
 def _finest_quantum(steps: Array) -> float:
@@ -92,7 +113,7 @@ def is_latched(refresh: float) -> bool:
     return refresh > _LATCHED
 
 
-def clipped_rows(values: Array, quantum: float) -> int:
+def clipped_rows(values: Array, quantum: float, speed: Array | None = None) -> int:
     """Rows at an extreme value into which the signal runs without slowing down.
 
     Parameters
@@ -101,6 +122,8 @@ def clipped_rows(values: Array, quantum: float) -> int:
         As recorded.
     quantum : float
         Resolution; 0 for continuous values.
+    speed : ndarray, shape (n,), optional
+        [position's unit / s] Of the axis; a value that goes with a steady speed is no limit.
     """
     entry = max(_QUANTA * quantum, _CLIPPED_ENTRY * float(np.ptp(values)))
     total = 0
@@ -110,9 +133,21 @@ def clipped_rows(values: Array, quantum: float) -> int:
         for start, end in zip(edges[::2], edges[1::2], strict=True):
             long_enough = end - start >= _CLIPPED_ROWS
             # The last step is cut short by the limit; the one before it is whole.
-            if long_enough and start > 1 and np.diff(side[start - 2 : start + 1]).max() > entry:
+            if not long_enough or start <= 1:
+                continue
+            enters = np.diff(side[start - 2 : start + 1]).max() > entry
+            if enters and not (speed is not None and _is_steady(speed, start, end)):
                 total += int(end - start)
     return total
+
+
+def _is_steady(speed: Array, start: int, end: int) -> bool:
+    """Whether an axis moves at one speed over these rows: what it needs for that is no limit."""
+    middle = (start + end + 1) // 2
+    first, last = float(np.mean(speed[start:middle])), float(np.mean(speed[middle - 1 : end]))
+    mean = 0.5 * (first + last)
+    is_moving = abs(mean) > _STEADY_LEAST * float(np.abs(speed).max())
+    return is_moving and abs(last - first) < _STEADY_CHANGE * abs(mean)
 
 
 def lost_rows(positions: Sequence[Array], others: Sequence[Array]) -> NDArray[np.int64]:

@@ -6,6 +6,7 @@ inverse of the controller (Ljung 1999, 13.4); the reference is independent of th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -73,7 +74,10 @@ class Response:
 
 
 def empirical_response(
-    sources: Sequence[Array], signals: Sequence[Array], spacing: float
+    sources: Sequence[Array],
+    signals: Sequence[Array],
+    spacing: float,
+    highest: float = math.inf,
 ) -> Response | None:
     """Estimate a response from several runs; None where they are too short or nothing moves.
 
@@ -83,6 +87,9 @@ def empirical_response(
         One array a run, sampled together.
     spacing : float
         [s] Between rows.
+    highest : float
+        [Hz] Half the rate at which the slower of the two was sampled, if that is slower than the
+        rows: above it there is only what interpolation makes.
     """
     rows = int(min(column.size for column in sources) / _SEGMENTS)
     if rows < _LEAST_ROWS or not any(np.ptp(column) > 0.0 for column in sources):
@@ -97,6 +104,7 @@ def empirical_response(
         xy += np.sum(np.conj(x) * y, axis=0)
     frequency = np.fft.rfftfreq(rows, spacing).astype(np.float64)
     excited = (frequency > 0.0) & (xx > _EXCITED * np.max(xx)) & (yy > 0.0)
+    excited &= frequency <= highest
     if not excited.any():
         return None
     value = np.asarray(xy[excited] / xx[excited], dtype=np.complex128)

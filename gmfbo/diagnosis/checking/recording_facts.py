@@ -30,6 +30,7 @@ from gmfbo.diagnosis.checking.seen_alignment import ControllerView, against_twin
 from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
 from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, resolution
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
+from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -78,7 +79,7 @@ def recording_facts(
         position=(float(position.min()), float(position.max())),
         speed=(float(low), float(high)),
         clock=_clock(case, recording),
-        columns=_columns(case, recording),
+        columns=_columns(case, recording, states),
         alignment=alignment,
         parity=view.excess if view is not None else math.nan,
     )
@@ -127,16 +128,18 @@ def _told(recording: Recording, names: Sequence[str], rows: NDArray[np.bool_]) -
     return found
 
 
-def _columns(case: Case, recording: Recording) -> dict[str, ColumnQuality]:
+def _columns(case: Case, recording: Recording, states: States) -> dict[str, ColumnQuality]:
     command = command_of(case)
     return {
-        name: _quality(case, recording, name, is_command=name == command)
+        name: _quality(case, recording, name, states, is_command=name == command)
         for name in _named(case, recording)
         if np.isfinite(recording.signal(name)).sum() >= LEAST_ROWS
     }
 
 
-def _quality(case: Case, recording: Recording, name: str, *, is_command: bool) -> ColumnQuality:
+def _quality(
+    case: Case, recording: Recording, name: str, states: States, *, is_command: bool
+) -> ColumnQuality:
     column = recording.signal(name)
     known = np.flatnonzero(np.isfinite(column))
     values = column[known]
@@ -148,7 +151,9 @@ def _quality(case: Case, recording: Recording, name: str, *, is_command: bool) -
     # An input may hold its value as long as it was asked to.
     if is_output and not is_latched(refresh):
         repeated = repeated_rows(values, quantum).size
-        clipped = clipped_rows(values, quantum)
+        # An end stop holds a position at rest, a limit anything else while the axis accelerates.
+        speed = np.interp(recording.time[known], states.time, states.velocity)
+        clipped = clipped_rows(values, quantum, None if name in case.rig.positions else speed)
     places = np.diff(known)
     usual = np.median(places)
     extent = float(np.ptp(values))

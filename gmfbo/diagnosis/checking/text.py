@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,7 @@ _USUAL = (
     "transport_delay",
     "sensor_eccentricity",
 )
+_NUMBERS = re.compile(r"\s*[-+]?\d[\d.,e+-]*( \.\.\.)?")
 _MOST_ALONE = 6  # recordings that have a column of their own
 _MOST_FINDINGS = 8
 _FAR = 20.0  # times the size shown by all recordings together: as good as never
@@ -82,10 +84,11 @@ def _findings(check: Check, every: bool) -> list[str]:
 
 
 def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
-    """Findings grouped by kind and column over the recordings."""
-    groups: dict[tuple[str, str], list[Finding]] = {}
+    """Findings that differ in their recording and numbers alone, as groups."""
+    groups: dict[tuple[str, str, str], list[Finding]] = {}
     for finding in findings:
-        groups.setdefault((finding.kind, finding.signal), []).append(finding)
+        said = _NUMBERS.sub("", f"{finding.what} {finding.cure}")
+        groups.setdefault((finding.kind, finding.signal, said), []).append(finding)
     return list(groups.values())
 
 

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, check
 from gmfbo.diagnosis import Check
+from gmfbo.diagnosis.checking.result import Finding
+from gmfbo.diagnosis.checking.text import check_lines
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, climb
@@ -172,6 +174,18 @@ def test_sound_recordings_of_an_open_loop_plant_raise_no_finding(
     assert seen.parity_why_not == "the twin is an open-loop plant"
 
 
+def test_an_open_loop_twin_is_compared_in_its_free_run() -> None:
+    """An axis of twice the inertia: a loop that holds the twin on it would hide that."""
+    heavy = replace(BENCH, truth={"inertia": 0.0104, "viscous": 0.012})
+    ratios = []
+    for axis in (BENCH, heavy):
+        (seen,) = check(BENCH.twin(), axis.recordings({}), jobs=1).responses
+        assert (seen.source, seen.signal) == ("current", "position")
+        moves = np.array(seen.frequency) < 25.0  # above it there is noise alone
+        ratios.append(float(np.median(np.divide(seen.gain, seen.twin_gain)[moves])))
+    assert ratios == pytest.approx([1.0, 0.5], rel=0.15)
+
+
 def test_a_logger_of_the_new_command_is_recognised(quick: FmuTwin) -> None:
     recordings = SERVO.recordings({}, logged_new=("torque_command",), written_by="")
     seen = check(quick, recordings, jobs=1)
@@ -243,3 +257,15 @@ def test_no_parameter_is_fitted_and_the_users_twin_is_left_as_it_was() -> None:
     told = {response.signal: response for response in seen.responses}
     # 50 % more inertia: the command is larger, although no column is wrong.
     assert told["torque_command"].apart > 0.2
+
+
+def test_two_faults_of_one_kind_do_not_hide_each_other(
+    sound: list[Recording], quick: FmuTwin
+) -> None:
+    seen = check(quick, sound, jobs=1)
+    by_clock = Finding("lost_rows", "rec0.csv", "", "3 rows are missing by the clock", "log anew")
+    by_jump = Finding("lost_rows", "rec0.csv", "", "all signals jump at 0.3 s", "cut it there")
+    again = Finding("lost_rows", "rec1.csv", "", "12 rows are missing by the clock", "log anew")
+    said = "\n".join(check_lines(replace(seen, findings=(by_clock, by_jump, again))))
+    assert "rec0.csv and 1 more: 3 rows are missing by the clock" in said
+    assert "rec0.csv: all signals jump at 0.3 s" in said

@@ -67,6 +67,30 @@ def test_rest_is_neither_a_latch_nor_a_repeat_nor_a_limit() -> None:
     assert clipped_rows(column, 0.0) == 0
 
 
+@pytest.mark.parametrize("rows", [2, 4])
+def test_an_axis_that_sticks_repeats_no_reading(rows: int) -> None:
+    steps = 1e-3 * np.abs(np.sin(2.0 * np.pi * 3.0 * TIME))
+    for turn in range(250, 1900, 166):
+        steps[turn : turn + rows] = 0.0
+        steps[turn + rows : turn + rows + 4] *= [0.1, 0.3, 0.6, 0.9]
+    assert repeated_rows(np.cumsum(steps), 0.0).size == 0
+    # Negative control: a reading that is repeated while the axis goes on.
+    column = np.cumsum(np.full(TIME.size, 1e-3) + 2e-4 * np.sin(2.0 * np.pi * 3.0 * TIME))
+    column[700 : 700 + rows] = column[699]
+    assert repeated_rows(column, 0.0).tolist() == list(range(700, 700 + rows))
+
+
+def test_a_value_at_steady_speed_is_no_limit() -> None:
+    speed = np.clip(np.cumsum(np.where(np.arange(2000) % 1000 < 500, 1.0, -1.0)), -200.0, 200.0)
+    friction = 0.4 * np.sign(speed) + 1e-3 * speed
+    assert clipped_rows(friction, 0.0) > 200
+    assert clipped_rows(friction, 0.0, speed) == 0
+    # Negative control: at a limit of the command the axis goes on to accelerate.
+    limited = np.clip(friction, -0.45, 0.45)
+    accelerating = np.cumsum(np.cumsum(limited))
+    assert clipped_rows(limited, 0.0, accelerating) == clipped_rows(limited, 0.0) > 200
+
+
 def test_rows_at_a_limit_are_counted() -> None:
     column = motion()
     clipped = np.clip(column, -0.35, 0.35)

@@ -95,3 +95,18 @@ def test_unrelated_signals_are_not_trusted_over_any_band() -> None:
     response = empirical_response(sources, [reference(seed + 100) for seed in range(8)], STEP)
     assert response is not None
     assert all(np.isnan(end) for end in response.trusted)
+
+
+def test_nothing_is_told_above_half_the_sampling_rate() -> None:
+    """A signal that was logged at a tenth of the rate, with what interpolation makes of it."""
+    source = reference(4)
+    rows = np.arange(source.size)
+    slow = np.interp(rows, rows[::10], lfilter(B, A, source)[::10])
+    half = 0.5 / (10.0 * STEP)
+    response = empirical_response([source], [slow], STEP, half)
+    assert response is not None
+    assert response.frequency.max() <= half
+    # Negative control: unlimited, it goes on up to half the rate of the rows.
+    unlimited = empirical_response([source], [slow], STEP)
+    assert unlimited is not None
+    assert unlimited.frequency.max() > 9.0 * half
