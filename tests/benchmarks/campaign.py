@@ -1,6 +1,7 @@
 """What many studies cost: two processes against one, and a projection for a cluster.
 
-    python -m tests.benchmarks.campaign [--seeds 12] [--out tests/benchmarks/results/campaign.txt]
+    python -m tests.benchmarks.campaign [--seeds 12] \\
+        [--out tests/benchmarks/results/campaign/campaign.txt]
 
 Parallel efficiency: the same runs in one process and in two, starts of the processes counted. The
 overhead of a unit on a cluster is that of a real dask scheduler and worker for units that their

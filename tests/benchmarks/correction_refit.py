@@ -28,7 +28,7 @@ from gmfbo import FmuTwin, Recording, step_reference
 from gmfbo.correction.trajectory_gp import CorrectionSettings, Pair, TrajectoryCorrection
 from gmfbo.sources.fmu_file.models import models_folder
 
-RESULT = Path(__file__).parent / "results" / "correction_refit.txt"
+RESULT = Path(__file__).parent / "results" / "correction_refit" / "correction_refit.txt"
 GAINS = ((100.0, 5.0), (180.0, 7.0), (60.0, 3.0))
 NEARBY = (6.0, 0.3)
 LIMIT_S, LIMIT_RATIO = 0.5, 1.03

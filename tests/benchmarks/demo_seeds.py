@@ -2,7 +2,8 @@
 
 The second part of the demo alone, at its own defaults: draw, recordings, diagnosis, comparison.
 
-    python tests/benchmarks/demo_seeds.py --seeds 24 > tests/benchmarks/results/demo_seeds.txt
+    python tests/benchmarks/demo_seeds.py --seeds 24 \\
+        > tests/benchmarks/results/demo_seeds/demo_seeds.txt
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Time of a diagnosis: four recordings of 2.5 s at 1 kHz on a slow twin.
 
-    python tests/benchmarks/diagnosis_speed.py
+    python tests/benchmarks/diagnosis_speed.py \\
+        > tests/benchmarks/results/diagnosis_speed/diagnosis_speed.txt
 
 The twin is the drive of models/drive_twin.toml, whose current loop and flux map make it the
 slowest of the models here. Its recordings come from the same FMU with friction, with another

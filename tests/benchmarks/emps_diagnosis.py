@@ -1,6 +1,7 @@
 """Diagnose the EMPS twin on the first half of its recording, score the second.
 
-    GMFBO_DATA=FOLDER python tests/benchmarks/emps_diagnosis.py
+    GMFBO_DATA=FOLDER python tests/benchmarks/emps_diagnosis.py \\
+        > tests/benchmarks/results/emps_diagnosis/emps_diagnosis.txt
 
 Runs `notebooks/03_find_the_missing_physics.py`, which prints what it found and asserts it.
 

@@ -1,6 +1,7 @@
 """Refit mass and viscous friction of the EMPS twin on the first half, score the second.
 
-    GMFBO_DATA=FOLDER python tests/benchmarks/emps_refit.py
+    GMFBO_DATA=FOLDER python tests/benchmarks/emps_refit.py \\
+        > tests/benchmarks/results/emps_refit/emps_refit.txt
 
 The twin has no Coulomb friction, so the refit viscous friction swallows part of it: the fit
 improves in both signals while a structural error stays in the drive input.

@@ -34,7 +34,7 @@ from gmfbo.sources.fmu_file.models import models_folder  # noqa: E402
 from gmfbo.sources.sandbox.enclosure import available  # noqa: E402
 from tests.sources.worker.processes import descendants, gone_within  # noqa: E402
 
-RESULT = Path(__file__).parent / "results" / "isolation.txt"
+RESULT = Path(__file__).parent / "results" / "isolation" / "isolation.txt"
 STEP_S = 1e-3
 HORIZON_S = 1.1
 CASES = {"linear_axis": "initial_position", "drive_twin": "initial.position"}

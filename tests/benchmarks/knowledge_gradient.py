@@ -1,6 +1,7 @@
 """Knowledge gradient in closed form against BoTorch's one-shot form, in the same process.
 
-    python -m tests.benchmarks.knowledge_gradient > tests/benchmarks/results/knowledge_gradient.txt
+    python -m tests.benchmarks.knowledge_gradient \\
+        > tests/benchmarks/results/knowledge_gradient/knowledge_gradient.txt
 
 Both are given the same fitted surrogates of a made-up axis and twin with two gains. What each
 proposes is valued by the closed form, so the share of the better value that each reaches can be

@@ -23,7 +23,7 @@ from gmfbo.sources.fmu_file.models import models_folder  # noqa: E402
 from tests.foreign.fmus import HOW, find_foreign_fmu, write_own_axis, write_vendor_axis  # noqa: E402
 from tests.long_runs import Usage, simulate_often  # noqa: E402
 
-RESULT = Path(__file__).parent / "results" / "long_runs.txt"
+RESULT = Path(__file__).parent / "results" / "long_runs" / "long_runs.txt"
 LIMIT_BYTES = 50e6
 LOOKS, WARM_UP = 20, 400
 AXIS = """

@@ -31,7 +31,7 @@ from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.methods.beliefs import search_of
 from gmfbo.tuning.methods.gmfbo_paper import fit_surrogate, printed_mismatch
 
-RESULT = Path(__file__).parent / "results" / "step_time.txt"
+RESULT = Path(__file__).parent / "results" / "step_time" / "step_time.txt"
 POINTS = 60
 REPEATS = 5
 TWIN_LIMIT_S, REAL_LIMIT_S = 0.5, 1.0

@@ -27,7 +27,7 @@ from gmfbo import FmuTwin, Recording
 from gmfbo.sources.fmu_file.models import models_folder
 
 HERE = Path(__file__).parent
-RESULT = HERE / "results" / "stepping.txt"
+RESULT = HERE / "results" / "stepping" / "stepping.txt"
 STEP_S = 1e-3
 CASES = {"linear_axis": ("initial_position", 20.0), "drive_twin": ("initial.position", 1.1)}
 REPEATS = 40

@@ -37,7 +37,7 @@ from gmfbo import FmuTwin, step_reference
 from gmfbo.objective import METRICS, PAPER_WEIGHTS, Objective, step_metrics
 from gmfbo.sources.fmu_file.models import models_folder
 
-RESULTS = Path(__file__).parent / "results"
+RESULTS = Path(__file__).parent / "results" / "twin_study_acceptance"
 NOISES = (0.25, 0.50, 0.75)
 NORMALISING_SAMPLES = 10
 STEP_TIME, HORIZON = 0.1, 1.0  # [s]

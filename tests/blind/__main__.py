@@ -24,14 +24,15 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", nargs="+", default=[], metavar="CASE")
     parser.add_argument("--limit", type=float, default=TIME_LIMIT, help="[s] for each case")
-    parser.add_argument("--text", type=Path, help="report; by default beside the other results")
+    parser.add_argument("--text", type=Path, help="report; by default in the folder of its seed")
     given = parser.parse_args()
     generate(given.cases, given.seed, given.out, given.jobs)
     run_all(given.out, given.jobs, given.only, given.limit)
     benchmark = json.loads((given.out / "benchmark.json").read_text(encoding="utf-8"))
     scores = read_scores(given.out)
     text = report(scores, benchmark, [baseline_table(given.out, scores)])
-    file = given.text or RESULTS / f"blind_{given.cases}_seed_{given.seed}.txt"
+    study = RESULTS / f"blind_seed_{given.seed}"
+    file = given.text or study / f"blind_{given.cases}_seed_{given.seed}.txt"
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
     print(text)
