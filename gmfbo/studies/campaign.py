@@ -151,13 +151,7 @@ class Settings:
     progress: Told | None
 
     def compare(self, study: str | Path, out: str | Path | None) -> Comparison:
-        """Compare on one study.
-
-        Parameters
-        ----------
-        study, out
-            As of the function `compare`.
-        """
+        """Do what the function `compare` does."""
         path = Path(study)
         wanted = self._wanted()
         folders = [(Study.read(path), Path(out) if out else path.with_suffix(".compare"))]
@@ -165,18 +159,9 @@ class Settings:
         return comparison
 
     def campaign(
-        self,
-        studies: Sequence[str | Path],
-        vary: Mapping[str, Sequence[Any]],
-        out: str | Path,
+        self, studies: Sequence[str | Path], vary: Mapping[str, Sequence[Any]], out: str | Path
     ) -> list[Comparison]:
-        """Compare on several studies and variants of them.
-
-        Parameters
-        ----------
-        studies, vary, out
-            As of the function `campaign`.
-        """
+        """Do what the function `campaign` does."""
         paths = [Path(study) for study in studies]
         _check(studies=(len(paths), 1))
         wanted = self._wanted()
