@@ -12,10 +12,11 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
+from gmfbo.diagnosis.conclusion import Progress
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.runs.given_recording import as_recording
-from gmfbo.diagnosis.steps import Progress, Search
+from gmfbo.diagnosis.steps import Search
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE, Effect
 from gmfbo.recordings.recording import Recording
