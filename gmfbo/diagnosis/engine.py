@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,11 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
+from gmfbo.diagnosis.conclusion import Progress
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.runs.given_recording import as_recording
-from gmfbo.diagnosis.steps import Progress, Search
+from gmfbo.diagnosis.steps import Search
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE, Effect
 from gmfbo.recordings.recording import Recording
@@ -77,25 +79,35 @@ def diagnose(
     unseen = [as_recording(recording, opened) for recording in validate or ()]
     told = progress or (lambda stage, share: None)
     told("running the twin", 0.0)
-    gain = find_shown_gain(opened, read, seed=seed, jobs=jobs)
+    with ExitStack() as closing:
+        if opened is not twin:
+            closing.callback(opened.close)
+        case, other = _cases(opened, read, unseen, seed, jobs, closing)
+        search = Search(case, np.random.default_rng(seed), assume, exclude, told)
+        return search.diagnosis(seed, started, other)
+
+
+def _cases(
+    twin: FmuTwin,
+    recordings: Sequence[Recording],
+    unseen: Sequence[Recording],
+    seed: int,
+    jobs: int | None,
+    closing: ExitStack,
+) -> tuple[Case, Case | None]:
+    """Open a case of each kind of recordings, under the gain that the drive really had."""
+    gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
-        read, unseen = gain.put_in(read), gain.put_in(unseen)
-    case = _aligned_case(opened, read, seed, jobs)
+        recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
+    case = _aligned_case(twin, recordings, seed, jobs)
+    closing.callback(case.simulations.close)
     if gain is not None:
         case.notes.append(gain.note)
-    try:
-        search = Search(case, np.random.default_rng(seed), assume, exclude, told)
-        if not unseen:
-            return search.diagnosis(seed, started, None)
-        other = open_unseen(case, unseen, seed=seed, jobs=jobs)
-        try:
-            return search.diagnosis(seed, started, other)
-        finally:
-            other.simulations.close()
-    finally:
-        case.simulations.close()
-        if not isinstance(twin, FmuTwin):
-            opened.close()
+    if not unseen:
+        return case, None
+    other = open_unseen(case, unseen, seed=seed, jobs=jobs)
+    closing.callback(other.simulations.close)
+    return case, other
 
 
 def _aligned_case(

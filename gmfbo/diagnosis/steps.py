@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.case.case import Case, is_more_than_noise
+from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, split_of
 from gmfbo.diagnosis.case.other_starts import fitted_from_names
+from gmfbo.diagnosis.conclusion import Conclusion, Progress
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.fitting.hypothesis import Candidate
-from gmfbo.diagnosis.fitting.intervals import combinations_of, estimated, spread_of
-from gmfbo.diagnosis.fitting.profile_intervals import widened_by_profile
-from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
-from gmfbo.diagnosis.locating.parities import parities
 from gmfbo.diagnosis.naming.decision import Decision, Round
-from gmfbo.diagnosis.naming.decision_told import (
-    alignments,
-    augmentation_of,
-    detectable_sizes,
-    named_effects,
-    not_testable,
-    units_of,
-)
 from gmfbo.diagnosis.naming.forward_selection import decide
-from gmfbo.diagnosis.naming.open_explanations import predictions_of
 from gmfbo.diagnosis.naming.probability import probability
 from gmfbo.diagnosis.naming.withdrawn_names import (
     drop_improbable,
@@ -42,35 +24,22 @@ from gmfbo.diagnosis.naming.withdrawn_names import (
     is_weak,
     leaves_most,
     note_what_is_not_named,
-    parameters_matter,
 )
 from gmfbo.diagnosis.outside.beyond_library import (
     Outside,
-    is_mismatch,
-    is_uneven,
     look_outside,
     unexplained,
 )
-from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
-from gmfbo.diagnosis.result.held_out_errors import Fit
-from gmfbo.diagnosis.result.next_experiment import NextExperiment
-from gmfbo.diagnosis.result.reference_test import ResidualTest
-from gmfbo.diagnosis.result.whereabouts import Location, Shape
-from gmfbo.diagnosis.screening.port_response import PortResponse, measure_port_response
-from gmfbo.diagnosis.screening.pulses import EVERY, Pulse
-from gmfbo.diagnosis.screening.repeating_and_passing import find_lines
+from gmfbo.diagnosis.screening.searched_lines import SearchedLines
 from gmfbo.diagnosis.screening.testable_effects import (
     NOT_EXCITED_BY_REVERSALS,
     candidates,
     untestable,
 )
-from gmfbo.diagnosis.validating.reference_tests import residual_tests
 from gmfbo.diagnosis.validating.validation import Validated, validate_unseen
 from gmfbo.diagnosis.validating.validation import validate as validated_on
-from gmfbo.physics import CATALOGUE, Excitation
+from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import words
-
-Progress = Callable[[str, float], None]
 
 
 class Search:
@@ -98,9 +67,7 @@ class Search:
     ) -> None:
         self.case, self.rng, self.progress = case, rng, progress
         self.assume, self.exclude = assume, exclude
-        self.units = units_of(case)
-        self._response: PortResponse | None = None
-        self._pulses: tuple[Pulse, ...] = ()
+        self.lines = SearchedLines(case, rng)
 
     def diagnosis(self, seed: int, started: float, unseen: Case | None) -> Diagnosis:
         """Go through all steps.
@@ -115,88 +82,20 @@ class Search:
             Recordings that are only scored; without them, part of the case's own are held out.
         """
         case = self.case
-        self._look_for_lines()
+        self.lines.look(self.progress)
         reasons = self._reasons()
         decision = self._decision(reasons)
         probabilities = self._probabilities(decision)
         give_way_to_limit(case, decision, probabilities, self._probability(decision))
         drop_improbable(case, decision, probabilities)
-        outside = None
-        if self._response is not None:
-            self.progress("looking outside the library", 0.8)
-            outside = look_outside(case, decision, self._response, self.rng)
-            if outside.is_better:
-                decision.too_small = None
-            if outside.is_better and not is_known(decision):
-                decision.model = case.base
-                decision.rounds.clear()
+        outside = self._outside(decision)
         note_what_is_not_named(case, decision)
         if leaves_most(case, decision):
             self._take_names_back(decision, "leaves most of what is beyond noise")
         self.progress("validating", 0.85)
-        result = self._validated(decision, outside, unseen)
-        why = None
-        if result.fit.removes_nothing and is_weak(decision):
-            removed = result.fit.explainable_error_removed
-            why = f"removes {removed:.0%} of the explainable error on the others"
-        elif decision.rounds and result.contradicts_names:
-            why = "the others contradict it"
-            decision.contradicted = not is_weak(decision)
-        if why is not None:
-            self._take_names_back(decision, why)
-            result = self._validated(decision, outside, unseen)
-        elif decision.rounds and result.fit.is_worse:
-            case.notes.append(_why_worse(result))
-        augmented = result.augmented
-        own = len(case.setting.uncertain)
-        of_effects = range(own, augmented.x.size)
-        spread = widened_by_profile(
-            result.misfit, augmented, spread_of(augmented, self.rng), of_effects
-        )
-        self.progress("locating", 0.95)
-        named = named_effects(case, decision, augmented, spread, probabilities, self.units)
-        effects = augmented.hypothesis.effects
-        tests = residual_tests(unseen or case, result.curves, result.scored)
-        verdict = self._verdict(decision, outside, tests, result.fit)
-        location = Location(None)
-        if verdict in ("missing_physics", "outside_library"):
-            location = locate(
-                case,
-                case.base,
-                parities(case, case.base),
-                effects,
-                augmented if effects else None,
-                self.units,
-            )
-            if verdict == "outside_library" and outside is not None and outside.is_better:
-                location = located_at(location, outside.model.port)
-        self.progress("choosing the next experiment", 0.97)
-        experiment, reference = self._next_experiment(decision, reasons)
-        self.progress("done", 1.0)
-        return Diagnosis(
-            verdict=verdict,
-            evidence=self._sufficiency(reasons),
-            effects=named,
-            parameters=estimated(augmented, spread, case.twin.binding),
-            combinations=combinations_of(augmented, spread),
-            alignment=alignments(case, augmented),
-            detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
-            location=location,
-            fit=result.fit,
-            shape=self._shape(outside) if outside is not None and outside.is_better else None,
-            next_experiment=experiment,
-            next_reference=reference,
-            not_testable=not_testable(case, reasons, decision),
-            cost=Cost(case.simulations.runs, time.perf_counter() - started),
-            seed=seed,
-            versions=_versions(),
-            notes=tuple(case.notes),
-            predictions=predictions_of(case, decision, augmented, self.units),
-            latent=self._latent(outside, decision),
-            residual_tests=tests,
-            curves=result.curves,
-            augmentation=augmentation_of(case, augmented, self.units),
-        )
+        result = self._confirmed(decision, outside, unseen)
+        found = Conclusion(case, unseen, decision, probabilities, reasons, outside, result)
+        return found.diagnosis(seed, started, self.rng, self.progress)
 
     def _decision(self, reasons: dict[str, str]) -> Decision:
         """What to name, about the best fit without names."""
@@ -209,14 +108,14 @@ class Search:
             return decision
         case.base = better
         case.use(case.plain)
-        self._look_for_lines()
+        self.lines.look(self.progress)
         return self._about_the_fit(reasons)
 
     def _about_the_fit(self, reasons: dict[str, str]) -> Decision:
         """What to name, about the twin as it is refitted so far."""
         excitation = self.case.setting.excitation
         testable = [name for name in CATALOGUE if name not in reasons]
-        library = candidates(testable, excitation) + self._passing(testable)
+        library = candidates(testable, excitation) + self.lines.passing(testable)
         silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
         library += candidates(silent, excitation)
         return decide(
@@ -225,49 +124,8 @@ class Search:
             self.rng,
             self.progress,
             silent=silent,
-            look_again=lambda model: self._lines_beside(model, testable),
+            look_again=lambda model: self.lines.beside(model, testable),
         )
-
-    def _look_for_lines(self) -> None:
-        """Let what repeats in the misfit say which lines are worth testing."""
-        case = self.case
-        if "torque" not in case.base.simulated[0].response.ports:
-            return
-        self.progress("searching for lines", 0.1)
-        self._response = response = measure_port_response(case, "torque", self.rng)
-        if response is None:
-            return
-        lines = find_lines(case, case.base, response)
-        self._pulses = lines.passing
-        excitation = lines.within(case.setting.excitation)
-        case.change_setting(replace(case.setting, excitation=excitation))
-
-    def _lines_beside(self, model: Fitted, testable: Sequence[str]) -> list[Candidate]:
-        """Lines and pulses beside named effects, as starts of the effects that need one."""
-        if self._response is None:
-            return []
-        lines = find_lines(self.case, model, self._response)
-        self._pulses = lines.passing
-        excitation = lines.within(self.case.setting.excitation)
-        searched = [name for name in testable if CATALOGUE[name].is_searched]
-        return candidates(searched, excitation) + self._passing(testable, excitation)
-
-    def _passing(
-        self, testable: Sequence[str], excitation: Excitation | None = None
-    ) -> list[Candidate]:
-        """A disturbance that passed in one recording, as a candidate in that one alone."""
-        name = "pulse_disturbance"
-        if name not in testable:
-            return []
-        return [
-            Candidate(name, dict(start), only=pulse.record)
-            for start, pulse in zip(
-                CATALOGUE[name].starts(excitation or self.case.setting.excitation),
-                self._pulses,
-                strict=False,
-            )
-            if pulse.record != EVERY
-        ]
 
     def _reasons(self) -> dict[str, str]:
         return untestable(
@@ -279,23 +137,37 @@ class Search:
             is_open=self.case.simulations.tracking is not None,
         )
 
-    def _next_experiment(
-        self, decision: Decision, reasons: dict[str, str]
-    ) -> tuple[NextExperiment | None, str]:
-        """What to record next where rivals remain or much was not excited, and its file's text."""
-        case = self.case
-        rivals = next((r for r in decision.rounds if r.rivals), None)
-        with TemporaryDirectory() as folder:
-            told = None
-            if rivals is not None:
-                fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
-                told = propose(case, fits, decision.threshold, Path(folder))
-            elif self._sufficiency(reasons) == "insufficient":
-                silent = [n for n, why in reasons.items() if why.startswith("not excited")]
-                told = propose_for(case, case.base, silent, Path(folder))
-            if told is None or not told.reference:
-                return told, ""
-            return told, (Path(folder) / told.reference).read_text(encoding="utf-8")
+    def _outside(self, decision: Decision) -> Outside | None:
+        """What explains more without a name; None where the twin has no torque port."""
+        if self.lines.response is None:
+            return None
+        self.progress("looking outside the library", 0.8)
+        outside = look_outside(self.case, decision, self.lines.response, self.rng)
+        if outside.is_better:
+            decision.too_small = None
+        if outside.is_better and not is_known(decision):
+            decision.model = self.case.base
+            decision.rounds.clear()
+        return outside
+
+    def _confirmed(
+        self, decision: Decision, outside: Outside | None, unseen: Case | None
+    ) -> Validated:
+        """Score on the other recordings; names that these speak against are taken back."""
+        result = self._validated(decision, outside, unseen)
+        why = None
+        if result.fit.removes_nothing and is_weak(decision):
+            removed = result.fit.explainable_error_removed
+            why = f"removes {removed:.0%} of the explainable error on the others"
+        elif decision.rounds and result.contradicts_names:
+            why = "the others contradict it"
+            decision.contradicted = not is_weak(decision)
+        if why is not None:
+            self._take_names_back(decision, why)
+            return self._validated(decision, outside, unseen)
+        if decision.rounds and result.fit.is_worse:
+            self.case.notes.append(_why_worse(result))
+        return result
 
     def _validated(
         self, decision: Decision, outside: Outside | None, unseen: Case | None
@@ -349,58 +221,6 @@ class Search:
         whole = unseen - {windows[i].record for i in split.fitted}
         records = range(len(self.case.simulations.records))
         return [outside.model.predicted(k, without=whole) for k in records]
-
-    def _shape(self, outside: Outside | None) -> Shape | None:
-        if outside is None:
-            return None
-        units = self.units
-        return outside.model.shape(
-            {
-                "torque": units.torque,
-                "sensor": units.position,
-                "command": units.command,
-                "position": units.position,
-                "velocity": units.velocity,
-            }
-        )
-
-    def _latent(self, outside: Outside | None, decision: Decision) -> Shape | None:
-        """The unnamed signal beside the names that it was found under, where they act there too."""
-        at_torque = [r for r in decision.rounds if r.winner.effect.law.port == "torque"]
-        return self._shape(outside) if at_torque else None
-
-    def _verdict(
-        self,
-        decision: Decision,
-        outside: Outside | None,
-        tests: Sequence[ResidualTest],
-        fit: Fit,
-    ) -> Verdict:
-        case = self.case
-        if outside is not None and outside.is_better and not is_known(decision):
-            return "outside_library"
-        if decision.rounds:
-            return "missing_physics"
-        errors = {name: signal.parameters_only for name, signal in fit.signals.items()}
-        left = unexplained(case, case.base)
-        if not is_known(decision) and (
-            decision.contradicted
-            or (decision.disputed is not None and is_more_than_noise(case, case.base))
-            or is_mismatch(left, tests, errors)
-            or is_uneven(case, case.base, self.rng)
-        ):
-            return "outside_library"
-        return "parameters" if parameters_matter(case, decision) else "none"
-
-    def _sufficiency(self, reasons: dict[str, str]) -> Sufficiency:
-        silent = [name for name, why in reasons.items() if why.startswith("not excited")]
-        return "insufficient" if "coulomb_friction" in silent else "sufficient"
-
-
-def _versions() -> dict[str, str]:
-    from importlib.metadata import version
-
-    return {name: version(name) for name in ("gmfbo", "numpy", "scipy", "fmpy")}
 
 
 def _why_worse(result: Validated) -> str:

@@ -75,16 +75,7 @@ def step_metrics(
     finite = np.asarray(np.isfinite(window).all(axis=-1))
     # A constant replaces broken responses, so that no warning or NaN arises from them.
     error = 1.0 - (np.where(finite[..., None], window, initial) - initial) / step_size
-    peak = np.abs(error).max(axis=-1)
-    low, high = (_first_reach(since_step, 1.0 - error, level, horizon) for level in RISE_LEVELS)
-    measured = {
-        "overshoot": 100.0 * np.maximum(-error.min(axis=-1), 0.0),
-        "transient_time": _last_outside(since_step, error, SETTLING_BAND * peak, horizon),
-        "rise_time": np.where((error <= 1.0 - RISE_LEVELS[1]).any(axis=-1), high - low, horizon),
-        "settling_time": _last_outside(
-            since_step, error, np.full(peak.shape, SETTLING_BAND), horizon
-        ),
-    }
+    measured = _metrics_of_error(since_step, error, horizon)
     worst = worst_metrics(horizon)
     return {name: np.where(finite, measured[name], worst[name]) for name in METRICS}
 
@@ -103,6 +94,20 @@ def worst_metrics(horizon: float) -> dict[str, float]:
         One entry for each of `METRICS` [% or s].
     """
     return {name: WORST_OVERSHOOT if name == "overshoot" else horizon for name in METRICS}
+
+
+def _metrics_of_error(
+    time: NDArray[np.float64], error: NDArray[np.float64], horizon: float
+) -> dict[str, NDArray[np.float64]]:
+    """Metrics of finite errors (share of the step) at times counted from it [s], shape (...)."""
+    peak = np.abs(error).max(axis=-1)
+    low, high = (_first_reach(time, 1.0 - error, level, horizon) for level in RISE_LEVELS)
+    return {
+        "overshoot": 100.0 * np.maximum(-error.min(axis=-1), 0.0),
+        "transient_time": _last_outside(time, error, SETTLING_BAND * peak, horizon),
+        "rise_time": np.where((error <= 1.0 - RISE_LEVELS[1]).any(axis=-1), high - low, horizon),
+        "settling_time": _last_outside(time, error, np.full(peak.shape, SETTLING_BAND), horizon),
+    }
 
 
 def _window(

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -78,13 +79,8 @@ def compare(
     SimulationError
         The executor broke; what is finished is kept.
     """
-    path = Path(study)
-    _check(seeds=(seeds, 1), first_seed=(first_seed, 0), grid=(grid, 3))
-    wanted = Wanted(_methods(methods, seeds), first_seed, grid, keep_trials)
-    folders = [(Study.read(path), Path(out) if out else path.with_suffix(".compare"))]
-    command = _command([path], {}, out, wanted, seeds)
-    (comparison,) = _compare_all(folders, wanted, command, _engine(jobs), progress)
-    return comparison
+    settings = Settings(methods, seeds, first_seed, jobs, grid, keep_trials, progress)
+    return settings.compare(study, out)
 
 
 def campaign(
@@ -132,51 +128,104 @@ def campaign(
     SimulationError
         The executor broke; what is finished is kept.
     """
-    paths = [Path(study) for study in studies]
-    _check(
-        studies=(len(paths), 1),
-        seeds=(seeds, 1),
-        first_seed=(first_seed, 0),
-        grid=(grid, 3),
-    )
-    wanted = Wanted(_methods(methods, seeds), first_seed, grid, keep_trials)
-    given = [one for path in paths for one in variants(Study.read(path), vary or {})]
-    folders = [(one, Path(out) / f"{one.file.name}.compare") for one in given]
-    names = [folder.name for _, folder in folders]
-    if len(set(names)) < len(names):
-        raise InputError(f"studies: expected a name of its own for each, got {', '.join(names)}")
-    command = _command(paths, vary or {}, out, wanted, seeds)
-    return _compare_all(folders, wanted, command, _engine(jobs), progress)
+    settings = Settings(methods, seeds, first_seed, jobs, grid, keep_trials, progress)
+    return settings.campaign(studies, vary or {}, out)
 
 
-def _compare_all(
-    folders: Sequence[tuple[Study, Path]],
-    wanted: Wanted,
-    command: str,
-    engine: Engine,
-    progress: Told | None,
-) -> list[Comparison]:
-    told = progress or (lambda line: None)
-    with ExitStack() as held:
-        held.enter_context(closing(engine))
-        planned = []
-        for study, path in folders:
-            folder = ComparisonFolder(path)
-            held.enter_context(folder.writing())
-            planned.append(PlannedComparison.begin(study, folder, wanted))
-        commands = [one.folder.log_command(command) for one in planned]
-        # A study is judged by its plant over the box, so that comes first.
-        _run(planned, PlannedComparison.truths, engine, told)
-        _run(planned, PlannedComparison.runs, engine, told)
-        return [
-            Comparison(
-                one.folder.path,
-                one.tables([f"$ {line}" for line in lines]),
-                tuple(one.outcomes),
-                one.failed,
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """What holds for every study of a comparison or campaign.
+
+    Attributes
+    ----------
+    methods, seeds, first_seed, jobs, grid, keep_trials, progress
+        As of `compare`.
+    """
+
+    methods: Sequence[str | Method]
+    seeds: int
+    first_seed: int
+    jobs: int | Executor | Engine
+    grid: int
+    keep_trials: bool
+    progress: Told | None
+
+    def compare(self, study: str | Path, out: str | Path | None) -> Comparison:
+        """Do what the function `compare` does."""
+        path = Path(study)
+        wanted = self._wanted()
+        folders = [(Study.read(path), Path(out) if out else path.with_suffix(".compare"))]
+        (comparison,) = self._compare_all(folders, wanted, self._command([path], {}, out, wanted))
+        return comparison
+
+    def campaign(
+        self, studies: Sequence[str | Path], vary: Mapping[str, Sequence[Any]], out: str | Path
+    ) -> list[Comparison]:
+        """Do what the function `campaign` does."""
+        paths = [Path(study) for study in studies]
+        _check(studies=(len(paths), 1))
+        wanted = self._wanted()
+        given = [one for path in paths for one in variants(Study.read(path), vary)]
+        folders = [(one, Path(out) / f"{one.file.name}.compare") for one in given]
+        names = [folder.name for _, folder in folders]
+        if len(set(names)) < len(names):
+            raise InputError(
+                f"studies: expected a name of its own for each, got {', '.join(names)}"
             )
-            for one, lines in zip(planned, commands, strict=True)
-        ]
+        return self._compare_all(folders, wanted, self._command(paths, vary, out, wanted))
+
+    def _wanted(self) -> Wanted:
+        _check(seeds=(self.seeds, 1), first_seed=(self.first_seed, 0), grid=(self.grid, 3))
+        methods = _methods(self.methods, self.seeds)
+        return Wanted(methods, self.first_seed, self.grid, self.keep_trials)
+
+    def _compare_all(
+        self, folders: Sequence[tuple[Study, Path]], wanted: Wanted, command: str
+    ) -> list[Comparison]:
+        told, engine = self.progress or (lambda line: None), _engine(self.jobs)
+        with ExitStack() as held:
+            held.enter_context(closing(engine))
+            planned = []
+            for study, path in folders:
+                folder = ComparisonFolder(path)
+                held.enter_context(folder.writing())
+                planned.append(PlannedComparison.begin(study, folder, wanted))
+            commands = [one.folder.log_command(command) for one in planned]
+            # A study is judged by its plant over the box, so that comes first.
+            _run(planned, PlannedComparison.truths, engine, told)
+            _run(planned, PlannedComparison.runs, engine, told)
+            return [
+                Comparison(
+                    one.folder.path,
+                    one.tables([f"$ {line}" for line in lines]),
+                    tuple(one.outcomes),
+                    one.failed,
+                )
+                for one, lines in zip(planned, commands, strict=True)
+            ]
+
+    def _command(
+        self,
+        studies: Sequence[Path],
+        vary: Mapping[str, Sequence[Any]],
+        out: str | Path | None,
+        wanted: Wanted,
+    ) -> str:
+        """The command that makes these runs; what does not change them is left out."""
+        named = ",".join(
+            m.name if count == self.seeds else f"{m.name}:{count}" for m, count in wanted.methods
+        )
+        parts = ["gmfbo", "compare", *(path.as_posix() for path in studies)]
+        for key, values in vary.items():
+            parts += ["--vary", variation_text(key, values)]
+        parts += ["--seeds", str(self.seeds), "--methods", named]
+        if self.first_seed:
+            parts += ["--first-seed", str(self.first_seed)]
+        if self.grid != GRID_SIDE:
+            parts += ["--grid", str(self.grid)]
+        if out is not None:
+            parts += ["--out", Path(out).as_posix()]
+        return shlex.join(parts)
 
 
 def _run(
@@ -229,27 +278,3 @@ def _methods(methods: Sequence[str | Method], seeds: int) -> tuple[tuple[Method,
     if len(set(names)) < len(names):
         raise InputError(f"methods: expected each once, got {','.join(names)}")
     return tuple(wanted)
-
-
-def _command(
-    studies: Sequence[Path],
-    vary: Mapping[str, Sequence[Any]],
-    out: str | Path | None,
-    wanted: Wanted,
-    seeds: int,
-) -> str:
-    """The command that makes these runs; what does not change them is left out."""
-    named = ",".join(
-        m.name if count == seeds else f"{m.name}:{count}" for m, count in wanted.methods
-    )
-    parts = ["gmfbo", "compare", *(path.as_posix() for path in studies)]
-    for key, values in vary.items():
-        parts += ["--vary", variation_text(key, values)]
-    parts += ["--seeds", str(seeds), "--methods", named]
-    if wanted.first_seed:
-        parts += ["--first-seed", str(wanted.first_seed)]
-    if wanted.grid != GRID_SIDE:
-        parts += ["--grid", str(wanted.grid)]
-    if out is not None:
-        parts += ["--out", Path(out).as_posix()]
-    return shlex.join(parts)

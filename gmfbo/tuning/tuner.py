@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Self
-
-import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.errors import InputError
 from gmfbo.interrupt import unwrapped_interrupt
@@ -16,19 +13,17 @@ from gmfbo.recordings.store.trial import Trial
 from gmfbo.sources.plants.plant_call import PlantFunction
 from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
-from gmfbo.tuning.drift_watch import DriftWatch, Repeat
-from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.history.history import History
-from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods import find_method
-from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
+from gmfbo.tuning.proposals import Proposals
 from gmfbo.tuning.query.method import Method, Recommendation
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import check_signals, known_safe, own_metrics
+from gmfbo.tuning.study.study_terms import check_signals, experiment_of, known_safe, own_metrics
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_runs import EarlierRuns
 from gmfbo.tuning.told.real_axis import RealAxis, scorable
@@ -95,17 +90,11 @@ class Tuner:
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
             own = own_metrics(study)
-            self.experiment = ExperimentSeries.from_sections(
-                study.file.references,
-                study.file.objective.signal,
-                folder=study.origin,
-                unit=self._sources.reference_unit,
-                own=own,
-            )
-            self._starts = known_safe(study.file.safety, self.gains)
+            self.experiment = experiment_of(study, self._sources.reference_unit, own)
+            starts = known_safe(study.file.safety, self.gains)
             check_signals(study.file.safety, self._sources)
             real = self._sources.is1
-            self._recorded = (
+            recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
             self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
@@ -113,19 +102,16 @@ class Tuner:
                 study.open_for_writing(resume=resume)
             )
             correction = self.method.correction
-            survey = correction.survey if correction else 0
             self.history = History(
                 self._store,
                 study.file,
                 self.experiment,
                 self.gains,
-                survey=survey,
+                survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
             )
-            study.log_begin(
-                self._store,
-                self._sources.content_hashes | ({"metrics": own.content_hash} if own else {}),
-            )
+            hashes = {"metrics": own.content_hash} if own else {}
+            study.log_begin(self._store, self._sources.content_hashes | hashes)
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()
@@ -137,6 +123,9 @@ class Tuner:
         self._pending = TrialRequest.unanswered(self._store.events(), self.history.next_number)
         self._last_request = self._pending
         self._drift = DriftWatch(self.history, study.file.drift)
+        self._proposals = Proposals(
+            self.method, self.history, self.gains, starts, recorded, self._drift, self._corrections
+        )
         self._watch = Watch(self.history)
 
     def ask(self, fixed: Mapping[str, float] | None = None) -> TrialRequest | None:
@@ -276,7 +265,7 @@ class Tuner:
         """Best and recommended gains as of now; the recommendation is also logged."""
         recommendation = None
         if self.history.of("IS1"):
-            point, mean, std = self.method.recommend(self._state({}))
+            point, mean, std = self.method.recommend(self.history.state({}))
             gains = self.gains.values(self.gains.space.from_unit(point))
             recommendation = Recommendation(gains, mean, std)
             self._store.log("recommendation", gains=gains, mean=mean, std=std)
@@ -320,11 +309,11 @@ class Tuner:
         if (drift := self._drift.look()) is not None:
             self._watch.tell("drift", self.history.of("IS1")[-1], None, drift.message)
         self._twin = self._corrections.follow(self._watch)
-        if self.history.used_up or (self._recorded and self._recorded.used_up(self._played)):
+        if self._proposals.used_up:
             return None
         if not held:
             look_closer(self.method, self._twin)
-        request = self._decide(held)
+        request = self._proposals.next(held)
         if request is None:
             return None
         self._store.log("ask", **asdict(request))
@@ -339,69 +328,13 @@ class Tuner:
             taken = self.history.taken_over(self._earlier.read(position))
             self._announce("initial", self.history.write(taken))
 
-    def _decide(self, held: Mapping[str, float]) -> TrialRequest | None:
-        request = self._propose(held)
-        if request is None or self._recorded is None or request.source != "IS1":
-            return request
-        proposed = self.history.unit_point(request.gains)
-        nearest = self._recorded.nearest(proposed, self._played, held)
-        return replace(request, gains=nearest)
-
-    def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
-        state, number = self._state(held), self.history.next_number
-        seed, budget = self.study.file.seed, self.study.file.budget
-        real = len(self.history.of("IS1"))
-        if real < max(budget.initial_is1, len(self._starts)):
-            points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
-            # Gains that are known to be safe replace the first of the Latin hypercube.
-            points = np.vstack([self._starts, points[len(self._starts) :]])
-            return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
-        if len(held) == len(self.gains.space):
-            return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
-        repeat = None if self._recorded or held else self._repeat(state)
-        if repeat is not None:
-            return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
-        proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
-        if proposal is None:
-            return None
-        gains, note = self.history.gains_at(proposal.point), proposal.note
-        if proposal.source == "IS1":
-            allowed = self._allowed(state, proposal.point)
-            note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
-            gains = allowed
-        return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
-
-    def _repeat(self, state: TuningState) -> Repeat | None:
-        """Gains that are to be run again next; usually None.
-
-        A twin that was just estimated from the runs since a change tells what the gains that were
-        best before it are worth now.
-        """
-        former = None if self._corrections.just_made else self._drift.former_best(state)
-        return former or self._drift.regular(state)
-
-    def _allowed(self, state: TuningState, point: NDArray[np.float64]) -> dict[str, float]:
-        """Gains at a point, or the nearest that are not beside unsafe ones; for all methods."""
-        space = self.gains.space
-        nearest = state.keep_out.nearest_admitted(
-            point, state.fixed_unit, lambda points: space.to_unit(space.from_unit(points))
-        )
-        return self.history.gains_at(nearest)
-
-    @property
-    def _played(self) -> list[Mapping[str, float]]:
-        made = self.history.of("IS1")[len(self._earlier) :]
-        return [trial.gains for trial in made]
-
     def _plant(self) -> Source:
-        if self._recorded is not None:
-            return RealAxis(self._recorded.grid.after(self._played))
-        plant = self._sources.real(len(self._played))
+        recorded, played = self._proposals.recorded, self._proposals.played
+        if recorded is not None:
+            return RealAxis(recorded.grid.after(played))
+        plant = self._sources.real(len(played))
         assert plant is not None
         return RealAxis(plant)
-
-    def _state(self, held: Mapping[str, float]) -> TuningState:
-        return self.history.state(held)
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._last_request)

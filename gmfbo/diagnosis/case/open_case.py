@@ -8,26 +8,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from gmfbo.diagnosis.case.case import Budget, Case
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_noise
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
 from gmfbo.diagnosis.case.tracking import track_recordings
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.fitting.misfit import Misfit
-from gmfbo.diagnosis.noise.loop_noise import own_variances, white_variances
-from gmfbo.diagnosis.noise.measured_noise import noise_of_all, noise_through_loop, position_noise
+from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
 from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
 from gmfbo.diagnosis.runs.logging_convention import logged_new
-from gmfbo.diagnosis.runs.measured_excitation import measure_ranges, probe_torque
+from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges, probe_torque
 from gmfbo.diagnosis.runs.probing_torque import moving_torque, torque_guess
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, require_run
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.runs.twin_steps import reads_back, steps_finely
-from gmfbo.diagnosis.scoring.covariances import covariances, noise_squares, whiteners
 from gmfbo.diagnosis.scoring.noise_levels import NoiseLevel, noise_levels
-from gmfbo.diagnosis.scoring.nuisances import Direction, nuisance_directions
 from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig
 from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import windows_of
@@ -42,6 +40,7 @@ FINEST_STEP_S = 2e-4
 """[s] Step of twin and physics: at it, effects on commands lose less than 1 % to the hold."""
 
 _MOST_SUBSTEPS = 10
+_USUAL_LOOP_TIME_S = 0.05
 _RESTING = 1.5  # times the time to 2 %: an exponential is down to 0.3 %
 
 
@@ -175,7 +174,7 @@ class _Opening:
         noise = noise_levels(simulations.records, nominal)
         excitation = like.setting.excitation
         windows = windows_of(simulations.records, excitation.loop_time)
-        misfit = _without_loop_noise(simulations, windows, like.rig, noise)
+        misfit = without_loop_noise(simulations, windows, like.rig, noise)
         hypothesis = Hypothesis(like.setting)
         base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
         assert base is not None, "the nominal twin was simulated a moment ago"
@@ -184,7 +183,7 @@ class _Opening:
             base = fit(misfit, hypothesis, base.parameters, parallel=True, iterations=1)
             assert base is not None, "it was simulated at these values a moment ago"
         ratio = excitation.torque / excitation.command
-        budget = self._budget(simulations, windows, like.rig, base, ratio)
+        budget = measured_budget(self.twin, simulations, windows, like.rig, base, ratio, self.rng)
         misfit = Misfit(simulations, budget.whiteners())
         return Case(
             self.twin,
@@ -245,13 +244,9 @@ class _Opening:
         ratio = 1.0 if stiffness is None else stiffness.per_command
         if not np.isfinite(ratio):
             ratio = 1.0  # torque and command taken to be in one unit
-        loop_time = 0.05
-        if stiffness is not None and np.isfinite(stiffness.loop_time):
-            loop_time = max(stiffness.loop_time, 2.0 * self.twin.step)
+        loop_time = self._loop_time(stiffness)
         excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
-        role = self.twin.file.roles.get("inertia")
-        least = self.twin.binding.variables[role].variable.minimum if role else None
-        setting = Setting(self._uncertain(), excitation, role, least or 0.0)
+        setting = self._setting(excitation)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         base = self._first_fit(simulations, windows, rig, noise, setting)
         answered = leave_out_noise(simulations, rig, base)
@@ -264,7 +259,7 @@ class _Opening:
             nominal = simulations.run([Point()])[0]
             base = self._first_fit(simulations, windows, rig, noise, setting)
         setting = base.hypothesis.setting
-        budget = self._budget(simulations, windows, rig, base, ratio)
+        budget = measured_budget(self.twin, simulations, windows, rig, base, ratio, self.rng)
         misfit = Misfit(simulations, budget.whiteners())
         refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
         assert refitted is not None, "it was simulated at these values a moment ago"
@@ -307,6 +302,12 @@ class _Opening:
             "and what that leaves was scored"
         )
 
+    def _loop_time(self, stiffness: Stiffness | None) -> float:
+        """[s] Time constant of the closed loop, or a usual one where no push has shown it."""
+        if stiffness is None or not np.isfinite(stiffness.loop_time):
+            return _USUAL_LOOP_TIME_S
+        return max(stiffness.loop_time, 2.0 * self.twin.step)
+
     def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
         return [
             replace(run, quiet=simulations.read(run.response, k)) for k, run in enumerate(simulated)
@@ -346,6 +347,11 @@ class _Opening:
         state = self.twin.file.states.get("position")
         return "" if state is None else self.twin.binding.variables[state].variable.si_unit
 
+    def _setting(self, excitation: Excitation) -> Setting:
+        role = self.twin.file.roles.get("inertia")
+        least = self.twin.binding.variables[role].variable.minimum if role else None
+        return Setting(self._uncertain(), excitation, role, least or 0.0)
+
     def _uncertain(self) -> tuple[Uncertain, ...]:
         found = []
         binding = self.twin.binding
@@ -366,45 +372,8 @@ class _Opening:
         setting: Setting,
     ) -> Fitted:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
-        misfit = _without_loop_noise(simulations, windows, rig, noise)
+        misfit = without_loop_noise(simulations, windows, rig, noise)
         hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
         base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
         assert base is not None, "the nominal twin was simulated a moment ago"
         return fitted_from_elsewhere(misfit, base)
-
-    def _budget(
-        self,
-        simulations: Simulations,
-        windows: tuple[Window, ...],
-        rig: Rig,
-        base: Fitted,
-        ratio: float,
-    ) -> Budget:
-        noise = noise_levels(simulations.records, base.simulated)
-        point = base.hypothesis.point(base.x)
-        through = noise_through_loop(self.twin, simulations, windows, base, rig, noise, self.rng)
-        own = [
-            own_variances(record, levels, changes, run, rig.position)
-            for record, levels, changes, run in zip(
-                simulations.records, noise, through, base.simulated, strict=True
-            )
-        ]
-        spectra = covariances(windows, simulations.records, rig, own, through)
-        directions = nuisance_directions(simulations, point, base.simulated, rig.alignments, ratio)
-        squares = noise_squares(windows, simulations.records, rig, spectra)
-        return Budget(
-            windows, tuple(spectra), tuple(directions), tuple(through), tuple(own), squares
-        )
-
-
-def _without_loop_noise(
-    simulations: Simulations,
-    windows: Sequence[Window],
-    rig: Rig,
-    noise: Sequence[dict[str, NoiseLevel]],
-) -> Misfit:
-    """Residuals by a budget in which each signal's noise is its own, before more is known."""
-    empty: list[list[Direction]] = [[] for _ in simulations.records]
-    own = [white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)]
-    spectra = covariances(windows, simulations.records, rig, own, empty)
-    return Misfit(simulations, whiteners(windows, spectra, empty))

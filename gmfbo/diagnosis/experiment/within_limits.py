@@ -38,6 +38,7 @@ from gmfbo.version import __version__
 
 Progress = Callable[[str, float], None]
 Pair = tuple[int, int]
+Pattern = tuple[MenuEntry, NDArray[np.float64]]
 
 POSITION_NOISE, OTHER_NOISE = 1e-4, 2e-3
 """Assumed noise, as a share of a signal's range, without a diagnosis that measured it."""
@@ -96,13 +97,7 @@ def propose_experiment(
         case = open_nominal(twin, noisy, seed=seed, jobs=jobs, on_run=lambda: None).case
         try:
             choice = _Choice(case, [entry for entry, _ in patterns], diagnosis, explanations, told)
-            first, second = choice.best
-            motion = np.concatenate([patterns[first][0].values, patterns[second][0].values])
-            column = np.concatenate([patterns[first][1], patterns[second][1]])
-            peaks = player.peaks(motion, column)
-            if peaks.excess(limits, float(motion[0])) > 1.0:
-                # One after the other they go a little further than each by itself.
-                motion, column, peaks, _ = player.shrunk(motion)
+            column, peaks = _joined(player, limits, [patterns[place] for place in choice.best])
             told("predicting", 0.95)
             recording = player.reference(column, "next.csv")
             return choice.proposed(recording, limits, peaks)
@@ -121,9 +116,20 @@ def _explanations(diagnosis: Diagnosis | None) -> tuple[Explanation, ...]:
     return diagnosis.predictions.explanations
 
 
-def _playable(
-    player: SafePlayer, limits: PlayLimits
-) -> list[tuple[MenuEntry, NDArray[np.float64]]]:
+def _joined(
+    player: SafePlayer, limits: PlayLimits, patterns: Sequence[Pattern]
+) -> tuple[NDArray[np.float64], Peaks]:
+    """Column that plays patterns one after the other, within the limits, and its peaks."""
+    motion = np.concatenate([entry.values for entry, _ in patterns])
+    column = np.concatenate([played for _, played in patterns])
+    peaks = player.peaks(motion, column)
+    if peaks.excess(limits, float(motion[0])) > 1.0:
+        # One after the other they go a little further than each by itself.
+        _, column, peaks, _ = player.shrunk(motion)
+    return column, peaks
+
+
+def _playable(player: SafePlayer, limits: PlayLimits) -> list[Pattern]:
     """Patterns shrunk to what the axis can follow, with the columns to play."""
     start = player.start
     if not limits.low <= start <= limits.high:
@@ -131,7 +137,7 @@ def _playable(
             f"{player.twin.name} stands at {start:g} and the limits of the position are "
             f"{limits.low:g} to {limits.high:g}; widen them, or let the twin start within"
         )
-    found: list[tuple[MenuEntry, NDArray[np.float64]]] = []
+    found: list[Pattern] = []
     why: InputError | None = None
     for entry in play_patterns(limits, start, player.spacing):
         try:

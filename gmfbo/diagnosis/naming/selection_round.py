@@ -187,10 +187,7 @@ def accept(case: Case, decision: Decision, fits: list[Fitted], rng: np.random.Ge
     assert decision.model is not None
     first = not decision.rounds
     if first:
-        fits = widen_budget(case, decision, fits)
-        nulls = NullGains(case.misfit, case.base, decision.tried, decision.groups)
-        chance = gain_by_chance(case.misfit, best_of(case.base, fits), rng)
-        decision.threshold = max(nulls.threshold(rng), chance)
+        fits = _fits_by_measured_threshold(case, decision, fits, rng)
     evidence = sorted(
         (evidence_of(case, decision.model, fitted, decision.groups) for fitted in fits),
         key=lambda e: -e.gain,
@@ -206,11 +203,7 @@ def accept(case: Case, decision: Decision, fits: list[Fitted], rng: np.random.Ge
         decision.unsettled = begun[0]
     accepted = [e for e in proven if is_large(case, e, needed)]
     small = [e for e in proven if e not in accepted]
-    shadows = [
-        e
-        for e in accepted
-        if is_small_elsewhere(e, small) or any(is_shadow(decision, e, of) for of in small)
-    ]
+    shadows = _in_shadow(decision, accepted, small)
     accepted = [e for e in accepted if e not in shadows]
     if not accepted:
         decision.refused = evidence
@@ -231,6 +224,28 @@ def accept(case: Case, decision: Decision, fits: list[Fitted], rng: np.random.Ge
     decision.rounds.append(Round(winner, tuple(rivals), tuple(evidence), needed, margin))
     decision.model = winner.fitted
     return True
+
+
+def _in_shadow(
+    decision: Decision, accepted: Sequence[Evidence], small: Sequence[Evidence]
+) -> list[Evidence]:
+    """Accepted effects that are part of a small one, or as likely that at the other end."""
+    return [
+        e
+        for e in accepted
+        if is_small_elsewhere(e, small) or any(is_shadow(decision, e, of) for of in small)
+    ]
+
+
+def _fits_by_measured_threshold(
+    case: Case, decision: Decision, fits: list[Fitted], rng: np.random.Generator
+) -> list[Fitted]:
+    """Widen the budget to what the best first fit leaves, and set the threshold by null draws."""
+    fits = widen_budget(case, decision, fits)
+    nulls = NullGains(case.misfit, case.base, decision.tried, decision.groups)
+    chance = gain_by_chance(case.misfit, best_of(case.base, fits), rng)
+    decision.threshold = max(nulls.threshold(rng), chance)
+    return fits
 
 
 def _disputed(

@@ -82,24 +82,33 @@ def noise_runs(
             run = simulations.run_one(point, k, measured_noise=column, excitation=driven)
         else:
             run = simulations.run_one(point, k, excitation={"sensor": column})
-        if not run.finite:
-            return k, None
-        signals = run.signals
-        if position is not None:
-            if simulations.tracking is None:
-                logged = _as_logged(run.response, base[k].response, position, column)
-            else:
-                # The residual is recorded less simulated, and the recording holds the noise.
-                held = {**run.response.held, position: run.response.held[position] - column}
-                logged = replace(run.response, held=held)
-            signals = simulations.read(logged, k)
-        return k, tuple(a - b for a, b in zip(signals, base[k].signals, strict=True))
+        return k, _change(simulations, k, base[k], run, position, column)
 
-    changes: list[list[Direction]] = [[] for _ in base]
-    for k, change in simulations.map(one, orders):
-        if change is not None:
-            changes[k].append(change)
-    return changes
+    made = simulations.map(one, orders)
+    return [[c for k, c in made if k == i and c is not None] for i in range(len(base))]
+
+
+def _change(
+    simulations: Simulations,
+    k: int,
+    quiet: Simulated,
+    noisy: Simulated,
+    position: str | None,
+    noise: NDArray[np.float64],
+) -> Direction | None:
+    """Change of the signals as they are logged under sensor noise; None without a result."""
+    if not noisy.finite:
+        return None
+    signals = noisy.signals
+    if position is not None:
+        if simulations.tracking is None:
+            logged = _as_logged(noisy.response, quiet.response, position, noise)
+        else:
+            # The residual is recorded less simulated, and the recording holds the noise.
+            held = {**noisy.response.held, position: noisy.response.held[position] - noise}
+            logged = replace(noisy.response, held=held)
+        signals = simulations.read(logged, k)
+    return tuple(a - b for a, b in zip(signals, quiet.signals, strict=True))
 
 
 def sensor_noise(

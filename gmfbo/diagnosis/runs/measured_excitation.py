@@ -208,15 +208,13 @@ def measure_ranges(
         The position is an angle.
     """
     states = [states_of(run, record) for run, record in zip(base, records, strict=True)]
-    grids = [record.plan.grid for record in records]
-    position = np.concatenate([s.position for s in states])
-    velocity = np.concatenate([s.velocity for s in states])
+    durations = [float(record.plan.grid[-1] - record.plan.grid[0]) for record in records]
     command = np.concatenate([s.command for s in states])
     current = np.concatenate([s.current for s in states])
     rates = np.concatenate([np.abs(np.diff(s.command)) / s.step for s in states])
     sample = float(np.median([s.spacing for r in records for s in r.signals]))
-    speed = _positive(np.quantile(np.abs(velocity), 0.995))
-    stroke = _positive(np.ptp(position))
+    speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), 0.995))
+    stroke = _positive(np.ptp(np.concatenate([s.position for s in states])))
     loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
     return Excitation(
         torque=_positive(torque),
@@ -226,8 +224,8 @@ def measure_ranges(
         speed=speed,
         stroke=stroke,
         resolution=_positive(resolution, min(speed * sample, _UNSEEN_STEP * stroke)),
-        duration=max(float(grid[-1] - grid[0]) for grid in grids),
-        total=sum(float(grid[-1] - grid[0]) for grid in grids),
+        duration=max(durations),
+        total=sum(durations),
         sample=sample,
         step=step,
         loop_time=_positive(loop_time, 0.05),

@@ -174,26 +174,16 @@ def measure_port_response(
     base = base or case.base
     if port not in base.simulated[0].response.ports:
         return None
-    simulations = case.simulations
-    longest = _longest_of_groups(simulations.records)
+    simulations, records = case.simulations, case.simulations.records
+    longest = _longest_of_groups(records)
     size = _SIZE * _range_of(case, port)
-    columns = {
-        k: random_binary(simulations.records[k].plan.grid.size, rng) for k in longest.values()
-    }
-    point = base.hypothesis.point(base.x)
-
-    def run(order: tuple[int, float]) -> dict[str, Array]:
-        k, share = order
-        excited = simulations.run_one(point, k, excitation={port: share * size * columns[k]})
-        if not excited.finite:
-            raise SimulationError(f"excited at the {port} port: {excited.response.outcome.message}")
-        before = _on_grid(simulations, base.simulated[k])
-        after = _on_grid(simulations, excited)
-        return {name: (after[name] - before[name]) / (share * size) for name in after}
-
+    columns = {k: random_binary(records[k].plan.grid.size, rng) for k in longest.values()}
+    excited = _Excited(simulations, port, base, columns)
     first = next(iter(longest.values()))
-    half, *whole = simulations.map(run, [(first, 0.5), *((k, 1.0) for k in longest.values())])
-    step = float(np.diff(simulations.records[0].plan.grid[:2])[0])
+    half, *whole = simulations.map(
+        excited.answer, [(first, 0.5 * size), *((k, size) for k in longest.values())]
+    )
+    step = float(np.diff(records[0].plan.grid[:2])[0])
     kernels = {
         key: impulse_responses(columns[k], changes, step)
         for (key, k), changes in zip(longest.items(), whole, strict=True)
@@ -203,16 +193,39 @@ def measure_port_response(
         step,
         tuple(
             tuple(kernels[_group(k, record)][signal.name] for signal in record.signals)
-            for k, record in enumerate(simulations.records)
+            for k, record in enumerate(records)
         ),
         tuple(
             tuple(sampling(record.plan.grid, signal.time) for signal in record.signals)
-            for record in simulations.records
+            for record in records
         ),
-        tuple(record.plan.grid.size for record in simulations.records),
+        tuple(record.plan.grid.size for record in records),
         size,
         _nonlinearity(half, whole[0]),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Excited:
+    """A fitted model under columns of unit size at a port, by recording."""
+
+    simulations: Simulations
+    port: str
+    base: Fitted
+    columns: dict[int, Array]
+
+    def answer(self, order: tuple[int, float]) -> dict[str, Array]:
+        """Change of all signals on the grid over the size of what excites them."""
+        k, size = order
+        point = self.base.hypothesis.point(self.base.x)
+        run = self.simulations.run_one(point, k, excitation={self.port: size * self.columns[k]})
+        if not run.finite:
+            raise SimulationError(
+                f"excited at the {self.port} port: {run.response.outcome.message}"
+            )
+        before = _on_grid(self.simulations, self.base.simulated[k])
+        after = _on_grid(self.simulations, run)
+        return {name: (after[name] - before[name]) / size for name in after}
 
 
 def _group(k: int, record: Record) -> Hashable:

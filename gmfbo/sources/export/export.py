@@ -128,16 +128,21 @@ def export_augmented(
     content = Content(binding, values, exposed, twin.step, step, platforms)
     file = binding.file.model_copy(update={"initial": {}}) if from_rest else binding.file
     text = augmented_twin_file(file, FMU_NAME, twin.step, content.description, values)
-    with tempfile.TemporaryDirectory(prefix="gmfbo-export-") as place:
-        container = build_container(wiring, step, Path(place))
-        archive = container_archive(container, wiring, content)
-        _write(Path(place), archive, text)
-        if this_platform().name in {platform.name for platform in platforms}:
-            try_out(Path(place) / TWIN_FILE_NAME)
-    fmu, twin_file = _write(folder, archive, text)
+    fmu, twin_file = _write(folder, _tried_archive(wiring, content, text), text)
     folders = tuple(platform.fmi_folders[0] for platform in platforms)
     dropped = (*losses(binding, platforms), *_not_shown(binding, wiring))
     return AugmentedFmu(fmu, twin_file, folders, step, dropped)
+
+
+def _tried_archive(wiring: Wiring, content: Content, twin_file: str) -> bytes:
+    """Build the FMU and run it once, where it has binaries for this machine."""
+    with tempfile.TemporaryDirectory(prefix="gmfbo-export-") as place:
+        container = build_container(wiring, content.internal_step, Path(place))
+        archive = container_archive(container, wiring, content)
+        _write(Path(place), archive, twin_file)
+        if this_platform().name in {platform.name for platform in content.platforms}:
+            try_out(Path(place) / TWIN_FILE_NAME)
+    return archive
 
 
 def _expose(

@@ -90,15 +90,8 @@ class StudySources:
         TwinFileError, FmuFileError
             A twin cannot be opened.
         """
+        _check_plant(study, is1, plant)
         change = study.is1.change
-        if is1 is not None and plant is not None:
-            raise InputError("expected one of is1 and plant, got both; they are the same axis")
-        if study.is1.recorded is not None and len(study.references) > 1:
-            raise StudyFileError(
-                "[is1] recorded: a grid holds one run for each gains; give one [reference]"
-            )
-        if (is1 is not None or plant is not None) and change is not None:
-            raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
         changed, gains, unit = None, None, ""
         reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
         parameters: tuple[str, ...] = ()
@@ -150,6 +143,17 @@ class StudySources:
     def close(self) -> None:
         """Close the sources that were opened here."""
         self.opened.close()
+
+
+def _check_plant(study: StudyFile, is1: Source | None, plant: PlantFunction | None) -> None:
+    if is1 is not None and plant is not None:
+        raise InputError("expected one of is1 and plant, got both; they are the same axis")
+    if study.is1.recorded is not None and len(study.references) > 1:
+        raise StudyFileError(
+            "[is1] recorded: a grid holds one run for each gains; give one [reference]"
+        )
+    if (is1 is not None or plant is not None) and study.is1.change is not None:
+        raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
 
 
 @dataclass(frozen=True)

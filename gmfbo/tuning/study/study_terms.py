@@ -1,4 +1,4 @@
-"""Metrics and safety of a study file, checked against gains and sources."""
+"""Metrics, experiment and safety of a study file, checked against gains and sources."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import StudyFileError, did_you_mean
 from gmfbo.objective.own_metrics import OwnMetrics
+from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
@@ -30,6 +31,32 @@ def own_metrics(study: Study) -> OwnMetrics | None:
     if label is None:
         return None
     return OwnMetrics.load(label, study.origin, study.file.own_metrics)
+
+
+def experiment_of(study: Study, unit: str, own: OwnMetrics | None) -> ExperimentSeries:
+    """References that a study plays, and the metrics of their responses.
+
+    Parameters
+    ----------
+    study : Study
+        Its file names the references.
+    unit : str
+        SI unit of the references.
+    own : OwnMetrics or None
+        Metrics by a function of the user.
+
+    Raises
+    ------
+    RecordingError
+        A file cannot be read, or does not hold exactly one step.
+    """
+    return ExperimentSeries.from_sections(
+        study.file.references,
+        study.file.objective.signal,
+        folder=study.origin,
+        unit=unit,
+        own=own,
+    )
 
 
 def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]:

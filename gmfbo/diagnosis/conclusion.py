@@ -1,0 +1,225 @@
+"""From the names that stand to a diagnosis: verdict, place, sizes and the next experiment."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from gmfbo.diagnosis.case.case import Case, is_more_than_noise
+from gmfbo.diagnosis.diagnosis import Diagnosis
+from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
+from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated, spread_of
+from gmfbo.diagnosis.fitting.profile_intervals import widened_by_profile
+from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
+from gmfbo.diagnosis.locating.parities import parities
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.decision_told import (
+    alignments,
+    augmentation_of,
+    detectable_sizes,
+    named_effects,
+    not_testable,
+    units_of,
+)
+from gmfbo.diagnosis.naming.open_explanations import predictions_of
+from gmfbo.diagnosis.naming.withdrawn_names import (
+    is_known,
+    parameters_matter,
+)
+from gmfbo.diagnosis.outside.beyond_library import (
+    Outside,
+    is_mismatch,
+    is_uneven,
+    unexplained,
+)
+from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
+from gmfbo.diagnosis.result.next_experiment import NextExperiment
+from gmfbo.diagnosis.result.reference_test import ResidualTest
+from gmfbo.diagnosis.result.whereabouts import Location, Shape
+from gmfbo.diagnosis.validating.reference_tests import residual_tests
+from gmfbo.diagnosis.validating.validation import Validated
+from gmfbo.physics import Units
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Conclusion:
+    """What a search came to, and what follows from it.
+
+    Attributes
+    ----------
+    case : Case
+        Twin and recordings.
+    unseen : Case or None
+        Recordings that were only scored.
+    decision : Decision
+        The names that stand.
+    probabilities : dict of str to float
+        Of each name.
+    reasons : dict of str to str
+        Why an effect could not be tested.
+    outside : Outside or None
+        What explains more without a name; None where it was not looked for.
+    result : Validated
+        Errors on recordings that were not fitted.
+    """
+
+    case: Case
+    unseen: Case | None
+    decision: Decision
+    probabilities: dict[str, float]
+    reasons: dict[str, str]
+    outside: Outside | None
+    result: Validated
+
+    @cached_property
+    def units(self) -> Units:
+        """Of the twin's ports and states."""
+        return units_of(self.case)
+
+    def diagnosis(
+        self, seed: int, started: float, rng: np.random.Generator, progress: Progress
+    ) -> Diagnosis:
+        """Draw the conclusion.
+
+        Parameters
+        ----------
+        seed, started
+            As of `Search.diagnosis`.
+        rng : numpy Generator
+            Of the draws for intervals, and for what noise alone would leave.
+        progress : callable (str, float)
+            Told the stage and the share that is done.
+        """
+        case, decision, result = self.case, self.decision, self.result
+        spread = self._spread(rng)
+        progress("locating", 0.95)
+        named = named_effects(
+            case, decision, result.augmented, spread, self.probabilities, self.units
+        )
+        tests = residual_tests(self.unseen or case, result.curves, result.scored)
+        verdict = self._verdict(tests, rng)
+        location = self._location(verdict)
+        progress("choosing the next experiment", 0.97)
+        experiment, reference = self._next_experiment()
+        progress("done", 1.0)
+        return Diagnosis(
+            verdict=verdict,
+            evidence=self._sufficiency,
+            effects=named,
+            parameters=estimated(result.augmented, spread, case.twin.binding),
+            combinations=combinations_of(result.augmented, spread),
+            alignment=alignments(case, result.augmented),
+            detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
+            location=location,
+            fit=result.fit,
+            shape=self._shape if self.outside is not None and self.outside.is_better else None,
+            next_experiment=experiment,
+            next_reference=reference,
+            not_testable=not_testable(case, self.reasons, decision),
+            cost=Cost(case.simulations.runs, time.perf_counter() - started),
+            seed=seed,
+            versions=_versions(),
+            notes=tuple(case.notes),
+            predictions=predictions_of(case, decision, result.augmented, self.units),
+            latent=self._latent,
+            residual_tests=tests,
+            curves=result.curves,
+            augmentation=augmentation_of(case, result.augmented, self.units),
+        )
+
+    def _spread(self, rng: np.random.Generator) -> Spread:
+        augmented = self.result.augmented
+        of_effects = range(len(self.case.setting.uncertain), augmented.x.size)
+        spread = spread_of(augmented, rng)
+        return widened_by_profile(self.result.misfit, augmented, spread, of_effects)
+
+    def _location(self, verdict: Verdict) -> Location:
+        if verdict not in ("missing_physics", "outside_library"):
+            return Location(None)
+        case, augmented, outside = self.case, self.result.augmented, self.outside
+        effects = augmented.hypothesis.effects
+        location = locate(
+            case,
+            case.base,
+            parities(case, case.base),
+            effects,
+            augmented if effects else None,
+            self.units,
+        )
+        if verdict == "outside_library" and outside is not None and outside.is_better:
+            return located_at(location, outside.model.port)
+        return location
+
+    def _next_experiment(self) -> tuple[NextExperiment | None, str]:
+        """What to record next where rivals remain or much was not excited, and its file's text."""
+        case, decision = self.case, self.decision
+        rivals = next((r for r in decision.rounds if r.rivals), None)
+        with TemporaryDirectory() as folder:
+            told = None
+            if rivals is not None:
+                fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
+                told = propose(case, fits, decision.threshold, Path(folder))
+            elif self._sufficiency == "insufficient":
+                silent = [n for n, why in self.reasons.items() if why.startswith("not excited")]
+                told = propose_for(case, case.base, silent, Path(folder))
+            if told is None or not told.reference:
+                return told, ""
+            return told, (Path(folder) / told.reference).read_text(encoding="utf-8")
+
+    @property
+    def _shape(self) -> Shape | None:
+        """The unnamed signal; None where it was not looked for."""
+        if self.outside is None:
+            return None
+        units = self.units
+        return self.outside.model.shape(
+            {
+                "torque": units.torque,
+                "sensor": units.position,
+                "command": units.command,
+                "position": units.position,
+                "velocity": units.velocity,
+            }
+        )
+
+    @property
+    def _latent(self) -> Shape | None:
+        """The unnamed signal beside the names that it was found under, where they act there too."""
+        at_torque = [r for r in self.decision.rounds if r.winner.effect.law.port == "torque"]
+        return self._shape if at_torque else None
+
+    def _verdict(self, tests: Sequence[ResidualTest], rng: np.random.Generator) -> Verdict:
+        case, decision, outside = self.case, self.decision, self.outside
+        if outside is not None and outside.is_better and not is_known(decision):
+            return "outside_library"
+        if decision.rounds:
+            return "missing_physics"
+        errors = {name: signal.parameters_only for name, signal in self.result.fit.signals.items()}
+        left = unexplained(case, case.base)
+        if not is_known(decision) and (
+            decision.contradicted
+            or (decision.disputed is not None and is_more_than_noise(case, case.base))
+            or is_mismatch(left, tests, errors)
+            or is_uneven(case, case.base, rng)
+        ):
+            return "outside_library"
+        return "parameters" if parameters_matter(case, decision) else "none"
+
+    @property
+    def _sufficiency(self) -> Sufficiency:
+        silent = [name for name, why in self.reasons.items() if why.startswith("not excited")]
+        return "insufficient" if "coulomb_friction" in silent else "sufficient"
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    return {name: version(name) for name in ("gmfbo", "numpy", "scipy", "fmpy")}

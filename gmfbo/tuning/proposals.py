@@ -1,0 +1,122 @@
+"""What is queried next: initial points, then repeats that are due, then the method's proposals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.tuning.drift_watch import DriftWatch, Repeat
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.query.request import TrialRequest
+from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.told.recorded_choice import RecordedChoice
+from gmfbo.tuning.twin_corrections import TwinCorrections
+
+
+@dataclass(frozen=True, eq=False)
+class Proposals:
+    """Decides on each query of a study; every decision follows from the seed and the history.
+
+    Attributes
+    ----------
+    method : Method
+        Of the study.
+    history : History
+        All runs so far.
+    gains : GainChoice
+        Tuned and held gains.
+    starts : ndarray, shape (n, d)
+        Known-safe gains in the unit cube, which are run first.
+    recorded : RecordedChoice or None
+        Gains that may be asked for where the real runs are recordings.
+    drift : DriftWatch
+        Says which run is due to be repeated.
+    corrections : TwinCorrections
+        Versions of the twin.
+    """
+
+    method: Method
+    history: History
+    gains: GainChoice
+    starts: NDArray[np.float64]
+    recorded: RecordedChoice | None
+    drift: DriftWatch
+    corrections: TwinCorrections
+
+    @property
+    def played(self) -> list[Mapping[str, float]]:
+        """Gains of the real runs, without those of an earlier study."""
+        return [trial.gains for trial in self.history.of("IS1")[self.history.earlier :]]
+
+    @property
+    def used_up(self) -> bool:
+        """Whether the budget is spent, or every recording replayed."""
+        recorded = self.recorded
+        return self.history.used_up or (recorded is not None and recorded.used_up(self.played))
+
+    def next(self, held: Mapping[str, float]) -> TrialRequest | None:
+        """Decide on the next query; None where the method has nothing more to ask.
+
+        Parameters
+        ----------
+        held : mapping of str to float
+            Gains that must have these values.
+
+        Raises
+        ------
+        InputError
+            No recording is left at the held values.
+        """
+        request = self._propose(held)
+        if request is None or self.recorded is None or request.source != "IS1":
+            return request
+        proposed = self.history.unit_point(request.gains)
+        nearest = self.recorded.nearest(proposed, self.played, held)
+        return replace(request, gains=nearest)
+
+    def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
+        state, number = self.history.state(held), self.history.next_number
+        seed, budget = self.history.study.seed, self.history.study.budget
+        real = len(self.history.of("IS1"))
+        if real < max(budget.initial_is1, len(self.starts)):
+            points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
+            # Gains that are known to be safe replace the first of the Latin hypercube.
+            points = np.vstack([self.starts, points[len(self.starts) :]])
+            return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
+        if len(held) == len(self.gains.space):
+            return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
+        repeat = None if self.recorded or held else self._repeat(state)
+        if repeat is not None:
+            return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
+        proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+        if proposal is None:
+            return None
+        gains, note = self.history.gains_at(proposal.point), proposal.note
+        if proposal.source == "IS1":
+            allowed = self._allowed(state, proposal.point)
+            note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
+            gains = allowed
+        return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+
+    def _repeat(self, state: TuningState) -> Repeat | None:
+        """Gains that are to be run again next; usually None.
+
+        A twin that was just estimated from the runs since a change tells what the gains that were
+        best before it are worth now.
+        """
+        former = None if self.corrections.just_made else self.drift.former_best(state)
+        return former or self.drift.regular(state)
+
+    def _allowed(self, state: TuningState, point: NDArray[np.float64]) -> dict[str, float]:
+        """Gains at a point, or the nearest that are not beside unsafe ones; for all methods."""
+        space = self.gains.space
+        nearest = state.keep_out.nearest_admitted(
+            point, state.fixed_unit, lambda points: space.to_unit(space.from_unit(points))
+        )
+        return self.history.gains_at(nearest)
