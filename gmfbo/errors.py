@@ -82,13 +82,6 @@ def in_short(reason: object, most: int = 300) -> str:
 def did_you_mean(name: str, choices: Iterable[str]) -> str:
     """End of a message that names the nearest valid choice, or lists a few.
 
-    Parameters
-    ----------
-    name : str
-            The given name.
-    choices : iterable of str
-            Valid names.
-
     Returns
     -------
     str

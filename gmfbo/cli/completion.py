@@ -39,13 +39,7 @@ def paths_ending(*endings: str) -> Completion:
 
 
 def methods(incomplete: str) -> list[str]:
-    """Names of tuning methods that are not yet in a list with commas.
-
-    Parameters
-    ----------
-    incomplete : str
-        The list so far.
-    """
+    """Names of tuning methods that are not yet in a list with commas."""
     import gmfbo.retuning  # noqa: F401 - adds its methods
     from gmfbo.tuning.methods import METHODS
 

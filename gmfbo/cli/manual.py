@@ -55,15 +55,7 @@ class Manual:
 
 
 def definitions(title: str, entries: Mapping[str, str]) -> str:
-    """A section of terms with their meanings; empty without entries.
-
-    Parameters
-    ----------
-    title : str
-        Of the section.
-    entries : mapping of str to str
-        Meanings by term.
-    """
+    """A section of terms with their meanings; empty without entries."""
     width = max((len(term) for term in entries), default=0)
     lines = []
     for term, meaning in entries.items():

@@ -15,11 +15,6 @@ _LARGEST_INTEGER = 2**63  # TOML 1.0: integers have 64 bits
 def read_toml_text(path: Path) -> str:
     """Text of a TOML file.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-
     Raises
     ------
     OSError
@@ -37,11 +32,6 @@ def read_toml_text(path: Path) -> str:
 
 def parse_toml(text: str) -> dict[str, Any]:
     """Tables and values of a TOML text.
-
-    Parameters
-    ----------
-    text : str
-        TOML.
 
     Raises
     ------

@@ -59,13 +59,7 @@ class Limits:
         }
 
     def excess(self, metrics: Mapping[str, float]) -> float:
-        """Sum of relative excesses over the limits; zero where all limits are met.
-
-        Parameters
-        ----------
-        metrics : mapping of str to float
-            Of one run.
-        """
+        """Sum of relative excesses over the limits; zero where all limits are met."""
         return sum(
             max(float(value) - self.most[name], 0.0) / (abs(self.most[name]) or 1.0)
             for name, value in self.limited(metrics).items()

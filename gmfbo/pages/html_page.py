@@ -52,13 +52,6 @@ def page(title: str, body: str, styles: Sequence[str], scripts: Sequence[str]) -
 def embedded_json(name: str, content: str) -> str:
     """Put JSON into the page for a script or a reader of the file.
 
-    Parameters
-    ----------
-    name : str
-        Its id on the page.
-    content : str
-        JSON.
-
     Returns
     -------
     str

@@ -20,24 +20,12 @@ Path = Sequence[str | int]
 
 
 def json_path(path: Path) -> str:
-    r"""Write a place in `diagnosis.json`: names and indices joined by dots, `\.` within a name.
-
-    Parameters
-    ----------
-    path : sequence of str or int
-        From the outermost name inwards.
-    """
+    r"""Write a place in `diagnosis.json`: names and indices joined by dots, `\.` within a name."""
     return ".".join(str(step).replace("\\", "\\\\").replace(".", "\\.") for step in path)
 
 
 def unit_text(unit: str) -> str:
-    """Write a unit for reading: `kg.m2` is "kg m²"; empty for a plain number.
-
-    Parameters
-    ----------
-    unit : str
-        As an FMU spells it.
-    """
+    """Write a unit for reading: `kg.m2` is "kg m²"; empty for a plain number."""
     if unit in ("", "1"):
         return ""
     powers = re.sub(r"(?<=[A-Za-z])\d+", lambda found: found[0].translate(_POWERS), unit)
@@ -101,11 +89,6 @@ def marked(path: Path, text: str, *, factor: float = 1.0, digits: int | None = N
         sign.
     digits : int, optional
         Significant digits, where trailing zeros are not.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     scaled = "" if factor == 1.0 else f' data-scale="{factor:.12g}"'
     rounded = "" if digits is None else f' data-digits="{digits}"'

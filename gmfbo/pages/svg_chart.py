@@ -102,11 +102,6 @@ def line_chart(
 def legend(lines: Sequence[Line]) -> str:
     """Legend of the lines as an HTML list.
 
-    Parameters
-    ----------
-    lines : sequence of Line
-        Those of a chart.
-
     Returns
     -------
     str
@@ -117,13 +112,7 @@ def legend(lines: Sequence[Line]) -> str:
 
 
 def swatch(style: str) -> str:
-    """Draw a piece of a line, as it looks in a chart.
-
-    Parameters
-    ----------
-    style : str
-        Class in the page's style.
-    """
+    """Draw a piece of a line, as it looks in a chart."""
     return (
         f'<svg class="swatch" viewBox="0 0 26 10" aria-hidden="true">'
         f'<path class="line {style}" d="M1 5H25"/></svg>'
@@ -144,15 +133,7 @@ def _window_rectangle(x_axis: Axis, start: float, end: float) -> str:
 
 
 def band_path(band: Band, x_axis: Axis, y_axis: Axis) -> str:
-    """Draw a band.
-
-    Parameters
-    ----------
-    band : Band
-        The band.
-    x_axis, y_axis : Axis
-        Of the chart.
-    """
+    """Draw a band."""
     x = np.concatenate([band.x, band.x[::-1]])
     y = np.concatenate([band.low, band.high[::-1]])
     kind = f"band {band.style}".strip()

@@ -36,11 +36,5 @@ class Interval(Spread):
         return cls(float(statistic(values, axis=0)), float(low), float(high))
 
     def text(self, decimals: int = 1) -> str:
-        """Write `value [low, high]`.
-
-        Parameters
-        ----------
-        decimals : int
-            Of each number.
-        """
+        """Write `value [low, high]`."""
         return f"{self.value:.{decimals}f} [{self.low:.{decimals}f}, {self.high:.{decimals}f}]"

@@ -77,13 +77,7 @@ class ComparisonFolder:
         write_outcomes(path, [*kept, outcome])
 
     def keep_truth(self, grids: Mapping[str, bytes]) -> None:
-        """Keep grids of the plant.
-
-        Parameters
-        ----------
-        grids : mapping of str to bytes
-            By name of the file.
-        """
+        """Keep grids of the plant."""
         self.truth.mkdir(exist_ok=True)
         for name, content in grids.items():
             write_whole(self.truth / name, content)
@@ -179,13 +173,7 @@ class ComparisonFolder:
 
 
 def by_method(outcomes: Sequence[Outcome]) -> Mapping[str, list[Outcome]]:
-    """Group outcomes by method: in the order of `gmfbo methods`, then a user's own by name.
-
-    Parameters
-    ----------
-    outcomes : sequence of Outcome
-        In any order.
-    """
+    """Group outcomes by method: in the order of `gmfbo methods`, then a user's own by name."""
     known = list(METHODS)
     names = sorted(
         {outcome.method for outcome in outcomes},

@@ -97,11 +97,6 @@ class Descent:
     def arrival(self, real_runs: int | None = None) -> int | None:
         """Return n*: real runs, initial ones included, until the regret is below 2 %.
 
-        Parameters
-        ----------
-        real_runs : int, optional
-            Number of first runs that count.
-
         Returns
         -------
         int or None

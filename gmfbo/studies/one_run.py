@@ -122,19 +122,7 @@ class _Stamps:
 
 
 def seeded(study: Study, seed: int, method: str, location: Path) -> Study:
-    """Copy of a study with another seed, method and place.
-
-    Parameters
-    ----------
-    study : Study
-        As given.
-    seed : int
-        Of the copy.
-    method : str
-        Name of the copy's method.
-    location : Path
-        Folder of the copy.
-    """
+    """Copy of a study with another seed, method and place."""
     return replace(study, file=seeded_file(study.file, seed, method), location=location)
 
 
@@ -157,17 +145,7 @@ def seeded_file(file: StudyFile, seed: int, method: str) -> StudyFile:
 
 
 def make_truth(study: Study, side: int, truth: Path) -> None:
-    """Run the plant, and the changed plant, over the box, unless done before.
-
-    Parameters
-    ----------
-    study : Study
-        With its seed.
-    side : int
-        Points along a side of the grid.
-    truth : Path
-        Folder of the plant's grids.
-    """
+    """Run the plant, and the changed plant, over the box, unless done before."""
     opened = TrueSources.open(study)
     with closing(opened.sources):
         for plant in opened.plants:

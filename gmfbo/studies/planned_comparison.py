@@ -94,15 +94,6 @@ class PlannedComparison:
     def begin(cls, study: Study, folder: ComparisonFolder, wanted: Wanted) -> Self:
         """Read the finished runs, and plan the rest.
 
-        Parameters
-        ----------
-        study : Study
-            As given.
-        folder : ComparisonFolder
-            Held for writing.
-        wanted : Wanted
-            Its runs.
-
         Raises
         ------
         InputError
@@ -146,15 +137,7 @@ class PlannedComparison:
         ]
 
     def take(self, unit: Unit, came: Made | Failed) -> str:
-        """Keep the result of a unit, and describe it in a line.
-
-        Parameters
-        ----------
-        unit : Unit
-            Of this comparison.
-        came : Made or Failed
-            Its result.
-        """
+        """Keep the result of a unit, and describe it in a line."""
         name = unit.label.rpartition(": ")[2]
         method, _, seed = name.rpartition("-")
         head = f"{method if unit.method else 'the plant'}, seed {seed}:"
@@ -173,13 +156,7 @@ class PlannedComparison:
         return f"{head} n* {arrived}, {len(one.regret)} real runs, {spent:.0f} s"
 
     def tables(self, heading: Sequence[str]) -> str:
-        """Write the tables of all finished runs.
-
-        Parameters
-        ----------
-        heading : sequence of str
-            Lines above them.
-        """
+        """Write the tables of all finished runs."""
         if not self.outcomes:
             return "no run finished\n"
         landscape = read_landscape(self.folder.landscape)

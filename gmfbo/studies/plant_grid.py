@@ -94,11 +94,6 @@ class TrueSources:
     def open(cls, study: Study) -> TrueSources:
         """Open the sources of a study whose plant can be simulated.
 
-        Parameters
-        ----------
-        study : Study
-            With a plant that is an FMU.
-
         Raises
         ------
         StudyFileError
@@ -165,15 +160,7 @@ class TrueSources:
         return self.experiment.metrics(run)
 
     def file_name(self, source: Source, side: int) -> str:
-        """Name of a grid's file; two seeds share it where the plant has no seed.
-
-        Parameters
-        ----------
-        source : Source
-            One of the study's.
-        side : int
-            Points along a side.
-        """
+        """Name of a grid's file; two seeds share it where the plant has no seed."""
         own = self.experiment.own
         decisive: list[Any] = [source.content_hash, side, self.experiment.signal, repr(self.gains)]
         decisive += [

@@ -69,11 +69,6 @@ class Gathered:
 def gather(study: Study) -> Gathered:
     """Find and read all files that a study names.
 
-    Parameters
-    ----------
-    study : Study
-        With an FMU as the plant.
-
     Raises
     ------
     StudyFileError
@@ -118,13 +113,7 @@ def _content(path: Path) -> bytes:
 
 
 def seeds_apart(study: Study) -> bool:
-    """Whether each seed has another plant.
-
-    Parameters
-    ----------
-    study : Study
-        With an FMU as the plant.
-    """
+    """Whether each seed has another plant."""
     plant = study.file.is1
     changed = plant.change.parameters if plant.change else {}
     return plant.hidden is not None or "seed" in [*plant.parameters.values(), *changed.values()]

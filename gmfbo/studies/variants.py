@@ -44,15 +44,7 @@ def parse_variation(text: str) -> tuple[str, list[Any]]:
 
 
 def variation_text(key: str, values: Sequence[Any]) -> str:
-    """Text that `parse_variation` reads.
-
-    Parameters
-    ----------
-    key : str
-        As in TOML.
-    values : sequence
-        Numbers, texts, lists.
-    """
+    """Text that `parse_variation` reads."""
     return f"{key} = {tomli_w.dumps({'v': list(values)}).partition('=')[2].strip()}"
 
 

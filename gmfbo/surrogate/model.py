@@ -105,13 +105,6 @@ class SourceModel(SingleTaskGP):
         """Fit the hyperparameters by maximum a posteriori; the same data gives the same model.
 
         Each fit starts afresh, so that a resumed study continues exactly.
-
-        Parameters
-        ----------
-        observations : Observations
-            Points, sources and values.
-        settings : SurrogateSettings, optional
-                Settings of the surrogate.
         """
         settings = settings or SurrogateSettings()
         train_X = observations.train_X()

@@ -32,13 +32,7 @@ class TruncatedModel(SingleTaskMultiFidelityGP):
 
     @classmethod
     def fit(cls, observations: Observations) -> TruncatedModel:
-        """Fit by maximum a posteriori; the same data gives the same model.
-
-        Parameters
-        ----------
-        observations : Observations
-            Runs of axis and twin.
-        """
+        """Fit by maximum a posteriori; the same data gives the same model."""
         inputs = observations.train_X()
         model = cls(inputs, observations.train_Y(), data_fidelities=[inputs.shape[-1] - 1])
         believe_less(model, observations)

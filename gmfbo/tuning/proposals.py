@@ -63,11 +63,6 @@ class Proposals:
     def next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Decide on the next query; None where the method has nothing more to ask.
 
-        Parameters
-        ----------
-        held : mapping of str to float
-            Gains that must have these values.
-
         Raises
         ------
         InputError

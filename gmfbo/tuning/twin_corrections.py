@@ -65,13 +65,7 @@ class TwinCorrections:
         return bool(logged and real and logged[-1]["after"] == real[-1].number)
 
     def follow(self, watch: Watch) -> TwinRuns:
-        """Show the newest real run to the refiner; after a correction repeat the twin's runs.
-
-        Parameters
-        ----------
-        watch : Watch
-            Reports a correction.
-        """
+        """Show the newest real run to the refiner; after a correction repeat the twin's runs."""
         history: History = self.runs.history
         real = history.of("IS1")
         if self.refiner is None or len(real) < history.study.budget.initial_is1:

@@ -116,11 +116,6 @@ def diagnose_and_show(
         Folder to write.
     **options
         Of `gmfbo.diagnose`.
-
-    Returns
-    -------
-    Diagnosis
-        The result of the diagnosis.
     """
     from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
     from gmfbo.cli.diagnosis.diagnosis_screen import screenful
@@ -135,15 +130,7 @@ def diagnose_and_show(
 
 
 def with_notes_of_saving(diagnosis: Diagnosis, out: Path) -> Diagnosis:
-    """Put notes of saving first, which tell whether the twin can be exported.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Saved before.
-    out : Path
-        Its folder.
-    """
+    """Put notes of saving first, which tell whether the twin can be exported."""
     noted = [note for note in type(diagnosis).from_json(out).notes if note not in diagnosis.notes]
     return replace(diagnosis, notes=(*noted, *diagnosis.notes))
 

@@ -35,13 +35,6 @@ _DETAILS = (_Detail(6, 5, 2), _Detail(5, 3, 1), _Detail(4, 2, 1), _Detail(3, 1, 
 def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
     """Lines of one screen; the report has the rest.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result of the diagnosis.
-    written : sequence of Path
-        Files that were written.
-
     Returns
     -------
     list of str

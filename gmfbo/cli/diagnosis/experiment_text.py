@@ -22,15 +22,7 @@ def _entry(head: str, text: str, most: int = 4) -> list[str]:
 
 
 def experiment_lines(proposed: ProposedExperiment, written: str) -> list[str]:
-    """Lines of a proposal: motion, extremes, detectable effects and predictions.
-
-    Parameters
-    ----------
-    proposed : ProposedExperiment
-        The proposed experiment.
-    written : str
-        Where it was written.
-    """
+    """Lines of a proposal: motion, extremes, detectable effects and predictions."""
     recording = proposed.recording
     seconds = float(recording.time[-1] - recording.time[0])
     (name,) = recording.signals
@@ -103,15 +95,7 @@ def _sizes(proposed: ProposedExperiment) -> str:
 
 
 def confirmation_lines(confirmation: Confirmation, written: str) -> list[str]:
-    """The sentence, and a table of predicted against observed.
-
-    Parameters
-    ----------
-    confirmation : Confirmation
-        The judged confirmation run.
-    written : str
-        Where it was written.
-    """
+    """The sentence, and a table of predicted against observed."""
     start, end = confirmation.scored
     lines = [*textwrap.wrap(confirmation.sentence, WIDTH), ""]
     signals = list(confirmation.best.nrmse)

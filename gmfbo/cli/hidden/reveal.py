@@ -27,13 +27,6 @@ _VERDICTS = {
 def judged(drawn: Draw, diagnosis: Diagnosis) -> Mark:
     """Mark a diagnosis by the hidden physics.
 
-    Parameters
-    ----------
-    drawn : Draw
-        The hidden physics.
-    diagnosis : Diagnosis
-        The result of the diagnosis.
-
     Returns
     -------
     {"right", "one of the set", "missed", "wrong"}
@@ -63,13 +56,6 @@ def _mark(effect: NamedEffect, hidden: str) -> Mark:
 
 def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
     """Table of hidden physics and diagnosis.
-
-    Parameters
-    ----------
-    drawn : Draw
-        The hidden physics.
-    diagnosis : Diagnosis
-        The result of the diagnosis.
 
     Returns
     -------
@@ -115,15 +101,7 @@ def _size_rows(
 
 
 def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
-    """The mark with its reason, in one sentence.
-
-    Parameters
-    ----------
-    drawn : Draw
-        The hidden physics.
-    diagnosis : Diagnosis
-        The result of the diagnosis.
-    """
+    """The mark with its reason, in one sentence."""
     mark, hidden = judged(drawn, diagnosis), words(drawn.hidden)
     if mark == "right":
         return {

@@ -30,13 +30,6 @@ class Sealed:
 def seal(drawn: Draw, path: Path) -> Sealed:
     """Write a draw to a file.
 
-    Parameters
-    ----------
-    drawn : Draw
-        The hidden physics.
-    path : Path
-        File to write.
-
     Raises
     ------
     InputError
@@ -54,11 +47,6 @@ def seal(drawn: Draw, path: Path) -> Sealed:
 
 def unseal(sealed: Sealed) -> Draw:
     """Read a draw, if its file is unchanged.
-
-    Parameters
-    ----------
-    sealed : Sealed
-        As it was told.
 
     Raises
     ------

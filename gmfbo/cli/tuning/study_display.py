@@ -75,13 +75,7 @@ class StudyDisplay:
 
 
 def real_run_text(step: progress.Progress) -> str:
-    """Describe a real run in a line; empty for other runs.
-
-    Parameters
-    ----------
-    step : Progress
-        One finished run.
-    """
+    """Describe a real run in a line; empty for other runs."""
     if step.source != "IS1" or step.phase not in ("initial", "query"):
         return ""
     ended = "" if step.status == "ok" else f" ({step.status})"

@@ -91,15 +91,7 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
 
 
 def print_result(study: Study | StudyReview, result: TuningResult) -> None:
-    """Print the best gains of a study.
-
-    Parameters
-    ----------
-    study : Study or StudyReview
-        Of which file and location are told.
-    result : TuningResult
-        Its result.
-    """
+    """Print the best gains of a study."""
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
         f"{result.queries} queries after the initial data, "

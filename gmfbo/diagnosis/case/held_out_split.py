@@ -110,15 +110,7 @@ def _variances(matrix: NDArray[np.float64], prior: NDArray[np.float64]) -> NDArr
 
 
 def restricted(misfit: Misfit, chosen: Sequence[int]) -> Misfit:
-    """Misfit of some of the windows.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Of all windows.
-    chosen : sequence of int
-        Windows to keep.
-    """
+    """Misfit of some of the windows."""
     return replace(misfit, whiteners=tuple(misfit.whiteners[i] for i in chosen))
 
 

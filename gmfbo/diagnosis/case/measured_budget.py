@@ -69,19 +69,7 @@ def without_loop_noise(
     rig: Rig,
     noise: Sequence[dict[str, NoiseLevel]],
 ) -> Misfit:
-    """Residuals by a budget in which each signal's noise is its own, before more is known.
-
-    Parameters
-    ----------
-    simulations : Simulations
-        Simulators of the twin.
-    windows : sequence of Window
-        Stretches that are scored.
-    rig : Rig
-        Role of each signal.
-    noise : sequence of dict of str to NoiseLevel
-        White noise of each signal, by recording.
-    """
+    """Residuals by a budget in which each signal's noise is its own, before more is known."""
     empty: list[list[Direction]] = [[] for _ in simulations.records]
     own = [white_variances(r, levels) for r, levels in zip(simulations.records, noise, strict=True)]
     spectra = covariances(windows, simulations.records, rig, own, empty)

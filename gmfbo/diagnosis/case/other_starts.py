@@ -47,15 +47,7 @@ def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
 
 
 def fitted_without_last(misfit: Misfit, fitted: Fitted) -> Fitted | None:
-    """Refit a model without its last effect, from the parameters fitted with that effect.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings and budget.
-    fitted : Fitted
-        Fit with the effect.
-    """
+    """Refit a model without its last effect, from the parameters fitted with that effect."""
     hypothesis = replace(fitted.hypothesis, effects=fitted.hypothesis.effects[:-1])
     return fit(misfit, hypothesis, fitted.parameters, near=fitted, parallel=True)
 
@@ -66,18 +58,6 @@ def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
     A saturated axis switches between both ends of its limit. Derivatives are steep and unreliable
     there, so a fit that uses them may stay at a bad start. The search from the best point uses
     none (Nelder, Mead 1965).
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings and budget.
-    base : Fitted
-        The twin with its parameters refitted.
-
-    Returns
-    -------
-    Fitted
-        The better of the two.
     """
     hypothesis = base.hypothesis
     if chi2_per_dof(base, misfit) <= _FAR or not base.x.size:

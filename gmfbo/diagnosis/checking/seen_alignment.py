@@ -122,15 +122,7 @@ def _left(target: Array, free: Sequence[Array]) -> float:
 
 
 def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
-    """Align each recording's command; empty where the controller could not be checked.
-
-    Parameters
-    ----------
-    case : Case
-        At nominal parameters.
-    checked : Parities
-        Residuals of the parts of the loop.
-    """
+    """Align each recording's command; empty where the controller could not be checked."""
     command = command_of(case)
     if checked.controller is None or command is None or case.rig.position is None:
         return []

@@ -84,13 +84,7 @@ def _story(compensation: Compensation) -> list[str]:
 
 
 def csv_text(compensation: Compensation) -> str:
-    """Two columns a table, side by side; between the rows the value follows a straight line.
-
-    Parameters
-    ----------
-    compensation : Compensation
-        Compensation to write.
-    """
+    """Two columns a table, side by side; between the rows the value follows a straight line."""
     head = [f"# {line}" for line in _story(compensation)]
     tables = compensation.tables
     names: list[str] = []
@@ -108,13 +102,7 @@ def _is_rate(table: CompensationTable) -> bool:
 
 
 def c_text(compensation: Compensation) -> str:
-    """C99 without any header: one function for each target.
-
-    Parameters
-    ----------
-    compensation : Compensation
-        Compensation to write.
-    """
+    """C99 without any header: one function for each target."""
     story = [
         piece
         for line in _story(compensation)

@@ -51,13 +51,6 @@ def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -
 def check_known(explanation: Explanation, twin: FmuTwin) -> None:
     """Raise unless this twin can be simulated under an explanation.
 
-    Parameters
-    ----------
-    explanation : Explanation
-        Of a diagnosis.
-    twin : FmuTwin
-        The twin.
-
     Raises
     ------
     InputError

@@ -200,15 +200,7 @@ class Played:
 
 
 def play(case: Case, rival: Fitted) -> Played | None:
-    """Simulate the menu under a rival, with derivatives; None where a run ends early.
-
-    Parameters
-    ----------
-    case : Case
-        Whose simulators play the menu now.
-    rival : Fitted
-        A hypothesis with its values.
-    """
+    """Simulate the menu under a rival, with derivatives; None where a run ends early."""
     hypothesis = rival.hypothesis.quiet
     simulated = case.simulations.run([hypothesis.point(rival.x)])[0]
     if not all(run.finite for run in simulated):
@@ -221,19 +213,7 @@ def play(case: Case, rival: Fitted) -> Played | None:
 
 
 def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whitener:
-    """Whitener of one entry, by noise, tolerance and the nuisances of every rig.
-
-    Parameters
-    ----------
-    case : Case
-        Whose simulators play the menu now.
-    menu : Menu
-        Played references.
-    entry : int
-        Which reference.
-    simulated : Simulated
-        The entry, simulated.
-    """
+    """Whitener of one entry, by noise, tolerance and the nuisances of every rig."""
     record = menu.records[entry]
     rows = [slice(0, s.values.size) for s in record.signals]
     window = make_window(entry, [s.spacing for s in record.signals], rows)

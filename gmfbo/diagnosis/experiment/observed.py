@@ -176,18 +176,6 @@ def said(name: str) -> str:
 def save_confirmation(confirmation: Confirmation, folder: Path) -> Path:
     """Add a confirmation to those of a diagnosis; one of the same recording is replaced.
 
-    Parameters
-    ----------
-    confirmation : Confirmation
-        The new confirmation.
-    folder : Path
-        Of the diagnosis.
-
-    Returns
-    -------
-    Path
-        The file.
-
     Raises
     ------
     InputError

@@ -45,11 +45,6 @@ class PlayedInput:
 def played_input(twin: FmuTwin) -> PlayedInput:
     """Choose the input that an experiment plays; others keep the twin's values.
 
-    Parameters
-    ----------
-    twin : FmuTwin
-        The twin.
-
     Raises
     ------
     InputError

@@ -79,13 +79,7 @@ class MenuEntry:
 
 
 def reference_menu(limits: RecordedLimits) -> tuple[MenuEntry, ...]:
-    """Build the references that these limits allow.
-
-    Parameters
-    ----------
-    limits : RecordedLimits
-        Limits of the recordings.
-    """
+    """Build the references that these limits allow."""
     entries = [
         MenuEntry("slow_triangle", "a slow triangle", _triangle(limits)),
         MenuEntry("hold_ladder", "a ladder of holds", _ladder(limits)),

@@ -33,15 +33,7 @@ class Spread:
 
 
 def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
-    """Intervals by a bootstrap over the windows, no narrower than the noise allows.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        On these windows.
-    rng : numpy Generator
-        Source of the bootstrap draws.
-    """
+    """Intervals by a bootstrap over the windows, no narrower than the noise allows."""
     groups = list(range(len(fitted.residual)))
     normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior)
     n, count = fitted.x.size, len(groups)

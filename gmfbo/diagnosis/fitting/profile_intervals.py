@@ -32,17 +32,6 @@ def widened_by_profile(
     steps by the derivatives at the fit. Where these fall short, an interval is widened too little,
     and never narrowed.
 
-    Parameters
-    ----------
-    misfit : Misfit
-        Of what was fitted.
-    fitted : Fitted
-        The fit.
-    spread : Spread
-        Its intervals by the normal theory.
-    places : sequence of int
-        Parameters that may be widened.
-
     Returns
     -------
     Spread

@@ -139,13 +139,6 @@ def reads_back(case: Case, base: Fitted) -> bool:
     """Whether the state `position` contains the sensor port's signal.
 
     A simulated step at the port shows in the state at once, or only as the shaft follows.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    base : Fitted
-        Model that is simulated.
     """
     run = base.simulated[0].response
     if "position" not in run.states or "sensor" not in run.ports:

@@ -67,15 +67,7 @@ def locate(
 
 
 def located_at(location: Location, port: str) -> Location:
-    """Location with the part of the loop taken from a free function's port, if it is unknown.
-
-    Parameters
-    ----------
-    location : Location
-        By the parities.
-    port : str
-        Port of the free function.
-    """
+    """Location with the part of the loop taken from a free function's port, if it is unknown."""
     parts: dict[str, SignalPath] = {"torque": "plant", "command": "actuator", "sensor": "sensor"}
     if location.signal_path is not None:
         return location

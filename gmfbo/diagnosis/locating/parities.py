@@ -67,15 +67,7 @@ def logged_as(checked: Parities) -> str | None:
 
 
 def parities(case: Case, base: Fitted) -> Parities:
-    """Check each part of the loop on its own.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    base : Fitted
-        The model that is checked.
-    """
+    """Check each part of the loop on its own."""
     return _Checks(case, base).run()
 
 

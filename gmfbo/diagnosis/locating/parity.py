@@ -37,13 +37,7 @@ class Parity:
     unit: str = ""
 
     def scores(self, record: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Start of each block [s] and the mean in it, in standard deviations of noise.
-
-        Parameters
-        ----------
-        record : int
-            Index of the recording.
-        """
+        """Start of each block [s] and the mean in it, in standard deviations of noise."""
         starts, means = block_means(self.grids[record], self.columns[record])
         return starts, means / self.noise
 

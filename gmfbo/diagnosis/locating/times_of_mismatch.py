@@ -85,15 +85,7 @@ def moving_parts(grids: Sequence[Column], masks: Sequence[Mask]) -> list[Stretch
 
 
 def time_windows(stretches: Sequence[Stretch], names: Sequence[str]) -> tuple[TimeWindow, ...]:
-    """Join stretches that overlap and put all in order.
-
-    Parameters
-    ----------
-    stretches : sequence of Stretch
-        Of any recording.
-    names : sequence of str
-        Of the recordings.
-    """
+    """Join stretches that overlap and put all in order."""
     joined: list[tuple[int, float, float]] = []
     for s in sorted(stretches, key=lambda s: (s.record, s.start)):
         if joined and joined[-1][0] == s.record and s.start <= joined[-1][2]:

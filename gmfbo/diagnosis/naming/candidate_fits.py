@@ -100,15 +100,6 @@ def confirm(
     """Fit each candidate added to a model, several at a time.
 
     Those that cannot run are left out, and those that have become something else than their name.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings and budget.
-    base : Fitted
-        The model so far.
-    candidates : sequence of Candidate
-        Effects at their starts.
     """
 
     def one(candidate: Candidate) -> Fitted | None:

@@ -39,13 +39,7 @@ MECHANICS = frozenset({"friction", "spring"})
 
 
 def needed_gain(decision: Decision) -> float:
-    """What the next effect has to gain: more where the model is known to be imperfect.
-
-    Parameters
-    ----------
-    decision : Decision
-        So far.
-    """
+    """What the next effect has to gain: more where the model is known to be imperfect."""
     assert decision.model is not None
     if not decision.rounds:
         # Where even the best model leaves more than noise, that may look like an effect as well.
@@ -58,17 +52,7 @@ def needed_gain(decision: Decision) -> float:
 
 
 def slack_of(case: Case, decision: Decision, accepted: Sequence[Evidence]) -> float:
-    """What the best law leaves beyond noise: its limit could as well leave that.
-
-    Parameters
-    ----------
-    case : Case
-        Twin, recordings and budget.
-    decision : Decision
-        So far.
-    accepted : sequence of Evidence
-        Effects that could be named.
-    """
+    """What the best law leaves beyond noise: its limit could as well leave that."""
     best = min(accepted, key=lambda e: e.chi2)
     times = times_noise(case, best.fitted)
     return _NEXT_SHARE * best.chi2 * (1.0 - 1.0 / max(times, decision.dispersion))
@@ -86,15 +70,7 @@ def margin_over_limit(threshold: float, slack: float) -> float:
 
 
 def is_shadow(decision: Decision, evidence: Evidence, of: Evidence) -> bool:
-    """Whether an effect does part of what another one does better.
-
-    Parameters
-    ----------
-    decision : Decision
-        So far.
-    evidence, of : Evidence
-        The effect, and the other one.
-    """
+    """Whether an effect does part of what another one does better."""
     if of.gain <= evidence.gain + decision.threshold:
         return False
     assert decision.model is not None
@@ -122,17 +98,7 @@ def is_small_elsewhere(evidence: Evidence, small: Sequence[Evidence]) -> bool:
 
 
 def is_large(case: Case, evidence: Evidence, needed: float) -> bool:
-    """Whether somebody would act on an effect of this size.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    evidence : Evidence
-        The effect.
-    needed : float
-        Gain that is asked for.
-    """
+    """Whether somebody would act on an effect of this size."""
     law, excitation = evidence.effect.law, case.setting.excitation
     values = {**evidence.effect.more, **evidence.effect.values}
     # What is cut off a command is more than the twin would have asked for without the limit.
@@ -149,19 +115,7 @@ def _asked(evidence: Evidence, needed: float) -> float:
 
 
 def is_proven(case: Case, evidence: Evidence, decision: Decision, needed: float) -> bool:
-    """Whether an effect, of whatever size, is at work beyond chance.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    evidence : Evidence
-        The effect.
-    decision : Decision
-        So far.
-    needed : float
-        Gain that is asked for.
-    """
+    """Whether an effect, of whatever size, is at work beyond chance."""
     if evidence.gain <= needed + _freedom(evidence.effect):
         return False
     if is_disputed(case, evidence, decision.threshold):
@@ -193,13 +147,7 @@ def is_disputed(case: Case, evidence: Evidence, threshold: float) -> bool:
 
 
 def begins_with_recordings(evidence: Evidence) -> bool:
-    """Whether what passes may have been there before the first row: the axis was not at rest.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        The effect.
-    """
+    """Whether what passes may have been there before the first row: the axis was not at rest."""
     names = [p.name for p in evidence.effect.parameters]
     if "start" not in names:
         return False

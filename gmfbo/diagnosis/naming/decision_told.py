@@ -110,15 +110,7 @@ def named_effects(
 
 
 def _rival_shares(found: Round, probability: float) -> tuple[RivalShare, ...]:
-    """Divide a probability among those that share it, by Akaike weights (Burnham, Anderson 2002).
-
-    Parameters
-    ----------
-    found : Round
-        The winner and its rivals.
-    probability : float
-        Of all of them together.
-    """
+    """Divide a probability among its sharers, by Akaike weights (Burnham, Anderson 2002)."""
     if not found.rivals:
         return ()
     alike = (found.winner, *found.rivals)
@@ -139,19 +131,7 @@ def _per_recording(case: Case, found: Round) -> dict[str, float]:
 def detectable_sizes(
     case: Case, decision: Decision, named: Sequence[str], units: Units
 ) -> dict[str, DetectableSize]:
-    """Smallest size of each effect not named that would have gained the threshold.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    decision : Decision
-        Probes and threshold.
-    named : sequence of str
-        Effects that were named.
-    units : Units
-        Of the twin.
-    """
+    """Smallest size of each effect not named that would have gained the threshold."""
     sizes: dict[str, DetectableSize] = {}
     excitation = case.setting.excitation
     for entry in decision.screened:
@@ -173,17 +153,7 @@ def detectable_sizes(
 def not_testable(
     case: Case, reasons: Mapping[str, str], decision: Decision
 ) -> tuple[NotTestable, ...]:
-    """Effects on which nothing can be said, in the catalogue's order.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    reasons : mapping of str to str
-        Known before anything was simulated.
-    decision : Decision
-        Which effects parameters can make.
-    """
+    """Effects on which nothing can be said, in the catalogue's order."""
     entries = []
     named = {entry.winner.name for entry in decision.rounds}
     for name in CATALOGUE:
@@ -197,15 +167,7 @@ def not_testable(
 
 
 def alignments(case: Case, model: Fitted) -> dict[str, Alignment]:
-    """Scale, offset and lateness of each column against the final model, where it is scored.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    model : Fitted
-        The best model.
-    """
+    """Scale, offset and lateness of each column against the final model, where it is scored."""
     found: dict[str, Alignment] = {}
     names = dict.fromkeys(s.name for r in case.simulations.records for s in r.signals)
     for name in names:

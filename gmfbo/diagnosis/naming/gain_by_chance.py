@@ -18,15 +18,6 @@ def gain_by_chance(misfit: Misfit, fitted: Fitted, rng: np.random.Generator) -> 
     The parameters are moved by steps that shuffle the counts, and what the sensitivities foresee
     is taken out again: what chi2 rises by on average the fit owes to its luck, and what it varies
     by another fit may.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings, simulators and a budget.
-    fitted : Fitted
-        The best model, measured by that budget.
-    rng : numpy Generator
-        Source of the moves.
     """
     hypothesis, x = fitted.hypothesis, fitted.x
     if not hypothesis.setting.is_rough:

@@ -47,15 +47,7 @@ def widen_budget(case: Case, decision: Decision, fits: list[Fitted]) -> list[Fit
 
 
 def best_of(model: Fitted, fits: Sequence[Fitted]) -> Fitted:
-    """The fit that leaves least, of a model and of those with one effect more.
-
-    Parameters
-    ----------
-    model : Fitted
-        Without a further effect.
-    fits : sequence of Fitted
-        With one.
-    """
+    """The fit that leaves least, of a model and of those with one effect more."""
     return min([model, *fits], key=lambda f: f.chi2)
 
 

@@ -81,15 +81,7 @@ def _explanation(name: str, fitted: Fitted, misfit: float) -> Explanation:
 
 
 def as_candidate(effect: str, physics: Mapping[str, float]) -> Candidate:
-    """Return an effect at the values of an explanation, fixed ones too.
-
-    Parameters
-    ----------
-    effect : str
-        Name in the catalogue.
-    physics : mapping of str to float
-        Variables of physics.fmu.
-    """
+    """Return an effect at the values of an explanation, fixed ones too."""
     own = {
         name.partition(".")[2]: value
         for name, value in physics.items()

@@ -23,13 +23,6 @@ def rivals_of(winner: Evidence, others: Sequence[Evidence]) -> list[Evidence]:
 
     If rival r is true, chi2(r) - chi2(winner) is normal with mean -D and variance 4 D, where D is
     the squared distance of the two fitted models (Vuong 1989): the noise is the same in both.
-
-    Parameters
-    ----------
-    winner : Evidence
-        What fits best.
-    others : sequence of Evidence
-        What was fitted beside it, everything free.
     """
     rivals = []
     for other in others:

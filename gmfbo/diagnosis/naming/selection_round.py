@@ -178,11 +178,6 @@ def accept(case: Case, decision: Decision, fits: list[Fitted], rng: np.random.Ge
         Of this round.
     rng : numpy Generator
         Source of the null draws.
-
-    Returns
-    -------
-    bool
-        Whether an effect was accepted.
     """
     assert decision.model is not None
     first = not decision.rounds

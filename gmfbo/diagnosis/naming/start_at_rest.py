@@ -23,19 +23,7 @@ from gmfbo.diagnosis.screening.probes import probes, screen
 def screen_both_starts(
     case: Case, model: Fitted, library: Sequence[Candidate], groups: Sequence[int]
 ) -> None:
-    """Let the recordings begin in the way in which forces at rest explain more of them.
-
-    Parameters
-    ----------
-    case : Case
-        Its simulations are changed.
-    model : Fitted
-        Without any of these forces.
-    library : sequence of Candidate
-        All effects.
-    groups : sequence of int
-        Group of each window.
-    """
+    """Let the recordings begin in the way in which forces at rest explain more of them."""
     simulations = case.simulations
     pushing = [candidate for candidate in library if candidate.law.acts_at_rest]
     if not simulations.rest or not pushing:

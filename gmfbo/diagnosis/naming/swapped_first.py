@@ -36,11 +36,6 @@ def exchange_first(case: Case, decision: Decision, at_work: float) -> bool:
         Learns how the first effect and its family do beside the rest.
     at_work : float
         Gain from which an effect that was not named counts as one of the rest.
-
-    Returns
-    -------
-    bool
-        Whether another law took the place.
     """
     beside = _found_beside(case, decision, at_work)
     if not beside:

@@ -50,26 +50,14 @@ class NullGains:
         self._sizes = [w.n_residuals for w in misfit.whiteners]
 
     def threshold(self, rng: np.random.Generator) -> float:
-        """Gain that chance exceeds once in a hundred times, at least LEAST_THRESHOLD.
-
-        Parameters
-        ----------
-        rng : numpy Generator
-            Source of the draws.
-        """
+        """Gain that chance exceeds once in a hundred times, at least LEAST_THRESHOLD."""
         if not self._probes:
             return LEAST_THRESHOLD
         draws = tuple(rng.standard_normal((size, _DRAWS)) for size in self._sizes)
         return max(LEAST_THRESHOLD, float(np.quantile(self.largest(draws), _QUANTILE)))
 
     def largest(self, residuals: Blocks) -> NDArray[np.float64]:
-        """Largest gain over the probes for each of several residuals, shape (n_draws,).
-
-        Parameters
-        ----------
-        residuals : Blocks
-            Shape (n_residuals, n_draws) a window.
-        """
+        """Largest gain over the probes for each of several residuals, shape (n_draws,)."""
         left_out, fitted = self._squares(self._own, residuals, self._prior)
         most = np.full(fitted.size, -np.inf)
         for columns, prior in self._probes:
@@ -117,13 +105,6 @@ def left_out_square(fitted: Fitted, groups: Sequence[int]) -> NDArray[np.float64
     """Square that a fit leaves in each group which it does not see, shape (n_groups,).
 
     Linear about the fit on all groups: no group is simulated again.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        On all groups.
-    groups : sequence of int
-        Group of each window.
     """
     normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior)
     return normal.left_out()

@@ -15,17 +15,7 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 def seconds_at_work(
     effect: Candidate, simulated: Sequence[Simulated], records: Sequence[Record]
 ) -> float:
-    """Time [s] in which an effect shows, over all recordings.
-
-    Parameters
-    ----------
-    effect : Candidate
-        At these values.
-    simulated : sequence of Simulated
-        The recordings with it.
-    records : sequence of Record
-        The recordings.
-    """
+    """Time [s] in which an effect shows, over all recordings."""
     total = 0.0
     values = {**effect.more, **effect.values}
     for run, record in zip(simulated, records, strict=True):

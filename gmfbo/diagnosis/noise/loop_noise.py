@@ -162,15 +162,7 @@ def _as_logged(
 
 
 def white_variances(record: Record, noise: Mapping[str, NoiseLevel]) -> list[float]:
-    """Variance of each signal's noise, with none of it ascribed to the loop.
-
-    Parameters
-    ----------
-    record : Record
-        Recording that is scored.
-    noise : mapping of str to NoiseLevel
-        White noise of each signal.
-    """
+    """Variance of each signal's noise, with none of it ascribed to the loop."""
     return [noise[signal.name].total ** 2 for signal in record.signals]
 
 

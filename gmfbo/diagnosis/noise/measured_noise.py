@@ -35,17 +35,7 @@ _FEWEST_BINS = 20
 def noise_of_all(
     simulations: Simulations, rig: Rig, levels: Sequence[dict[str, NoiseLevel]]
 ) -> dict[str, NoiseLevel]:
-    """Noise of each signal over all recordings, always with the position's.
-
-    Parameters
-    ----------
-    simulations : Simulations
-        Of the recordings.
-    rig : Rig
-        Roles of the signals.
-    levels : sequence of mapping of str to NoiseLevel
-        Of each recording.
-    """
+    """Noise of each signal over all recordings, always with the position's."""
     names = dict.fromkeys(name for level in levels for name in level)
     found = {name: level for name in names if (level := pooled(list(levels), name)) is not None}
     if rig.position is not None and rig.position not in found:
@@ -58,17 +48,7 @@ def noise_of_all(
 def position_noise(
     simulations: Simulations, rig: Rig, noise: Sequence[dict[str, NoiseLevel]]
 ) -> float | None:
-    """Noise of the recorded position [FMU's unit]; None where no position is recorded.
-
-    Parameters
-    ----------
-    simulations : Simulations
-        Of the recordings.
-    rig : Rig
-        Roles of the signals.
-    noise : sequence of mapping of str to NoiseLevel
-        Of each recording.
-    """
+    """Noise of the recorded position [FMU's unit]; None where no position is recorded."""
     if rig.position is None:
         return None
     level = pooled(list(noise), rig.position)
@@ -97,23 +77,6 @@ def noise_through_loop(
 
     The fast part of a recorded input may be real, such as a loop's command, and no measurement
     noise. So no more of it is sent than the quietest recording shows.
-
-    Parameters
-    ----------
-    twin : FmuTwin
-        The user's twin.
-    simulations : Simulations
-        Of the recordings.
-    windows : sequence of Window
-        Stretches that are scored.
-    base : Fitted
-        Model about which noise is sent.
-    rig : Rig
-        Roles of the signals.
-    noise : sequence of mapping of str to NoiseLevel
-        Of each recording.
-    rng : numpy Generator
-        Source of the noise.
     """
     counts = [
         s.resolution for r in simulations.records for s in r.signals if s.name == rig.position

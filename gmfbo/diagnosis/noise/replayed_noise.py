@@ -178,15 +178,7 @@ def under_noise(misfit: Misfit, model: Fitted) -> Hypothesis | None:
 
 
 def first_reading(simulations: Simulations, model: Fitted) -> list[RecordedNoise | None]:
-    """Read the fast noise of each recording's position, where the fast residual is only noise.
-
-    Parameters
-    ----------
-    simulations : Simulations
-        Simulators of the twin.
-    model : Fitted
-        Model whose residual is read.
-    """
+    """Read the fast noise of each recording's position, where the fast residual is only noise."""
     return [_read_about(simulations, model, k) for k in range(len(simulations.records))]
 
 

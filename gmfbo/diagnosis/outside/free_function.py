@@ -146,19 +146,7 @@ def unnamed(
     response: PortResponse,
     of: Callable[[Sequence[States]], list[Family]] = families,
 ) -> Unnamed:
-    """Fit every family to what a model leaves.
-
-    Parameters
-    ----------
-    case : Case
-        Recordings and budget.
-    base : Fitted
-        What is already explained.
-    response : PortResponse
-        From the port to the signals.
-    of : callable (sequence of States) -> list of Family
-        Which families.
-    """
+    """Fit every family to what a model leaves."""
     records = case.simulations.records
     states = [states_of(run, record) for run, record in zip(base.simulated, records, strict=True)]
     regression = Regression(case.misfit, base)

@@ -27,15 +27,6 @@ _TURNS = 999
 def chance_of_moving(case: Case, model: Fitted, rng: np.random.Generator) -> float:
     """How often noise would follow the motion as much as what a model leaves does.
 
-    Parameters
-    ----------
-    case : Case
-        Twin, recordings and budget.
-    model : Fitted
-        Whose residual is looked at.
-    rng : numpy Generator
-        Of the turns in time.
-
     Returns
     -------
     float

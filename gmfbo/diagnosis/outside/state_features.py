@@ -54,13 +54,7 @@ class Family:
 
 
 def families(states: Sequence[States]) -> list[Family]:
-    """All families over what recordings show.
-
-    Parameters
-    ----------
-    states : sequence of States
-        Of each recording.
-    """
+    """All families over what recordings show."""
     found = [
         _of_velocity(states),
         _of_position(states),
@@ -74,11 +68,6 @@ def families_with_ways(states: Sequence[States]) -> list[Family]:
     """Those families, and torques over the position that differ between forth and back.
 
     The last holds two of the others, and no one curve shows it: it is there to judge names by.
-
-    Parameters
-    ----------
-    states : sequence of States
-        Of each recording.
     """
     each_way = _of_position_each_way(states)
     return families(states) + ([] if each_way is None else [each_way])

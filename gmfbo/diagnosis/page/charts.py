@@ -52,11 +52,6 @@ _MOST_NUMBERS = 110_000  # of all curves for the script: about another
 def recordings_to_show(diagnosis: Findings) -> list[str]:
     """Recordings that have curves: held-out ones first, by improvement.
 
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-
     Returns
     -------
     list of str
@@ -103,11 +98,6 @@ def before_and_after_panels(diagnosis: Findings) -> list[str]:
 def curves_json(diagnosis: Findings) -> str:
     """Embed the curves for the script that reads values off them and zooms.
 
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-
     Returns
     -------
     str
@@ -152,15 +142,7 @@ def _axis_words(what: str, unit: str) -> str:
 
 
 def part_words(diagnosis: Findings, recording: str) -> str:
-    """Words that say whether a recording had a part in the fit.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    recording : str
-        Its name.
-    """
+    """Words that say whether a recording had a part in the fit."""
     return "unseen by the fit" if recording in diagnosis.fit.held_out else "fitted on"
 
 

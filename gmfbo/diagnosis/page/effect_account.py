@@ -32,11 +32,6 @@ def effect_account(place: int, diagnosis: Findings) -> str:
         Index of the effect in the diagnosis.
     diagnosis : Findings
         Result of the diagnosis, which tells the fitted and held-out recordings.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     effect = diagnosis.effects[place]
     own = ("effects", place)

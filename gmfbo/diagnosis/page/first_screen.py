@@ -47,11 +47,6 @@ _SWATCHES = {**STYLES, "unnamed_spline": "spline", "noise_floor": "floor"}
 def first_screen(diagnosis: Findings) -> str:
     """Write the part of the page that shows before scrolling.
 
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-
     Returns
     -------
     str
@@ -89,13 +84,7 @@ def _head(diagnosis: Findings) -> str:
 
 
 def unbroken(text: str) -> str:
-    """Keep numbers and their units on one line.
-
-    Parameters
-    ----------
-    text : str
-        A sentence.
-    """
+    """Keep numbers and their units on one line."""
     return _QUANTITY.sub(lambda found: found[0].replace(" ", "\u00a0"), text)
 
 
@@ -198,13 +187,7 @@ def _effect_fact(place: int, effect: NamedEffect) -> str:
 
 
 def place_words(diagnosis: Findings) -> str:
-    """Tell where the mismatch sits: part of the loop, and state in which it acts.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """Tell where the mismatch sits: part of the loop, and state in which it acts."""
     location = diagnosis.location
     path = f"in the {location.signal_path}" if location.signal_path else ""
     joint = "; " if location.region.startswith("it ") else ", "

@@ -20,13 +20,7 @@ _TWIN = "The twin does not offer it"
 
 
 def untested_effects(diagnosis: Findings) -> str:
-    """List the effects that could not be tested, by reason.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """List the effects that could not be tested, by reason."""
     groups: dict[str, dict[str, list[str]]] = {}
     for one in diagnosis.not_testable:
         kind, why = _kind(one.why)
@@ -52,13 +46,7 @@ def _kind(why: str) -> tuple[str, str]:
 
 
 def detectable_sizes(diagnosis: Findings) -> str:
-    """List the smallest size of each effect that would have been named, by part of the loop.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """List the smallest size of each effect that would have been named, by part of the loop."""
     if not diagnosis.detectable:
         return ""
     parts: dict[str, list[list[str]]] = {}
@@ -81,13 +69,7 @@ def detectable_sizes(diagnosis: Findings) -> str:
 
 
 def residual_tests(diagnosis: Findings) -> str:
-    """Show how much of each model's residual still follows the reference.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """Show how much of each model's residual still follows the reference."""
     rows = []
     for place, one in enumerate(diagnosis.residual_tests):
         own = ("residual_tests", place)

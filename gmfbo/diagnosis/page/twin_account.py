@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 
 
 def parameter_table(diagnosis: Findings) -> str:
-    """Show each uncertain parameter before and after the refit.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """Show each uncertain parameter before and after the refit."""
     rows = []
     for name, one in diagnosis.parameters.items():
         path = ("parameters", name)
@@ -44,13 +38,7 @@ def parameter_table(diagnosis: Findings) -> str:
 
 
 def combination_table(diagnosis: Findings) -> str:
-    """Show identifiable combinations of parameters that are not identifiable alone.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """Show identifiable combinations of parameters that are not identifiable alone."""
     rows = []
     for place, one in enumerate(diagnosis.combinations):
         shown = marked_interval(("combinations", place), one.value, one.low, one.high, "")
@@ -64,13 +52,7 @@ def combination_table(diagnosis: Findings) -> str:
 
 
 def alignment_table(diagnosis: Findings) -> str:
-    """Show how each signal was logged.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-    """
+    """Show how each signal was logged."""
     units = {curve.signal: curve.unit for curve in diagnosis.curves}
     rows = [
         [

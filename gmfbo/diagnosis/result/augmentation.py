@@ -51,16 +51,6 @@ class Augmentation:
     def export(self, folder: Path) -> AugmentedFmu:
         """Write `augmented.fmu` and `augmented.toml`.
 
-        Parameters
-        ----------
-        folder : Path
-            Existing folder.
-
-        Returns
-        -------
-        AugmentedFmu
-            The files, and what the FMU carries.
-
         Raises
         ------
         ExportError

@@ -27,18 +27,7 @@ class _Misfit(Exception):
 
 
 def diagnosis_text(diagnosis: Findings) -> str:
-    """Return a diagnosis as JSON, schema 1; NaN and infinities become null.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-
-    Returns
-    -------
-    str
-        JSON with a line end.
-    """
+    """Return a diagnosis as JSON, schema 1; NaN and infinities become null."""
     content = {"schema": SCHEMA, **_plain(diagnosis)}
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 

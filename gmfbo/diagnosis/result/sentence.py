@@ -12,18 +12,7 @@ if TYPE_CHECKING:
 
 
 def verdict_sentence(diagnosis: Findings) -> str:
-    """Verdict of a diagnosis, in one or a few sentences.
-
-    Parameters
-    ----------
-    diagnosis : Findings
-        Result of the diagnosis.
-
-    Returns
-    -------
-    str
-        Plain words with the numbers that matter.
-    """
+    """Verdict of a diagnosis, in one or a few sentences."""
     told = {
         "none": _nothing,
         "parameters": _parameters,

@@ -16,15 +16,6 @@ def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
     """Whether a twin's outputs stay the same with a finer communication step.
 
     Some FMUs refuse finer steps; in others the controller computes once a step of any length.
-
-    Parameters
-    ----------
-    twin : FmuTwin
-        The user's.
-    recording : Recording
-            Recording that is simulated.
-    substeps : int
-            Steps in place of one.
     """
     responses = []
     for count in (1, substeps):

@@ -169,17 +169,7 @@ def loop_covariance(window: Window, changes: Sequence[Sequence[NDArray[np.float6
 
 
 def tolerance_covariance(window: Window, record: Record, positions: frozenset[str]) -> Spectrum:
-    """Diagonal covariance of a tolerance: a share of each signal's spectrum, smoothed.
-
-    Parameters
-    ----------
-    window : Window
-        Stretch that is scored.
-    record : Record
-        Recording that is scored.
-    positions : frozenset of str
-        Signals that are positions.
-    """
+    """Diagonal covariance of a tolerance: a share of each signal's spectrum, smoothed."""
     spectrum = window.spectra([_carrier(s) for s in record.signals])
     # A free axis answers a force by 1/f^2: smoothed as an acceleration, its slow part does not
     # spread over the fast part.

@@ -70,15 +70,7 @@ def sampling(grid: Array, time: Array) -> Sampling:
 
 
 def random_binary(rows: int, rng: np.random.Generator) -> Array:
-    """Random signs, each held for a random number of steps, shape (rows,); the first is 0.
-
-    Parameters
-    ----------
-    rows : int
-        How many.
-    rng : numpy Generator
-        Of signs and times.
-    """
+    """Random signs, each held for a random number of steps, shape (rows,); the first is 0."""
     holds = rng.choice(_HOLDS, rows)
     signs = rng.choice([-1.0, 1.0], rows)
     column: Array = np.repeat(signs, holds)[:rows]

@@ -72,17 +72,7 @@ class Probe:
 
 
 def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> list[Probe]:
-    """Simulate each candidate at its probing size about a fitted model, without noise.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings and simulators.
-    base : Fitted
-        About which.
-    candidates : iterable of Candidate
-        Effects at their starts.
-    """
+    """Simulate each candidate at its probing size about a fitted model, without noise."""
     planned = [_planned(base.hypothesis, candidate) for candidate in candidates]
     points = [
         hypothesis.quiet.point(hypothesis.start(base.parameters))
@@ -252,17 +242,6 @@ def refined(
     misfit: Misfit, base: Fitted, screened: Sequence[Screened], groups: Sequence[int]
 ) -> list[Screened]:
     """Probe the best again at the size that they were found to have, where it is another one.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings and simulators.
-    base : Fitted
-        The model so far.
-    screened : sequence of Screened
-        Best first.
-    groups : sequence of int
-        Group of each window.
 
     Returns
     -------

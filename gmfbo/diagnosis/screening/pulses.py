@@ -55,19 +55,7 @@ class Pulse:
 def strongest_pulse(
     case: Case, regression: Regression, response: PortResponse, own: Blocks
 ) -> Pulse | None:
-    """Strongest pulse beyond columns; None where another stretch looks like it.
-
-    Parameters
-    ----------
-    case : Case
-        Recordings.
-    regression : Regression
-        Of what a fitted model leaves.
-    response : PortResponse
-        From the port to the signals.
-    own : Blocks
-        Columns that are fitted anyway.
-    """
+    """Strongest pulse beyond columns; None where another stretch looks like it."""
     seen = fields(case.misfit, response, regression.left(own))
     ranked = sorted(_boxes(case, response, seen), key=lambda pulse: -pulse.gain)
     shared = _shared(case, response, seen)

@@ -74,17 +74,7 @@ class Lines:
 
 
 def find_lines(case: Case, base: Fitted, response: PortResponse) -> Lines:
-    """Search what a fitted model leaves for lines and pulses.
-
-    Parameters
-    ----------
-    case : Case
-        Recordings and budget.
-    base : Fitted
-        What is already explained.
-    response : PortResponse
-        From the port to the signals.
-    """
+    """Search what a fitted model leaves for lines and pulses."""
     regression, own = Regression(case.misfit, base), base.sensitivity
     position = over_position(case, base, response)
     searches = _Searches(

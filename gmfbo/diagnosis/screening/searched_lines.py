@@ -59,15 +59,7 @@ class SearchedLines:
         case.change_setting(replace(case.setting, excitation=excitation))
 
     def beside(self, model: Fitted, testable: Sequence[str]) -> list[Candidate]:
-        """Lines and pulses beside named effects, as starts of the effects that need one.
-
-        Parameters
-        ----------
-        model : Fitted
-            The twin with the named effects.
-        testable : sequence of str
-            Effects that the recordings can show.
-        """
+        """Lines and pulses beside named effects, as starts of the effects that need one."""
         if self.response is None:
             return []
         lines = find_lines(self.case, model, self.response)

@@ -20,17 +20,7 @@ Array = NDArray[np.float64]
 
 
 def fields(misfit: Misfit, response: PortResponse, residual: Blocks) -> list[Array]:
-    """Field of each recording at the port, shape (rows,).
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Whose whiteners made the residual.
-    response : PortResponse
-        From the port to the signals.
-    residual : Blocks
-        Whitened, one block a window.
-    """
+    """Field of each recording at the port, shape (rows,)."""
     records = misfit.simulations.records
     signals = [[np.zeros(s.values.size) for s in record.signals] for record in records]
     for whitener, block in zip(misfit.whiteners, residual, strict=True):

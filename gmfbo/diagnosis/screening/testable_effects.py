@@ -76,15 +76,7 @@ def _why_not(
 
 
 def candidates(testable: Collection[str], excitation: Excitation) -> list[Candidate]:
-    """Every start of every effect that can be tested.
-
-    Parameters
-    ----------
-    testable : collection of str
-        Names of effects.
-    excitation : Excitation
-        From which the starts follow.
-    """
+    """Every start of every effect that can be tested."""
     return [
         Candidate(name, dict(values))
         for name in CATALOGUE

@@ -14,15 +14,7 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 
 
 def with_effect(base: Hypothesis, candidate: Candidate) -> Hypothesis:
-    """One effect more.
-
-    Parameters
-    ----------
-    base : Hypothesis
-        The model so far.
-    candidate : Candidate
-        The effect, which becomes the last.
-    """
+    """One effect more."""
     return replace(base, effects=(*base.effects, candidate))
 
 
@@ -58,15 +50,6 @@ def trials_of(misfit: Misfit, base: Fitted, candidate: Candidate) -> list[Trial]
 
     The refitted parameters of a twin without the effect have swallowed part of it: the nominal
     ones may be nearer to the truth.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        Recordings and simulators.
-    base : Fitted
-        The model so far.
-    candidate : Candidate
-        The effect at its start.
     """
     setting = base.hypothesis.setting
     hypothesis = with_effect(base.hypothesis, candidate)

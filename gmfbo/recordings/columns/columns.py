@@ -101,13 +101,6 @@ class RecordedColumns:
 def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     """Column `time`, `t`, `timestamp` or `Zeit`, or else the first whose unit is one of time.
 
-    Parameters
-    ----------
-    label : str
-        File name.
-    columns : tuple of Column
-        All columns.
-
     Raises
     ------
     RecordingError

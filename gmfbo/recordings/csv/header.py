@@ -85,13 +85,7 @@ def _bare(cell: str) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell of text is a number, with a point or a comma.
-
-    Parameters
-    ----------
-    cell : str
-        As it stands in the file.
-    """
+    """Whether a cell of text is a number, with a point or a comma."""
     try:
         float(cell.replace(",", "."))
     except ValueError:

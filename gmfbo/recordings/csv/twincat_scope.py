@@ -30,15 +30,7 @@ _FILETIME_DIGITS = 18  # to the year 4770; more would not fit into 64 bits
 
 
 def is_scope_export(lines: list[str], delimiter: str) -> bool:
-    """Whether text was exported by TwinCAT Scope.
-
-    Parameters
-    ----------
-    lines : list of str
-        Of the file.
-    delimiter : str
-        Between cells.
-    """
+    """Whether text was exported by TwinCAT Scope."""
     keys = [line.split(delimiter)[0].strip().strip('"') for line in lines[:80] if line.strip()]
     if not keys or keys[0] != "Name":
         return False
@@ -50,15 +42,6 @@ def read_scope(lines: list[str], delimiter: str, label: str) -> RecordedChannels
 
     A group's samples are the rows in which its time changes: slower groups end early, are blank
     between their samples, or repeat the last one, as the export was configured.
-
-    Parameters
-    ----------
-    lines : list of str
-        Of the file.
-    delimiter : str
-        Between cells.
-    label : str
-        File name.
 
     Raises
     ------

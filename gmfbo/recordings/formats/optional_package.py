@@ -11,15 +11,6 @@ from gmfbo.errors import RecordingError
 def load_package(module: str, extra: str, label: str) -> Any:
     """Import a package that belongs to an extra of gmfbo.
 
-    Parameters
-    ----------
-    module : str
-        Module to import.
-    extra : str
-        Extra that installs it.
-    label : str
-        File name, for the message.
-
     Raises
     ------
     RecordingError

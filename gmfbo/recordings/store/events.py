@@ -74,11 +74,6 @@ def read_events(content: bytes) -> EventLines:
 def mend_events(content: bytes) -> tuple[bytes, list[int]]:
     """Correct single wrong bits of damaged lines, found by their checksums.
 
-    Parameters
-    ----------
-    content : bytes
-        Of the file.
-
     Returns
     -------
     tuple

@@ -66,11 +66,6 @@ def pack_record(record: StudyRecord, path: str | Path) -> Path:
     path : str or Path
         File to write, ending `.h5`; an older one is replaced.
 
-    Returns
-    -------
-    Path
-        The file.
-
     Raises
     ------
     StoreError

@@ -42,13 +42,7 @@ def sealed(content: bytes) -> bytes:
 
 
 def read_seal(stored: bytes) -> Seal:
-    """Check a file against its seal.
-
-    Parameters
-    ----------
-    stored : bytes
-        All of the file.
-    """
+    """Check a file against its seal."""
     found = _SEAL.search(stored, max(len(stored) - _LENGTH, 0))
     if found is None:
         return Seal("absent")
@@ -70,11 +64,6 @@ def mended(stored: bytes) -> tuple[bytes, int] | None:
 
     The difference of the stated and the computed CRC-32 depends on the wrong bits alone. Stepped
     back through the file, it equals the difference by a single bit at that bit's place.
-
-    Parameters
-    ----------
-    stored : bytes
-        All of the file, with a seal.
 
     Returns
     -------

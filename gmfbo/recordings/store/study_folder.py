@@ -164,11 +164,6 @@ class StudyStore:
     def write_trial(self, trial: Trial) -> Path:
         """Write a finished trial; when this returns, it is on the disk.
 
-        Returns
-        -------
-        Path
-            The trial's file.
-
         Raises
         ------
         StoreError

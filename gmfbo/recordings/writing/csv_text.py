@@ -16,13 +16,6 @@ from gmfbo.recordings.recording import Recording, Trajectory
 def csv_text(recording: Recording, version: str) -> str:
     """CSV text with numbers in full, so that reading gives the same bits; NaN is blank.
 
-    Parameters
-    ----------
-    recording : Recording
-        Recording to write.
-    version : str
-        Version of gmfbo, for the first line.
-
     Raises
     ------
     RecordingError

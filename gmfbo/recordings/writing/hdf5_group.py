@@ -28,11 +28,6 @@ def file_image(fill: Callable[[Any], None]) -> bytes:
     """Build an HDF5 file in memory and return its bytes.
 
     HDF5 itself never writes to the disk: on a full disk it would crash the interpreter.
-
-    Parameters
-    ----------
-    fill : callable
-        Gets the root group.
     """
     name = f"in memory {next(_names_in_memory)}"
     with h5py.File(name, "w", driver="core", backing_store=False) as file:

@@ -29,13 +29,7 @@ def _method_style(review: ComparisonReview, method: str) -> str:
 
 
 def method_buttons(review: ComparisonReview) -> str:
-    """Legend of all charts; with the page's script, a click hides or shows a method.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Read from a comparison's folder.
-    """
+    """Legend of all charts; with the page's script, a click hides or shows a method."""
     buttons = "".join(
         f'<button type="button" aria-pressed="true" data-method="{escape(name)}" '
         f'data-style="{_method_style(review, name)}">{swatch(_method_style(review, name))}'
@@ -46,13 +40,7 @@ def method_buttons(review: ComparisonReview) -> str:
 
 
 def regret_chart(review: ComparisonReview) -> str:
-    """Draw the simple regret against real runs.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Read from a comparison's folder.
-    """
+    """Draw the simple regret against real runs."""
     curves = _of(review, "regret")
     values = [np.maximum(ends, LEAST_REGRET) for c in curves for ends in (c.mean, c.low, c.high)]
     y_axis = LogAxis.over([*values, np.array([ARRIVED])], HIGH, 0.0, margin=0.04)
@@ -70,13 +58,7 @@ def regret_chart(review: ComparisonReview) -> str:
 
 
 def objective_chart(review: ComparisonReview) -> str:
-    """Draw the best objective so far against real runs.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Read from a comparison's folder.
-    """
+    """Draw the best objective so far against real runs."""
     curves = _of(review, "objective")
     return _curves(
         review,
@@ -89,13 +71,7 @@ def objective_chart(review: ComparisonReview) -> str:
 
 
 def cost_chart(review: ComparisonReview) -> str:
-    """Draw the cost of all runs against queries.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Read from a comparison's folder.
-    """
+    """Draw the cost of all runs against queries."""
     curves = _of(review, "cost")
     return _curves(
         review,
@@ -110,13 +86,7 @@ def cost_chart(review: ComparisonReview) -> str:
 
 
 def seed_charts(review: ComparisonReview) -> list[str]:
-    """Draw every seed of each method, and their mean.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Read from a comparison's folder.
-    """
+    """Draw every seed of each method, and their mean."""
     if not review.runs:
         return []
     means = {curve.method: curve for curve in _of(review, "regret")}
@@ -155,13 +125,7 @@ def seed_charts(review: ComparisonReview) -> list[str]:
 
 
 def landscape_maps(review: ComparisonReview) -> str:
-    """Draw the true objective over two gains, and the relative error of the twin.
-
-    Parameters
-    ----------
-    review : ComparisonReview
-        Read from a comparison's folder.
-    """
+    """Draw the true objective over two gains, and the relative error of the twin."""
     found = review.landscape
     if found is None:
         return ""

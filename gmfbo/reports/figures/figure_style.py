@@ -51,11 +51,6 @@ _P = ParamSpec("_P")
 def in_style(draw: Callable[_P, Figure]) -> Callable[_P, Figure]:
     """Let a function draw in the style of all figures.
 
-    Parameters
-    ----------
-    draw : callable
-        Returns a figure.
-
     Returns
     -------
     callable
@@ -120,26 +115,12 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 
 def axis_label(what: str, unit: str) -> str:
-    """Quantity with its unit; "1" where it has none.
-
-    Parameters
-    ----------
-    what : str
-        The quantity.
-    unit : str
-        As an FMU spells it.
-    """
+    """Quantity with its unit; "1" where it has none."""
     return f"{what} [{unit_words(unit) or '1'}]"
 
 
 def count_along(*panels: Axes) -> None:
-    """Number the x axis of panels by whole numbers alone.
-
-    Parameters
-    ----------
-    *panels : matplotlib.axes.Axes
-        Whose x axis counts something.
-    """
+    """Number the x axis of panels by whole numbers alone."""
     from matplotlib.ticker import MaxNLocator
 
     for axes in panels:
@@ -147,13 +128,7 @@ def count_along(*panels: Axes) -> None:
 
 
 def gain_label(name: str) -> str:
-    """Label of a gain, in the FMU's unit.
-
-    Parameters
-    ----------
-    name : str
-        Of the FMU parameter.
-    """
+    """Label of a gain, in the FMU's unit."""
     return f"{name} [FMU's unit]"
 
 

@@ -125,13 +125,5 @@ def _real_run(review: StudyReview, number: int | None) -> Trial:
 
 
 def signal_unit(review: StudyReview, signal: str) -> str:
-    """Unit of a signal of the real runs, as an FMU spells it; none where there is no real run.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-    signal : str
-        Its name.
-    """
+    """Unit of a signal of the real runs, as an FMU spells it; none where there is no real run."""
     return review.real[0].trial.recording.units.get(signal, "") if review.real else ""

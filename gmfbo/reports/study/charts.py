@@ -24,13 +24,7 @@ _MOST_COUNTS = 40  # queries whose counts can be read side by side
 
 
 def descent_charts(review: StudyReview) -> str:
-    """Draw the best real run so far, against real runs and against the cost of all runs.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-    """
+    """Draw the best real run so far, against real runs and against the cost of all runs."""
     descent = review.descent
     if not descent.numbers:
         return ""
@@ -74,13 +68,7 @@ def _descent(review: StudyReview, x: Array, x_axis: Axis, x_label: str) -> str:
 
 
 def source_chart(review: StudyReview) -> str:
-    """Draw the source of each query, and the number of runs of each source that it caused.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-    """
+    """Draw the source of each query, and the number of runs of each source that it caused."""
     last = review.runs[-1].query
     x_axis = _query_axis(review)
     shown = [source for source in SOURCES if review.of(source)]
@@ -122,13 +110,7 @@ def _count(count: int, x: float, y: float, x_axis: Axis, y_axis: Axis) -> str:
 
 
 def trust_charts(review: StudyReview) -> str:
-    """Draw mismatch, lengthscale and query cost, and the twin's error before and after correction.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-    """
+    """Draw mismatch, lengthscale, query cost, and the twin's error before and after correction."""
     charts = [_mismatch_chart(review), _allowed_chart(review), _error_chart(review)]
     return columns(*charts, style="three")
 
@@ -190,11 +172,6 @@ def _error_chart(review: StudyReview) -> str:
 def mismatch_series(review: StudyReview) -> tuple[Array, Array]:
     """Queries with a mismatch, and the mismatch e.
 
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-
     Returns
     -------
     query, mismatch : ndarray, shape (n,)
@@ -208,11 +185,6 @@ def mismatch_series(review: StudyReview) -> tuple[Array, Array]:
 
 def error_series(review: StudyReview) -> tuple[Array, Array, Array]:
     """Queries with a correction, and the RMS error of the twin before and after it.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
 
     Returns
     -------
@@ -262,13 +234,7 @@ def _new_twins(review: StudyReview, x_axis: Axis) -> list[str]:
 
 
 def version_list(review: StudyReview) -> str:
-    """List the twins that replaced another, and the changes of the plant, with reasons.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-    """
+    """List the twins that replaced another, and the changes of the plant, with reasons."""
     entries = [
         f"<li><b>Twin {escape(one.version)}</b>, after run {one.after} (dotted line in the charts "
         f"above): {escape(one.reason)}</li>"

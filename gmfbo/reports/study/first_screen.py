@@ -186,13 +186,7 @@ def _responses(review: StudyReview) -> str:
 
 
 def objective_words(review: StudyReview) -> str:
-    """Describe the objective in words.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-    """
+    """Describe the objective in words."""
     weights = review.file.objective.weights
     told = ", ".join(
         f"{words(name)} {number(weight)}" for name, weight in weights.items() if weight > 0.0

@@ -55,11 +55,6 @@ class CostMap:
 def cost_map(review: StudyReview) -> CostMap | None:
     """Interpolate the cost of a study of two gains.
 
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-
     Returns
     -------
     CostMap or None
@@ -77,11 +72,6 @@ def cost_map(review: StudyReview) -> CostMap | None:
 
 def gain_map(review: StudyReview) -> str:
     """Draw the gains that were run.
-
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
 
     Returns
     -------

@@ -16,11 +16,6 @@ from gmfbo.reports.study.run_roles import Run
 def study_content(review: StudyReview) -> dict[str, Any]:
     """Content of a study in numbers and names, without trajectories.
 
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-
     Returns
     -------
     dict

@@ -24,19 +24,7 @@ SOURCES: Mapping[str, str] = {
 
 
 def run_mark(run: Run, x: float, y: float, x_axis: Axis, y_axis: Axis, style: str = "") -> str:
-    """Draw a run, which a script may make selectable.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    x, y : float
-        Its place on the axes.
-    x_axis, y_axis : Axis
-        Of the chart.
-    style : str
-        Further classes in the page's style.
-    """
+    """Draw a run, which a script may make selectable."""
     ended = "" if run.trial.status == "ok" else "early"
     kind = " ".join(filter(None, ["mark", run.trial.source, run.role, ended, style]))
     place = f'x="{_share(x_axis, x, WIDE)}%" y="{_share(y_axis, y, HIGH)}%"'
@@ -47,17 +35,7 @@ def run_mark(run: Run, x: float, y: float, x_axis: Axis, y_axis: Axis, style: st
 
 
 def best_mark(run: Run, x: float, y: float, x_axis: Axis, y_axis: Axis) -> str:
-    """Draw the best run as a star.
-
-    Parameters
-    ----------
-    run : Run
-        The best.
-    x, y : float
-        Its place on the axes.
-    x_axis, y_axis : Axis
-        Of the chart.
-    """
+    """Draw the best run as a star."""
     place = f'x="{_share(x_axis, x, WIDE)}%" y="{_share(y_axis, y, HIGH)}%"'
     return (
         f'<svg class="mark best" {place} data-run="{run.trial.number}">'

@@ -53,17 +53,7 @@ class Run:
 def placed_runs(
     trials: Sequence[Trial], events: Sequence[Mapping[str, Any]], budget: BudgetSection
 ) -> tuple[Run, ...]:
-    """Give each trial its role, query and cost.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        In the order of their numbers.
-    events : sequence of mapping
-        Of the study's log.
-    budget : BudgetSection
-        Of the study file.
-    """
+    """Give each trial its role, query and cost."""
     asked = {event["number"] for event in events if event["event"] == "ask"}
     begun = [event for event in events if event["event"] == "earlier"]
     earlier_runs = len(begun[-1]["trials"]) if begun else 0

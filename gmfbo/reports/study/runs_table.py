@@ -16,11 +16,6 @@ from gmfbo.reports.study.run_roles import ROLES, Run
 def runs_tables(review: StudyReview) -> str:
     """Write the tables.
 
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-
     Returns
     -------
     str

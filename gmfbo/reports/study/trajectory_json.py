@@ -35,11 +35,6 @@ def _shown_signals(review: StudyReview) -> dict[str, str]:
 def trajectories_json(review: StudyReview) -> str:
     """Embed the trajectory of every run into the page.
 
-    Parameters
-    ----------
-    review : StudyReview
-        The study as it is shown.
-
     Returns
     -------
     str

@@ -64,11 +64,6 @@ class AugmentedBinding:
 def augment(binding: Binding) -> AugmentedBinding:
     """Place physics before the owners of the ports, so that it delays nothing by a step.
 
-    Parameters
-    ----------
-    binding : Binding
-        The twin.
-
     Raises
     ------
     FmuFileError

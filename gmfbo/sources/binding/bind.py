@@ -18,15 +18,6 @@ _SHOWN = 3
 def bind(file: TwinFile, folder: Path, label: str) -> Binding:
     """Find every FMU and variable that a twin file names; no code of an FMU runs.
 
-    Parameters
-    ----------
-    file : TwinFile
-            The twin file.
-    folder : Path
-            Folder to which its paths are relative.
-    label : str
-        Name of the file, for messages.
-
     Raises
     ------
     TwinFileError

@@ -55,13 +55,7 @@ class LookupTable:
 
 
 def tables_of(binding: Binding) -> tuple[LookupTable, ...]:
-    """Tables that a twin file names; binding has checked them.
-
-    Parameters
-    ----------
-    binding : Binding
-        The twin.
-    """
+    """Tables that a twin file names; binding has checked them."""
     tables = []
     for name, entry in binding.file.tables.items():
         found = elements(entry.nodes, binding.variables)

@@ -30,11 +30,6 @@ def augmented_twin_file(
         Description of the FMU, for a comment at the top.
     values : mapping of str to float
         [FMU's unit] Values in the FMU, also of fixed gains.
-
-    Returns
-    -------
-    str
-        TOML.
     """
     given = file.model_dump(exclude_unset=True, exclude=_LEFT_OUT)
     for name, gain in given.get("gains", {}).items():

@@ -81,17 +81,7 @@ class Content:
 
 
 def container_archive(container: Container, wiring: Wiring, content: Content) -> bytes:
-    """Bytes of the augmented FMU; the same content gives the same bytes.
-
-    Parameters
-    ----------
-    container : Container
-        As the toolbox built it.
-    wiring : Wiring
-            FMUs and wires of the container.
-    content : Content
-            Values and description of the augmented FMU.
-    """
+    """Bytes of the augmented FMU; the same content gives the same bytes."""
     files = dict(_resources_on(container, content.platforms))
     files["documentation/licenses/fmu_manipulation_toolbox.txt"] = toolbox_license()
     files["resources/starts.txt"] = _starts(container, wiring, content.internal_step).encode()

@@ -265,13 +265,7 @@ def _merge_units(descriptions: Iterable[ET.Element]) -> dict[str, ET.Element]:
 
 
 def contradicting_units(descriptions: Iterable[ET.Element]) -> list[str]:
-    """Names of units that two FMUs define differently.
-
-    Parameters
-    ----------
-    descriptions : iterable of Element
-        Model descriptions.
-    """
+    """Names of units that two FMUs define differently."""
     meanings: dict[str, set[tuple[tuple[str, float], ...]]] = {}
     for description in descriptions:
         for unit in description.findall("UnitDefinitions/Unit"):

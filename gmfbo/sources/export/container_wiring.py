@@ -92,13 +92,6 @@ def wire_up(binding: Binding, physics_fmu: Path) -> Wiring:
     through physics. Where it is both, an instance of physics.fmu with all effects off adds them:
     torque = port.torque + tracking.kp * (tracking.measured - state.position) with kp = 1.
 
-    Parameters
-    ----------
-    binding : Binding
-        The twin.
-    physics_fmu : Path
-        Physics.
-
     Raises
     ------
     ExportError

@@ -31,11 +31,6 @@ _ARM64, _MACHO_64, _FAT = 0x0100000C, b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe"
 def check_exportable(binding: Binding) -> None:
     """Raise where a container cannot hold the twin's FMUs.
 
-    Parameters
-    ----------
-    binding : Binding
-        The twin.
-
     Raises
     ------
     ExportError
@@ -65,11 +60,6 @@ def check_exportable(binding: Binding) -> None:
 def common_platforms(fmus: Sequence[FmuDescription]) -> tuple[Platform, ...]:
     """Platforms of the container for which every FMU has a library.
 
-    Parameters
-    ----------
-    fmus : sequence of FmuDescription
-        All that the container holds.
-
     Raises
     ------
     ExportError
@@ -91,15 +81,7 @@ def common_platforms(fmus: Sequence[FmuDescription]) -> tuple[Platform, ...]:
 
 
 def library_for(fmu: FmuDescription, platform: Platform) -> PurePosixPath | None:
-    """Archive member with the library for a platform; None where there is none.
-
-    Parameters
-    ----------
-    fmu : FmuDescription
-        The FMU.
-    platform : Platform
-        One of the container's.
-    """
+    """Archive member with the library for a platform; None where there is none."""
     try:
         member = fmu.library(platform)
     except FmuFileError:
@@ -113,15 +95,7 @@ def library_for(fmu: FmuDescription, platform: Platform) -> PurePosixPath | None
 
 
 def losses(binding: Binding, platforms: Sequence[Platform]) -> Iterator[str]:
-    """List abilities of the FMUs that the container lacks.
-
-    Parameters
-    ----------
-    binding : Binding
-        The twin.
-    platforms : sequence of Platform
-        Of the container.
-    """
+    """List abilities of the FMUs that the container lacks."""
     for capability, words in _LOST.items():
         if any(fmu.capabilities.get(capability) for fmu in binding.fmus):
             yield f"{words} ({capability})"

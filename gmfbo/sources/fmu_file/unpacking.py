@@ -54,15 +54,6 @@ def open_archive(path: Path) -> zipfile.ZipFile:
 def read_member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
     """Content of one member of an archive.
 
-    Parameters
-    ----------
-    path : Path
-        The archive, for the message.
-    archive : ZipFile
-        Open.
-    name : str
-        Of a member that is there.
-
     Raises
     ------
     FmuFileError

@@ -52,11 +52,6 @@ def inspect_fmu(path: str | Path) -> FmuReport:
 def try_fmu(report: FmuReport) -> str:
     """Run the FMU's code for a few steps in the sandbox; returns the outcome in a line.
 
-    Parameters
-    ----------
-    report : FmuReport
-        Of the FMU.
-
     Raises
     ------
     FmuFileError

@@ -98,13 +98,7 @@ def guess_roles(
     parameters: Sequence[FmuVariable],
     local: Sequence[FmuVariable] = (),
 ) -> Guesses:
-    """Guess the roles of an FMU's variables.
-
-    Parameters
-    ----------
-    inputs, outputs, parameters, local : sequence of FmuVariable
-        By causality.
-    """
+    """Guess the roles of an FMU's variables."""
     numbers = [v for v in inputs if v.value_type is not None]
     ports = list(_ports(numbers))
     taken = {guess.variable.name for guess in ports}

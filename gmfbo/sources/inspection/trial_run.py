@@ -21,11 +21,6 @@ _STEPS = 2
 def try_out(twin_file: Path) -> None:
     """Instantiate an exported FMU in a process of its own and step it.
 
-    Parameters
-    ----------
-    twin_file : Path
-        Twin file of the exported FMU.
-
     Raises
     ------
     ExportError

@@ -52,13 +52,6 @@ def find_program(word: str, folder: Path) -> str:
     A word with a path is relative to `folder`, any other is searched on PATH. Where PATH has no
     `python`, the interpreter that runs gmfbo is used.
 
-    Parameters
-    ----------
-    word : str
-        First word of the command.
-    folder : Path
-        Where relative paths begin.
-
     Raises
     ------
     StudyFileError

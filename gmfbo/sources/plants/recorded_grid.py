@@ -126,13 +126,7 @@ class RecordedGrid:
         return replace(self, runs=tuple(kept))
 
     def left(self, played: Sequence[Mapping[str, float]]) -> list[RecordedRun]:
-        """Recordings that are not replayed yet.
-
-        Parameters
-        ----------
-        played : sequence of mapping of str to float
-            Gains of the runs so far.
-        """
+        """Recordings that are not replayed yet."""
         left = list(self.runs)
         for gains in played:
             used = next((run for run in left if run.made_at(gains)), None)

@@ -75,11 +75,6 @@ def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure
     shared : list of Path
         Folders with files that the process may overwrite in place; shortening or removing them
         would crash other processes that map them, and is denied.
-
-    Returns
-    -------
-    Enclosure
-        Parts in force.
     """
     forgo_dumps()
     if policy.enclosed:
@@ -103,13 +98,7 @@ def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure
 
 
 def protection(policy: Policy) -> list[str]:
-    """Protections in force on this machine while an FMU runs, a line each.
-
-    Parameters
-    ----------
-    policy : Policy
-        Rights that the user grants.
-    """
+    """Protections in force on this machine while an FMU runs, a line each."""
     here = available()
     if sys.platform != "linux":
         system = _SYSTEMS.get(sys.platform, sys.platform)

@@ -45,11 +45,6 @@ class Policy:
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Policy:
         """Read GMFBO_SANDBOX; without it everything is shut off.
 
-        Parameters
-        ----------
-        environment : mapping of str to str
-            Environment variables.
-
         Raises
         ------
         InputError

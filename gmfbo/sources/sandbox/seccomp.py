@@ -47,16 +47,6 @@ def restrict(*, network: bool) -> bool:
     """Deny this thread and its children the calls of `system_calls`.
 
     A denied call fails with EPERM, an ordinary error that an FMU can report.
-
-    Parameters
-    ----------
-    network : bool
-        Leave sockets alone.
-
-    Returns
-    -------
-    bool
-        Whether it is in force.
     """
     if not is_available():
         return False

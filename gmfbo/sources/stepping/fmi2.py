@@ -243,15 +243,6 @@ class Instance:
     def call(self, function: str, stage: Stage, *arguments: Any) -> int:
         """Call one FMI function on the component; the status, at most a warning.
 
-        Parameters
-        ----------
-        function : str
-            FMI name.
-        stage : Stage
-            For the error.
-        *arguments
-            After the component.
-
         Raises
         ------
         FmuCallError

@@ -95,15 +95,7 @@ FMI3 = Interface(
 
 
 def crossing(value: float, kind: ValueType) -> float | int | bool:
-    """Convert a value for a call; halves round away from zero, as in C.
-
-    Parameters
-    ----------
-    value : float
-        As gmfbo holds it.
-    kind : ValueType
-        Type of the variable.
-    """
+    """Convert a value for a call; halves round away from zero, as in C."""
     if kind.is_real:
         return value
     if kind == ValueType.BOOLEAN:

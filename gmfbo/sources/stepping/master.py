@@ -84,11 +84,6 @@ def step_all(
         Outputs, C-contiguous; filled row by row.
     native : bool
         Use the C master if there is one; Python gives the same bits.
-
-    Returns
-    -------
-    Stop
-        Outcome of the run.
     """
     path = master_path() if native else None
     if path is None:

@@ -33,13 +33,7 @@ class Uncertain:
 
 
 def uncertain_of(twin: FmuTwin) -> tuple[Uncertain, ...]:
-    """Parameters of [uncertain], with ranges that contain the twin's values.
-
-    Parameters
-    ----------
-    twin : FmuTwin
-        The twin.
-    """
+    """Parameters of [uncertain], with ranges that contain the twin's values."""
     found = []
     for name, (low, high) in twin.file.uncertain.items():
         value = twin.nominal(name)

@@ -100,13 +100,7 @@ def crash_message(where: WhereItStood, exit_code: int) -> str:
 
 
 def garbled_message(names: Sequence[str]) -> str:
-    """One line about a worker with an invalid answer.
-
-    Parameters
-    ----------
-    names : sequence of str
-        FMUs of the worker.
-    """
+    """One line about a worker with an invalid answer."""
     who = " or ".join(f"'{name}'" for name in names)
     return (
         f"{who} spoiled the run: it writes to files of the process that it runs in, where gmfbo's "

@@ -15,13 +15,7 @@ from gmfbo.sources.sandbox.policy import Policy
 
 
 def serve(folder: Path) -> None:
-    """Serve gmfbo until it closes standard input.
-
-    Parameters
-    ----------
-    folder : Path
-        Private folder of the twin.
-    """
+    """Serve gmfbo until it closes standard input."""
     # The FMU's prints must not mix with the answers.
     commands = os.fdopen(os.dup(0), "r", encoding="utf-8")
     if sys.platform == "win32":

@@ -228,15 +228,7 @@ class ExperimentSeries:
         return {name: float(value) for name, value in _combined(each, self.shares).items()}
 
     def part_of(self, run: Recording, number: int) -> Recording:
-        """Part of a joined run that belongs to one reference, at its own times.
-
-        Parameters
-        ----------
-        run : Recording
-            Joined.
-        number : int
-            Index of the reference, from zero.
-        """
+        """Part of a joined run that belongs to one reference, at its own times."""
         if len(self.parts) == 1:
             return run
         rows, times = self._slot(run.time, number)

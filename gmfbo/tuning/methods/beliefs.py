@@ -59,15 +59,7 @@ def _gathered(state: TuningState, seen: Sequence[Observation]) -> Observations:
 def corrected_and_twin(
     state: TuningState, *, scaled: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Costs of the corrected twin and of the twin at the same gains, each shape (n,).
-
-    Parameters
-    ----------
-    state : TuningState
-        What was observed.
-    scaled : bool
-        G instead of g.
-    """
+    """Costs of the corrected twin and of the twin at the same gains, each shape (n,)."""
     pairs = [
         (seen.scaled, seen.uncorrected_scaled) if scaled else (seen.objective, seen.uncorrected)
         for seen in state.of("IS3")
@@ -122,15 +114,6 @@ def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -
     """Bar of an improvement: least cost g of the data, or of runs that meet the limits.
 
     After a change of the plant, of the runs since.
-
-    Parameters
-    ----------
-    state : TuningState
-        With the limits.
-    data : Observations
-        What the surrogate is fitted to.
-    *sources : str
-        Of the runs.
     """
     if state.limits or any(one.outdated for one in state.of(*sources)):
         return state.incumbent(*sources)
@@ -184,13 +167,6 @@ def least_expected(
     model: SourceModel | TruncatedModel, state: TuningState
 ) -> tuple[NDArray[np.float64], float, float]:
     """Point of the unit cube with the least posterior mean of the real axis.
-
-    Parameters
-    ----------
-    model : SourceModel or TruncatedModel
-        Fitted surrogate.
-    state : TuningState
-        What it was fitted to.
 
     Returns
     -------

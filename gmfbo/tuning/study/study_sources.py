@@ -199,15 +199,6 @@ class _Opener:
 def run_source(source: Source, gains: Mapping[str, float], reference: Recording) -> Recording:
     """Run one experiment; an exception of the source becomes a failed run.
 
-    Parameters
-    ----------
-    source : Source
-            Source of the run.
-    gains : mapping of str to float
-        Gains of the run.
-    reference : Recording
-        Reference that is followed.
-
     Returns
     -------
     Recording

@@ -17,11 +17,6 @@ from gmfbo.tuning.study_file.safety_section import SafetySection
 def own_metrics(study: Study) -> OwnMetrics | None:
     """Load the user's own metrics; None where the file names none.
 
-    Parameters
-    ----------
-    study : Study
-        Its file names the function.
-
     Raises
     ------
     InputError

@@ -107,13 +107,7 @@ class HiddenPhysics(Section):
         return self
 
     def drawn(self, seed: int) -> dict[str, float]:
-        """Draw parameters of a few groups, log-uniform in their ranges; integers stay integers.
-
-        Parameters
-        ----------
-        seed : int
-            Of the study.
-        """
+        """Draw parameters of a few groups, log-uniform in their ranges; integers stay integers."""
         rng = np.random.default_rng([seed, _HIDDEN_STREAM])
         count = int(rng.integers(self.count[0], self.count[1] + 1))
         chosen = rng.choice(len(self.groups), size=count, replace=False)
@@ -261,15 +255,7 @@ class BudgetSection(Section):
         return 20 if self.is1_runs is None else max(100, 5 * self.is1_runs)
 
     def queries_left(self, queries: int, real_runs: int) -> int:
-        """Least number of queries until a budget ends; twin queries may add to it.
-
-        Parameters
-        ----------
-        queries : int
-                Number made after the initial runs.
-        real_runs : int
-                Number made, initial ones included.
-        """
+        """Least number of queries until a budget ends; twin queries may add to it."""
         left = self.most_queries - queries
         if self.is1_runs is not None:
             left = min(left, self.is1_runs - real_runs)
@@ -334,11 +320,5 @@ class StudyFile(Section):
 
 
 def stated(file: StudyFile) -> dict[str, Any]:
-    """Values stated in a study file, as TOML can hold them, without defaults.
-
-    Parameters
-    ----------
-    file : StudyFile
-        The validated file.
-    """
+    """Values stated in a study file, as TOML can hold them, without defaults."""
     return file.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude_none=True)

@@ -41,15 +41,6 @@ class EarlierRuns:
     def find(cls, study: Study, gains: GainChoice, experiment: ExperimentSeries) -> Self:
         """Choose the runs, or read the choice from the log of a begun study.
 
-        Parameters
-        ----------
-        study : Study
-            Its file may name an earlier one.
-        gains : GainChoice
-                Tuned and held gains.
-        experiment : ExperimentSeries
-                References that are played.
-
         Raises
         ------
         StudyFileError

@@ -31,15 +31,6 @@ def next_run_text(request: TrialRequest, count: int) -> str:
 def write_next_run(folder: Path, request: TrialRequest, references: Sequence[Recording]) -> Path:
     """Write `next.json`, and the references to play with the gains in their heads.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the study.
-    request : TrialRequest
-            The requested run.
-    references : sequence of Recording
-            References to follow, one run each.
-
     Returns
     -------
     Path
@@ -61,14 +52,6 @@ def write_next_run(folder: Path, request: TrialRequest, references: Sequence[Rec
 
 
 def remove_next_run(folder: Path, count: int) -> None:
-    """Remove these files, so that nobody plays a run that was told already.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the study.
-    count : int
-        Number of references.
-    """
+    """Remove these files, so that nobody plays a run that was told already."""
     for name in (NEXT, *reference_files(count)):
         (folder / name).unlink(missing_ok=True)

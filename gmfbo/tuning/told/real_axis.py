@@ -70,13 +70,6 @@ def scorable(run: Recording, experiment: Scoring) -> Recording:
     """Return a run; a run that lacks the signal or is too short becomes a failed one.
 
     A failed run never ends a study. A recording told by hand is refused instead.
-
-    Parameters
-    ----------
-    run : Recording
-            Run of the plant.
-    experiment : StepExperiment
-            Experiment that scores it.
     """
     try:
         experiment.metrics(run)
@@ -90,13 +83,6 @@ def on_the_clock_of(reference: Recording, run: Recording) -> Recording:
 
     A logger's clock begins anywhere. A recording whose reference does not step exactly once is
     taken to be on the clock of the reference already.
-
-    Parameters
-    ----------
-    reference : Recording
-            Requested reference.
-    run : Recording
-            Measured run.
     """
     (signal,) = reference.signals
     asked, seen = _step_time(reference, signal), _step_time(run, signal)

@@ -61,11 +61,6 @@ class ToldRun:
     def refuse_repeated(self, events: Iterable[Mapping[str, Any]]) -> None:
         """Raise for a file that was told before, since it would count double.
 
-        Parameters
-        ----------
-        events : iterable of mapping
-            The study's log.
-
         Raises
         ------
         InputError

@@ -29,13 +29,7 @@ class LookingMethod(Protocol):
     """A method that chooses among gains at which the twin was run."""
 
     def promising(self, state: TuningState) -> NDArray[np.float64]:
-        """Promising points of the unit cube, shape (c, d), best first.
-
-        Parameters
-        ----------
-        state : TuningState
-            All observations.
-        """
+        """Promising points of the unit cube, shape (c, d), best first."""
         ...
 
 

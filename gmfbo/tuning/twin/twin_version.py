@@ -43,11 +43,6 @@ class TwinRefiner(Protocol):
         The result must follow from the runs and the logged versions alone, so that a killed study
         resumes exactly.
 
-        Parameters
-        ----------
-        history : History
-            All runs.
-
         Returns
         -------
         TwinVersion or None
