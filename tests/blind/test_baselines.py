@@ -26,6 +26,7 @@ def test_sparse_regression_keeps_the_terms_that_are_there() -> None:
     assert _thresholded(features, target) == ["acceleration", "velocity", "elastic_return"]
 
 
+@pytest.mark.slow
 def test_a_process_on_the_residual_mends_unseen_runs_where_a_spring_is_missing(
     tmp_path: Path,
 ) -> None:

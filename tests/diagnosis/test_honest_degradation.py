@@ -192,6 +192,7 @@ def test_an_effect_that_is_not_in_the_catalogue_is_refused_with_the_nearest() ->
         diagnose(SERVO.twin(), SERVO.recordings({}), exclude=["coulomb"])
 
 
+@pytest.mark.slow
 def test_without_any_friction_law_none_of_the_others_is_named_with_confidence() -> None:
     """Placebo: the true effect is out of the library, with all laws that contain it."""
     diagnosis = diagnose(SERVO.twin(), SERVO.recordings(FRICTION), exclude=LAWS, jobs=1)

@@ -173,29 +173,34 @@ def test_rivals_below_the_threshold_are_said_to_stay_together(
     assert not (tmp_path / "next.csv").exists()
 
 
-def test_one_hypothesis_needs_no_experiment() -> None:
+@pytest.fixture(scope="module")
+def right() -> Iterator[Case]:
+    """The case of a twin that lacks nothing."""
     with ending(opened({})) as case:
-        assert propose(case, [case.base], 10.0) is None
-        assert propose_for(case, case.base, []) is None
+        yield case
 
 
-def test_what_parameters_can_follow_is_no_distance() -> None:
-    with ending(opened({})) as case:
-        reference = reference_input(case)
-        assert reference == "reference"
-        menu = make_menu(case, case.base, reference)
-        with playing(case, menu):
-            base = play(case, case.base)
-            assert base is not None
-            x = case.base.x * np.array([1.01, 1.1])
-            moved = case.simulations.run([case.base.hypothesis.point(x)])[0]
-            other = Played(moved, base.columns)
-            for entry in range(len(menu.entries)):
-                whitener = whitener_of(case, menu, entry, base.simulated[entry])
-                unfitted = Played(base.simulated, [])
-                raw = distance(whitener, other, unfitted, entry)
-                assert distance(whitener, base, base, entry) == 0.0
-                assert distance(whitener, other, base, entry) < 0.02 * raw
+def test_one_hypothesis_needs_no_experiment(right: Case) -> None:
+    assert propose(right, [right.base], 10.0) is None
+    assert propose_for(right, right.base, []) is None
+
+
+def test_what_parameters_can_follow_is_no_distance(right: Case) -> None:
+    reference = reference_input(right)
+    assert reference == "reference"
+    menu = make_menu(right, right.base, reference)
+    with playing(right, menu):
+        base = play(right, right.base)
+        assert base is not None
+        x = right.base.x * np.array([1.01, 1.1])
+        moved = right.simulations.run([right.base.hypothesis.point(x)])[0]
+        other = Played(moved, base.columns)
+        for entry in range(len(menu.entries)):
+            whitener = whitener_of(right, menu, entry, base.simulated[entry])
+            unfitted = Played(base.simulated, [])
+            raw = distance(whitener, other, unfitted, entry)
+            assert distance(whitener, base, base, entry) == 0.0
+            assert distance(whitener, other, base, entry) < 0.02 * raw
 
 
 def test_effects_that_were_not_excited_get_a_reference_with_reversals(tmp_path: Path) -> None:
@@ -235,6 +240,5 @@ def test_open_loop_twin_has_no_reference_to_play() -> None:
         assert propose_for(case, case.base, ["coulomb_friction"]) is None
 
 
-def test_rivals_of_one_name_are_numbered() -> None:
-    with ending(opened({})) as case:
-        assert rival_names([case.base, case.base]) == ["parameters", "parameters (2)"]
+def test_rivals_of_one_name_are_numbered(right: Case) -> None:
+    assert rival_names([right.base, right.base]) == ["parameters", "parameters (2)"]

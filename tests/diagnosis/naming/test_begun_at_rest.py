@@ -99,7 +99,7 @@ def test_a_push_is_named_unless_it_may_have_begun_before_the_recordings(
     assert any("was not at rest" in note for note in diagnosis.notes) is not bool(names)
 
 
-@pytest.mark.parametrize("held", [0.8, 0.0])
+@pytest.mark.parametrize("held", [0.8, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_unseen_recordings_begin_as_the_fitted_ones_do(held: float) -> None:
     fitted = SERVO.recordings(OFFSET, (multisine, moves), held=held)
     unseen = SERVO.recordings(OFFSET, (triangle,), held=held, seed=6)

@@ -82,6 +82,7 @@ def test_friction_of_no_known_law_is_a_function_of_the_velocity() -> None:
     assert covered(shape, truth) >= 0.85
 
 
+@pytest.mark.slow
 def test_a_stiffening_spring_is_a_function_of_the_position() -> None:
     hidden = port_case(open_servo({}, law=stiffening_spring))
     found = searched(hidden)
@@ -91,6 +92,7 @@ def test_a_stiffening_spring_is_a_function_of_the_position() -> None:
     assert covered(shape, stiffening_spring(np.zeros(1), np.array(shape.x))) >= 0.8
 
 
+@pytest.mark.slow
 def test_friction_that_depends_on_the_place_has_the_sign_of_the_velocity() -> None:
     physics = {"level": 0.08, "sine": 0.04, "wavenumber": 5.0}
     case = open_servo({f"position_dependent_friction.{n}": v for n, v in physics.items()})

@@ -28,6 +28,7 @@ def waves(servo: PortCase, lines: dict[float, float]) -> list[NDArray[np.float64
     return [np.asarray(torque, dtype=float) for torque in torques]
 
 
+@pytest.mark.slow
 def test_white_residuals_hold_no_lines(servo: PortCase) -> None:
     """False alarms: at most one in 20 nulls, position, time and pulses together."""
     alarms = 0
