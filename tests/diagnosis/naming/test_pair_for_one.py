@@ -43,6 +43,7 @@ def test_friction_and_a_weak_spring_are_no_friction_that_differs_by_direction() 
     assert decision.model is second.winner.fitted
 
 
+@pytest.mark.slow
 def test_friction_that_differs_by_direction_stays_one() -> None:
     """Negative control."""
     decision = decided_on(

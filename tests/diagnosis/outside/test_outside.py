@@ -93,6 +93,7 @@ def test_friction_of_the_library_is_not_outside_it() -> None:
     assert outside.named > 0.95 * outside.gain > 1000.0
 
 
+@pytest.mark.slow
 def test_where_nothing_is_missing_nothing_is_outside_the_library() -> None:
     decision, outside = looked({})
     assert decision.rounds == []

@@ -22,11 +22,9 @@ Array = NDArray[np.float64]
 UNITS = {"torque": "N.m", "position": "rad", "velocity": "rad/s"}
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 @pytest.fixture(scope="module")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -14,11 +12,9 @@ from gmfbo.diagnosis.screening.repeating_and_passing import find_lines
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 def waves(servo: PortCase, lines: dict[float, float]) -> list[NDArray[np.float64]]:

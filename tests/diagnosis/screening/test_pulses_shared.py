@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 
 import numpy as np
 import pytest
@@ -27,11 +27,9 @@ START, DURATION = 0.9, 0.12
 ALL = (0, 1, 2)
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 def pulsed(servo: PortCase, where: Collection[int], level: float, seed: int) -> Fitted:
