@@ -67,6 +67,13 @@ def test_with_all_ports_friction_is_named_at_its_size_out_of_the_library() -> No
     assert removed > 0.95
 
 
+def test_what_a_sensor_does_is_named_at_its_port() -> None:
+    recordings = SERVO.recordings({"sensor_lag.time": 3e-3})
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=("sensor_lag",))
+    assert named(diagnosis) == ["sensor_lag"]
+    assert diagnosis.effects[0].port == "sensor"
+
+
 def test_with_all_ports_a_twin_that_lacks_nothing_is_only_refitted() -> None:
     diagnosis = diagnosed(SERVO.twin(), SERVO.recordings({}), only=LOOP)
     assert diagnosis.verdict == "parameters"

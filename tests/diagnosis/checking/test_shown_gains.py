@@ -76,6 +76,7 @@ def test_a_wrong_gain_makes_no_physics() -> None:
     assert named(of(stating(SERVO.recordings({}, REFERENCES), kp=1.05))) == []
 
 
+@pytest.mark.slow
 def test_a_wrong_gain_hides_no_physics() -> None:
     friction = of(stating(SERVO.recordings(FRICTION, REFERENCES), kp=1.05))
     assert named(friction) == ["coulomb_friction"]

@@ -89,7 +89,10 @@ def test_the_augmented_twin_begins_at_rest_as_the_recordings_did() -> None:
     )
 
 
-@pytest.mark.parametrize(("start", "names"), [(1e-5, []), (0.5, ["pulse_disturbance"])])
+@pytest.mark.parametrize(
+    ("start", "names"),
+    [pytest.param(1e-5, [], marks=pytest.mark.slow), (0.5, ["pulse_disturbance"])],
+)
 def test_a_push_is_named_unless_it_may_have_begun_before_the_recordings(
     start: float, names: list[str]
 ) -> None:
@@ -101,7 +104,8 @@ def test_a_push_is_named_unless_it_may_have_begun_before_the_recordings(
     assert any("was not at rest" in note for note in diagnosis.notes) is not bool(names)
 
 
-@pytest.mark.parametrize("held", [0.8, pytest.param(0.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [0.8, 0.0])
 def test_unseen_recordings_begin_as_the_fitted_ones_do(held: float) -> None:
     fitted = SERVO.recordings(OFFSET, (multisine, moves), held=held)
     unseen = SERVO.recordings(OFFSET, (triangle,), held=held, seed=6)

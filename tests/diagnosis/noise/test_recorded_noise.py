@@ -202,7 +202,9 @@ def test_a_filter_keeps_what_is_fast_and_nothing_of_a_line() -> None:
 # ---- what is no noise ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("hertz", "least"), [(70.0, 95.0), (120.0, 140.0)])
+@pytest.mark.parametrize(
+    ("hertz", "least"), [pytest.param(70.0, 95.0, marks=pytest.mark.slow), (120.0, 140.0)]
+)
 def test_a_vibration_raises_the_corner_above_itself(hertz: float, least: float) -> None:
     line = 2.0 * SIGMA * np.sin(2.0 * np.pi * hertz * STEP * np.arange(1400))
     with opened(with_added(planted(SIGMA, references=ONE), line)) as case:

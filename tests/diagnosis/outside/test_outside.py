@@ -85,6 +85,7 @@ def test_what_a_sensor_does_is_found_at_its_port() -> None:
     assert (shape.port, shape.unit_y) == ("sensor", "rad")
 
 
+@pytest.mark.slow
 def test_friction_of_the_library_is_not_outside_it() -> None:
     """Negative control: the free function explains as much as the name, and loses to it."""
     decision, outside = looked({"coulomb_friction.level": 0.1})

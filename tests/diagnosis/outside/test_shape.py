@@ -63,6 +63,7 @@ def up_to_a_slope(shape: Shape, truth: Array) -> Array:
     return np.asarray(truth + slope * x)
 
 
+@pytest.mark.slow
 def test_friction_of_no_known_law_is_a_function_of_the_velocity() -> None:
     hidden = port_case(open_servo({}, law=root_friction))
     found = searched(hidden)

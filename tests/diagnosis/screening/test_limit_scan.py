@@ -100,6 +100,7 @@ def test_a_dead_zone_begins_at_its_width() -> None:
     assert fitted.values["width"] == pytest.approx(0.02, rel=0.05)
 
 
+@pytest.mark.slow
 def test_of_two_limits_the_one_that_gains_most_comes_first() -> None:
     scan, _, _ = scanned({"actuator_saturation.limit": 1.2})
     assert [candidate.effect for _, candidate in scan] == list(LIMITS)

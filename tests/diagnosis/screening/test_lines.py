@@ -94,6 +94,7 @@ def test_cogging_hidden_in_the_physics_is_found_through_the_loop() -> None:
     case.simulations.close()
 
 
+@pytest.mark.slow
 def test_few_lines_a_turn_are_found_in_a_quarter_of_a_turn() -> None:
     """Together they look like an offset, a slope and friction to a twin that lacks them."""
     hidden = {"wavenumber_1": 4.0, "sine_1": 0.02, "wavenumber_2": 8.0, "cosine_2": 0.008}
