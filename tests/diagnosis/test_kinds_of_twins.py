@@ -68,7 +68,7 @@ def test_with_all_ports_friction_is_named_at_its_size_out_of_the_library() -> No
 
 
 def test_what_a_sensor_does_is_named_at_its_port() -> None:
-    recordings = SERVO.recordings({"sensor_lag.time": 3e-3})
+    recordings = SERVO.recordings({"sensor_lag.time": 8e-3})
     diagnosis = diagnosed(SERVO.twin(), recordings, only=("sensor_lag",))
     assert named(diagnosis) == ["sensor_lag"]
     assert diagnosis.effects[0].port == "sensor"
