@@ -163,6 +163,7 @@ def test_the_gain_of_a_small_effect_grows_with_its_square(oracle: Oracle) -> Non
     assert gains[1] == pytest.approx(4.0 * gains[0], rel=0.1)
 
 
+@pytest.mark.slow
 def test_noise_is_part_of_what_an_effect_does(oracle: Oracle) -> None:
     """It drives a command into a limit that it would not reach, and bridges a dead zone."""
     peak = max(float(np.max(np.abs(run.new))) for run in oracle.clean)

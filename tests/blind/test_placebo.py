@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording
+from tests.blind import cases
 from tests.blind.cases import make_case
 from tests.blind.generate import answer_path, check_hashes, write_hashes
+from tests.blind.oracle import Oracle
 from tests.blind.placebo import FASTER_THAN, make_placebo, with_noise
 from tests.blind.plan import Plan
 
@@ -27,9 +29,13 @@ PLANS = (
 def benchmark(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("benchmark")
     (out / "answers").mkdir()
-    for index, plan in enumerate(PLANS):
-        answer = make_case(plan, 21, index, out / "cases" / f"{index:03d}")
-        answer_path(out, index).write_text(answer.text(), encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        # Of any size: no placebo asks how much an effect shows.
+        patch.setattr(cases, "size_for_gain", lambda law, shaped, setting, *_: law.low(setting))
+        patch.setattr(Oracle, "gain", lambda *_: 100.0)
+        for index, plan in enumerate(PLANS):
+            answer = make_case(plan, 21, index, out / "cases" / f"{index:03d}")
+            answer_path(out, index).write_text(answer.text(), encoding="utf-8")
     (out / "benchmark.json").write_text('{"cases": 4, "seed": 21}', encoding="utf-8")
     write_hashes(out)
     return out

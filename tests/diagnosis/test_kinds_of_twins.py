@@ -67,10 +67,18 @@ def test_with_all_ports_friction_is_named_at_its_size_out_of_the_library() -> No
     assert removed > 0.95
 
 
+def test_what_a_sensor_does_is_named_at_its_port() -> None:
+    recordings = SERVO.recordings({"sensor_lag.time": 8e-3})
+    diagnosis = diagnosed(SERVO.twin(), recordings, only=("sensor_lag",))
+    assert named(diagnosis) == ["sensor_lag"]
+    assert diagnosis.effects[0].port == "sensor"
+
+
 def test_with_all_ports_a_twin_that_lacks_nothing_is_only_refitted() -> None:
     diagnosis = diagnosed(SERVO.twin(), SERVO.recordings({}), only=LOOP)
     assert diagnosis.verdict == "parameters"
     assert diagnosis.effects == ()
+    assert diagnosis.next_experiment is None
     for name, value in SERVO.truth.items():
         assert diagnosis.parameters[name].value == pytest.approx(value, rel=0.03)
 
@@ -118,6 +126,7 @@ def test_an_open_loop_plant_that_lacks_nothing_is_only_refitted() -> None:
         assert diagnosis.parameters[name].value == pytest.approx(value, rel=0.01)
 
 
+@pytest.mark.slow
 def test_controller_and_plant_on_wires_show_what_acts_between_them() -> None:
     recordings = SPLIT.recordings({"actuator_saturation.limit": 5.0})
     diagnosis = diagnosed(SPLIT.twin(), recordings, only=("actuator_saturation", "sensor_lag"))

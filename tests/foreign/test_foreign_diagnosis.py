@@ -16,11 +16,9 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.foreign.fmus import write_vendor_axis
 
 LEVEL = 3.0  # [N] of which the foreign FMU knows nothing
-TRIED = (  # the whole library takes five times as long
+TRIED = (  # the whole library takes many times as long
     "coulomb_friction",
-    "constant_torque_offset",
     "elastic_return",
-    "quadratic_drag",
 )
 
 

@@ -51,6 +51,7 @@ def test_by_slopes_alone_they_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
         assert case.base.parameters["mass"] < 0.9 * TRUTH["mass"]
 
 
+@pytest.mark.slow
 def test_where_the_first_fit_is_right_nothing_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
     free = replace(LIMITED_AXIS, truth=TRUTH, gains={"kp": 155.9, "kv": 303.3})
     with closing((case := opened(free)).simulations):
@@ -72,6 +73,7 @@ def test_names_that_led_out_from_behind_a_limit_are_none(monkeypatch: pytest.Mon
     assert found.parameters["mass"] == pytest.approx(TRUTH["mass"], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_names_beside_parameters_that_are_right_stand() -> None:
     with closing((case := opened()).simulations):
         assert fitted_from_names(case, case.base) is None

@@ -42,6 +42,11 @@ def quick(tmp_path_factory: pytest.TempPathFactory) -> FmuTwin:
     return FmuTwin(path)
 
 
+@pytest.fixture(scope="module")
+def logged_new() -> list[Recording]:
+    return SERVO.recordings({}, logged_new=("torque_command",), written_by="")
+
+
 def kinds(seen: Check) -> list[tuple[str, str, str]]:
     return [(f.kind, f.recording, f.signal) for f in seen.findings]
 
@@ -156,7 +161,9 @@ def test_an_offset_of_the_command_is_told_with_its_size(
     )
 
 
-@pytest.mark.parametrize("hidden", [{}, FRICTION, {"actuator_saturation.limit": 0.8}])
+@pytest.mark.parametrize(
+    "hidden", [FRICTION, pytest.param({"actuator_saturation.limit": 0.8}, marks=pytest.mark.slow)]
+)
 def test_sound_recordings_raise_no_finding_whatever_the_twin_lacks(
     hidden: dict[str, float],
 ) -> None:
@@ -165,7 +172,9 @@ def test_sound_recordings_raise_no_finding_whatever_the_twin_lacks(
     assert all(facts.parity < 3.0 for facts in seen.recordings.values())
 
 
-@pytest.mark.parametrize("hidden", [{}, {"coulomb_friction.level": 0.02}])
+@pytest.mark.parametrize(
+    "hidden", [pytest.param({}, marks=pytest.mark.slow), {"coulomb_friction.level": 0.02}]
+)
 def test_sound_recordings_of_an_open_loop_plant_raise_no_finding(
     hidden: dict[str, float],
 ) -> None:
@@ -186,30 +195,32 @@ def test_an_open_loop_twin_is_compared_in_its_free_run() -> None:
     assert ratios == pytest.approx([1.0, 0.5], rel=0.15)
 
 
-def test_a_logger_of_the_new_command_is_recognised(quick: FmuTwin) -> None:
-    recordings = SERVO.recordings({}, logged_new=("torque_command",), written_by="")
-    seen = check(quick, recordings, jobs=1)
+def test_a_logger_of_the_new_command_is_recognised(
+    quick: FmuTwin, logged_new: list[Recording]
+) -> None:
+    seen = check(quick, logged_new, jobs=1)
     assert seen.logged == {"torque_command": "new"}
     assert seen.findings == ()
 
 
-def test_a_twin_file_that_states_the_wrong_convention_is_corrected(quick: FmuTwin) -> None:
+def test_a_twin_file_that_states_the_wrong_convention_is_corrected(
+    quick: FmuTwin, logged_new: list[Recording]
+) -> None:
     twin = FmuTwin(quick.path)
     outputs = {**twin.file.outputs}
     outputs["torque_command"] = outputs["torque_command"].model_copy(update={"logged": "held"})
     twin.file = twin.file.model_copy(update={"outputs": outputs})
-    recordings = SERVO.recordings({}, logged_new=("torque_command",), written_by="")
-    seen = check(twin, recordings, jobs=1)
+    seen = check(twin, logged_new, jobs=1)
     assert kinds(seen) == [("logger_convention", "", "torque_command")]
     assert 'logged = "new"' in seen.findings[0].cure
 
 
 @pytest.mark.parametrize(("gain", "stated"), [("kp", 42.0), ("kd", 0.6)])
 def test_a_gain_that_the_file_states_wrongly_is_named_with_its_value(
-    gain: str, stated: float, quick: FmuTwin
+    gain: str, stated: float, sound: list[Recording], quick: FmuTwin
 ) -> None:
     true = {"kp": 40.0, "kd": 0.8}
-    recordings = [replace(r, parameters={**true, gain: stated}) for r in SERVO.recordings({})]
+    recordings = [replace(r, parameters={**true, gain: stated}) for r in sound]
     seen = check(quick, recordings, jobs=1)
     assert {(f.kind, f.signal) for f in seen.findings} == {("controller_gain", gain)}
     told = re.search(r"was ([0-9.]+) times", seen.findings[0].what)
@@ -238,6 +249,8 @@ def test_facts_of_a_recording_are_those_that_were_recorded(
     sound: list[Recording], quick: FmuTwin
 ) -> None:
     seen = check(quick, sound, jobs=1)
+    assert seen.findings == ()
+    assert all(found.parity < 3.0 for found in seen.recordings.values())
     facts = seen.recordings["rec0.csv"]
     position = sound[0].signals["position"]
     assert facts.position == (position.min(), position.max())

@@ -173,29 +173,27 @@ def test_rivals_below_the_threshold_are_said_to_stay_together(
     assert not (tmp_path / "next.csv").exists()
 
 
-def test_one_hypothesis_needs_no_experiment() -> None:
-    with ending(opened({})) as case:
-        assert propose(case, [case.base], 10.0) is None
-        assert propose_for(case, case.base, []) is None
+def test_one_hypothesis_needs_no_experiment(right_case: Case) -> None:
+    assert propose(right_case, [right_case.base], 10.0) is None
+    assert propose_for(right_case, right_case.base, []) is None
 
 
-def test_what_parameters_can_follow_is_no_distance() -> None:
-    with ending(opened({})) as case:
-        reference = reference_input(case)
-        assert reference == "reference"
-        menu = make_menu(case, case.base, reference)
-        with playing(case, menu):
-            base = play(case, case.base)
-            assert base is not None
-            x = case.base.x * np.array([1.01, 1.1])
-            moved = case.simulations.run([case.base.hypothesis.point(x)])[0]
-            other = Played(moved, base.columns)
-            for entry in range(len(menu.entries)):
-                whitener = whitener_of(case, menu, entry, base.simulated[entry])
-                unfitted = Played(base.simulated, [])
-                raw = distance(whitener, other, unfitted, entry)
-                assert distance(whitener, base, base, entry) == 0.0
-                assert distance(whitener, other, base, entry) < 0.02 * raw
+def test_what_parameters_can_follow_is_no_distance(right_case: Case) -> None:
+    reference = reference_input(right_case)
+    assert reference == "reference"
+    menu = make_menu(right_case, right_case.base, reference)
+    with playing(right_case, menu):
+        base = play(right_case, right_case.base)
+        assert base is not None
+        x = right_case.base.x * np.array([1.01, 1.1])
+        moved = right_case.simulations.run([right_case.base.hypothesis.point(x)])[0]
+        other = Played(moved, base.columns)
+        for entry in range(len(menu.entries)):
+            whitener = whitener_of(right_case, menu, entry, base.simulated[entry])
+            unfitted = Played(base.simulated, [])
+            raw = distance(whitener, other, unfitted, entry)
+            assert distance(whitener, base, base, entry) == 0.0
+            assert distance(whitener, other, base, entry) < 0.02 * raw
 
 
 def test_effects_that_were_not_excited_get_a_reference_with_reversals(tmp_path: Path) -> None:
@@ -235,6 +233,5 @@ def test_open_loop_twin_has_no_reference_to_play() -> None:
         assert propose_for(case, case.base, ["coulomb_friction"]) is None
 
 
-def test_rivals_of_one_name_are_numbered() -> None:
-    with ending(opened({})) as case:
-        assert rival_names([case.base, case.base]) == ["parameters", "parameters (2)"]
+def test_rivals_of_one_name_are_numbered(right_case: Case) -> None:
+    assert rival_names([right_case.base, right_case.base]) == ["parameters", "parameters (2)"]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gmfbo.diagnosis.case import open_case
+from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
 from gmfbo.diagnosis.fitting.hypothesis import DIFFERENCE_STEP, Hypothesis
 from gmfbo.diagnosis.naming.gain_by_chance import gain_by_chance
@@ -23,16 +25,27 @@ DRIVE = Axis(
 )
 
 
-def test_parameters_are_found_through_the_counts_of_the_twins_encoder() -> None:
+@pytest.fixture(scope="module")
+def rough() -> Iterator[Case]:
     case = open_small(DRIVE.twin(), DRIVE.recordings({}, (multisine, triangle)))
-    try:
-        assert case.setting.is_rough
-        assert case.base.parameters["load.inertia"] == pytest.approx(0.17, rel=5e-3)
-        assert case.base.parameters["friction.viscous"] == pytest.approx(0.25, rel=0.05)
-    finally:
-        case.simulations.close()
+    yield case
+    case.simulations.close()
 
 
+@pytest.fixture(scope="module")
+def smooth() -> Iterator[Case]:
+    case = open_small(SERVO.twin(), SERVO.recordings({}))
+    yield case
+    case.simulations.close()
+
+
+def test_parameters_are_found_through_the_counts_of_the_twins_encoder(rough: Case) -> None:
+    assert rough.setting.is_rough
+    assert rough.base.parameters["load.inertia"] == pytest.approx(0.17, rel=5e-3)
+    assert rough.base.parameters["friction.viscous"] == pytest.approx(0.25, rel=0.05)
+
+
+@pytest.mark.slow
 def test_negative_control_steps_of_the_usual_size_end_far_from_the_parameters(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -47,6 +60,7 @@ def test_negative_control_steps_of_the_usual_size_end_far_from_the_parameters(
         case.simulations.close()
 
 
+@pytest.mark.slow
 def test_other_parameters_of_a_rough_twin_are_not_missing_physics() -> None:
     friction = ("coulomb_friction", "presliding_friction", "viscous_friction", "sensor_lag")
     diagnosis = diagnosed(DRIVE.twin(), DRIVE.recordings({}, (multisine, triangle)), only=friction)
@@ -54,35 +68,25 @@ def test_other_parameters_of_a_rough_twin_are_not_missing_physics() -> None:
     assert not diagnosis.effects
 
 
-def test_chi2_varies_where_only_counts_change_and_not_in_a_smooth_twin() -> None:
-    found = []
-    for axis in (DRIVE, SERVO):
-        case = open_small(axis.twin(), axis.recordings({}, (multisine, triangle)))
-        try:
-            found.append(gain_by_chance(case.misfit, case.base, np.random.default_rng(0)))
-        finally:
-            case.simulations.close()
-    assert found[0] > LEAST_THRESHOLD
-    assert found[1] == 0.0
+def test_chi2_varies_where_only_counts_change_and_not_in_a_smooth_twin(
+    rough: Case, smooth: Case
+) -> None:
+    gains = [
+        gain_by_chance(case.misfit, case.base, np.random.default_rng(0)) for case in (rough, smooth)
+    ]
+    assert gains[0] > LEAST_THRESHOLD
+    assert gains[1] == 0.0
 
 
-def test_a_smooth_twin_is_moved_by_the_usual_steps() -> None:
-    case = open_small(SERVO.twin(), SERVO.recordings({}))
-    try:
-        assert set(case.setting.difference_steps.values()) == {DIFFERENCE_STEP}
-        assert not case.setting.is_rough
-    finally:
-        case.simulations.close()
+def test_a_smooth_twin_is_moved_by_the_usual_steps(smooth: Case) -> None:
+    assert set(smooth.setting.difference_steps.values()) == {DIFFERENCE_STEP}
+    assert not smooth.setting.is_rough
 
 
-def test_steps_that_are_known_stay_and_ask_for_no_run() -> None:
-    case = open_small(SERVO.twin(), SERVO.recordings({}))
-    try:
-        known = dict.fromkeys(Hypothesis(case.setting).names, 0.02)
-        hypothesis = Hypothesis(replace(case.setting, difference_steps=known))
-        before = case.simulations.runs
-        again = with_clear_steps(case.misfit, hypothesis, {}, parallel=False)
-        assert again.setting.difference_steps == known
-        assert case.simulations.runs == before
-    finally:
-        case.simulations.close()
+def test_steps_that_are_known_stay_and_ask_for_no_run(smooth: Case) -> None:
+    known = dict.fromkeys(Hypothesis(smooth.setting).names, 0.02)
+    hypothesis = Hypothesis(replace(smooth.setting, difference_steps=known))
+    before = smooth.simulations.runs
+    again = with_clear_steps(smooth.misfit, hypothesis, {}, parallel=False)
+    assert again.setting.difference_steps == known
+    assert smooth.simulations.runs == before

@@ -61,9 +61,8 @@ def overlap(location: Location, recording: str, start: float, end: float) -> flo
     return sum(max(0.0, min(w.end, end) - max(w.start, start)) for w in own)
 
 
-def test_nothing_missing_is_nowhere() -> None:
-    with hidden({}) as case:
-        assert unnamed(case) == Location(None)
+def test_nothing_missing_is_nowhere(right_case: Case) -> None:
+    assert unnamed(right_case) == Location(None)
 
 
 def test_pulse_is_found_in_time_with_and_without_its_name() -> None:

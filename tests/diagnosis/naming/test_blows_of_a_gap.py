@@ -12,7 +12,7 @@ from gmfbo.diagnosis.fitting.fit import fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.naming.candidate_fits import confirm
 from gmfbo.physics import CATALOGUE, Excitation, Values
-from tests.diagnosis.servo_recordings import HIDDEN, hidden_servo, opened, opened_with
+from tests.diagnosis.servo_recordings import HIDDEN, hidden_servo, opened_with
 
 LAW = CATALOGUE["backlash"]
 GAP, LOAD = 4e-3, 0.004
@@ -24,11 +24,10 @@ def contacts(excitation: Excitation) -> list[Values]:
     return [LAW.fixed(excitation), LAW.fixed_otherwise(excitation)[0]]
 
 
-@pytest.fixture(scope="module")
-def excitation() -> Excitation:
+@pytest.fixture
+def excitation(right_case: Case) -> Excitation:
     """What the recordings of a rigid axis show."""
-    with closing((plain := opened({})).simulations):
-        return plain.setting.excitation
+    return right_case.setting.excitation
 
 
 def with_gap(contact: Values) -> Case:
@@ -38,7 +37,7 @@ def with_gap(contact: Values) -> Case:
     return opened_with(*hidden_servo(physics, parameters={"inertia": MOTOR}))
 
 
-@pytest.mark.parametrize(("hidden", "other"), [(0, 1), (1, 0)])
+@pytest.mark.parametrize(("hidden", "other"), [pytest.param(0, 1, marks=pytest.mark.slow), (1, 0)])
 def test_the_contact_is_chosen_with_the_fit(
     excitation: Excitation, hidden: int, other: int
 ) -> None:

@@ -49,7 +49,9 @@ def winners(decision: Decision) -> list[str]:
     return [found.winner.name for found in decision.rounds]
 
 
-@pytest.mark.parametrize("seed", [5, 6, 7])
+@pytest.mark.parametrize(
+    "seed", [5, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (6, 7))]
+)
 def test_where_nothing_is_missing_nothing_is_named(seed: int) -> None:
     decision = decision_on({}, seed=seed)
     assert decision.rounds == []
@@ -76,6 +78,7 @@ def test_a_transport_delay_is_named_at_its_time() -> None:
     assert delay == pytest.approx(2e-3, abs=1.5e-4)
 
 
+@pytest.mark.slow
 def test_friction_and_a_delay_are_named_one_after_the_other_the_stronger_first() -> None:
     decision = decision_on({**FRICTION, "transport_delay.delay": 2e-3})
     assert winners(decision) == ["coulomb_friction", "transport_delay"]

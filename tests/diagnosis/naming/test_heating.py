@@ -21,7 +21,7 @@ def there_and_back(t: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.1 * ((t > 0.5) & (t <= 0.9)).astype(np.float64)
 
 
-@pytest.mark.parametrize("is_there", [True, False])
+@pytest.mark.parametrize("is_there", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_heating_is_found_where_the_peaks_are_16_times_the_effective_command(
     is_there: bool,
 ) -> None:

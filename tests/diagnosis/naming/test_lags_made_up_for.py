@@ -17,6 +17,7 @@ DELAY = 2e-3
 LAGS = ("transport_delay", "actuator_lag", "sensor_lag")
 
 
+@pytest.mark.slow
 def test_a_delay_is_named_where_its_slope_about_the_refitted_twin_points_below_zero() -> None:
     with closing((case := opened({"transport_delay.delay": DELAY})).simulations):
         library = candidates(LAGS, case.setting.excitation)

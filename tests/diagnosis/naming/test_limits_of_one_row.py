@@ -26,7 +26,9 @@ def kicks() -> tuple[NDArray[np.float64], list[NDArray[np.float64]]]:
     return time, slow
 
 
-@pytest.mark.parametrize("physics", [{"actuator_saturation.limit": LIMIT}, {}])
+@pytest.mark.parametrize(
+    "physics", [{"actuator_saturation.limit": LIMIT}, pytest.param({}, marks=pytest.mark.slow)]
+)
 def test_a_limit_passed_for_one_row_is_named_where_it_is_there(
     physics: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -44,6 +46,7 @@ def test_a_limit_passed_for_one_row_is_named_where_it_is_there(
     assert named.winner.effect.values["limit"] == pytest.approx(LIMIT, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_limit_is_looked_for_where_the_library_tries_it_at_sizes_that_nothing_meets(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

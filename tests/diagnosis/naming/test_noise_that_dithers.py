@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gmfbo import diagnose
+from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming import candidate_fits
@@ -15,12 +16,11 @@ from gmfbo.physics import CATALOGUE
 from tests.diagnosis.noise.planted_noise import opened, planted
 
 
-def size_of(effect: str, parameter: str, true: float, sigma: float) -> float:
-    """Size at which one effect alone fits recordings that hold it, under noise [rad]."""
-    with opened(planted(sigma, {f"{effect}.{parameter}": true})) as case:
-        start = candidates([effect], case.setting.excitation)[0]
-        (found,) = confirm(case.misfit, case.base, [start])
-        return float(found.hypothesis.effects[0].values[parameter])
+def size_of(case: Case, effect: str, parameter: str) -> float:
+    """Size at which one effect alone fits recordings."""
+    start = candidates([effect], case.setting.excitation)[0]
+    (found,) = confirm(case.misfit, case.base, [start])
+    return float(found.hypothesis.effects[0].values[parameter])
 
 
 def unplayed(misfit: Misfit, model: Fitted) -> None:
@@ -29,7 +29,7 @@ def unplayed(misfit: Misfit, model: Fitted) -> None:
 
 CASES = [
     ("actuator_dead_zone", "width", 0.2, 3e-4, 0.01, 0.25),
-    ("actuator_dead_zone", "width", 0.1, 3e-4, 0.02, 0.25),
+    pytest.param("actuator_dead_zone", "width", 0.1, 3e-4, 0.02, 0.25, marks=pytest.mark.slow),
     # The quiet fit gains 24 in chi2: too little for any other law to be asked under noise.
     ("actuator_dead_zone", "width", 0.02, 6e-4, 0.15, 0.7),
     ("coulomb_friction", "level", 0.02, 1e-3, 0.05, 0.08),
@@ -37,14 +37,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("effect", "parameter", "true", "sigma", "within", "off"), CASES)
-def test_with_the_noise_played_the_size_is_right(
-    effect: str, parameter: str, true: float, sigma: float, within: float, off: float
-) -> None:
-    assert size_of(effect, parameter, true, sigma) == pytest.approx(true, rel=within)
-
-
-@pytest.mark.parametrize(("effect", "parameter", "true", "sigma", "within", "off"), CASES)
-def test_without_it_a_smaller_size_is_found(
+def test_with_the_noise_played_the_size_is_right_and_without_it_smaller(
     effect: str,
     parameter: str,
     true: float,
@@ -54,28 +47,30 @@ def test_without_it_a_smaller_size_is_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Negative control: the noise bridges part of what is there."""
-    monkeypatch.setattr(candidate_fits, "under_noise", unplayed)
-    found = size_of(effect, parameter, true, sigma)
+    with opened(planted(sigma, {f"{effect}.{parameter}": true})) as case:
+        assert size_of(case, effect, parameter) == pytest.approx(true, rel=within)
+        monkeypatch.setattr(candidate_fits, "under_noise", unplayed)
+        found = size_of(case, effect, parameter)
     assert np.isfinite(found)
     assert found < (1.0 - off) * true
 
 
-@pytest.mark.parametrize(("is_played", "least", "most"), [(True, 15.0, 40.0), (False, -1.0, 3.0)])
 def test_a_supply_limit_that_noise_alone_reaches_is_found_with_the_noise_played(
-    is_played: bool, least: float, most: float, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Negative control: without it, the command hardly reaches the limit."""
-    if not is_played:
-        monkeypatch.setattr(candidate_fits, "under_noise", unplayed)
     with opened(planted(3e-4, {"supply_voltage_limit.limit": 1.5})) as case:
         start = candidates(["supply_voltage_limit"], case.setting.excitation)[0]
-        (found,) = confirm(case.misfit, case.base, [start])
-        assert least < case.base.chi2 - found.chi2 < most
-        if is_played:
-            values = found.hypothesis.effects[0].values
-            assert values["limit"] == pytest.approx(1.5, rel=0.03)
+        (played,) = confirm(case.misfit, case.base, [start])
+        monkeypatch.setattr(candidate_fits, "under_noise", unplayed)
+        (quiet,) = confirm(case.misfit, case.base, [start])
+        assert 15.0 < case.base.chi2 - played.chi2 < 40.0
+        assert -1.0 < case.base.chi2 - quiet.chi2 < 3.0
+    limit = played.hypothesis.effects[0].values["limit"]
+    assert limit == pytest.approx(1.5, rel=0.03)
 
 
+@pytest.mark.slow
 def test_recordings_that_noise_shakes_do_not_contradict_what_they_show() -> None:
     """A twin without the noise is off by the dead zone that the recorded axis hardly has."""
     found = planted(6e-4, {"actuator_dead_zone.width": 0.12})

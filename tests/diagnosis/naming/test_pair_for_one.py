@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import pytest
+
 from gmfbo.diagnosis.naming.decision import Decision
 from tests.diagnosis.short_recordings import SERVO, decided, moves, multisine, open_small, triangle
 
@@ -24,6 +26,7 @@ def decided_on(physics: Mapping[str, float]) -> Decision:
         return decided(case, LIBRARY)
 
 
+@pytest.mark.slow
 def test_friction_and_a_weak_spring_are_no_friction_that_differs_by_direction() -> None:
     hidden = {
         "coulomb_friction.level": 0.004,
@@ -40,6 +43,7 @@ def test_friction_and_a_weak_spring_are_no_friction_that_differs_by_direction() 
     assert decision.model is second.winner.fitted
 
 
+@pytest.mark.slow
 def test_friction_that_differs_by_direction_stays_one() -> None:
     """Negative control."""
     decision = decided_on(

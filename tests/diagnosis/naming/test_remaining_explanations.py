@@ -11,14 +11,14 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.naming.open_explanations import as_candidate
 from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
-from tests.diagnosis.short_recordings import SERVO, diagnosed, moves, multisine, triangle
+from tests.diagnosis.short_recordings import SERVO, diagnosed, moves, multisine
 
 FRICTION = ("coulomb_friction", "constant_torque_offset")
 
 
 @pytest.fixture(scope="module")
 def friction() -> Diagnosis:
-    recordings = SERVO.recordings({"coulomb_friction.level": 0.2}, (multisine, moves, triangle))
+    recordings = SERVO.recordings({"coulomb_friction.level": 0.2}, (multisine, moves))
     return diagnosed(SERVO.twin(), recordings, only=FRICTION)
 
 

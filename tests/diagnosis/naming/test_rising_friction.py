@@ -30,6 +30,7 @@ def shares_at_rest(share: float) -> list[float]:
     return [v["breakaway"] / v["level"] for v in values]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.7, 1.8])
 def test_what_is_friction_at_low_speed_too_is_fitted(share: float) -> None:
     assert shares_at_rest(share) == [pytest.approx(share, rel=0.15)]

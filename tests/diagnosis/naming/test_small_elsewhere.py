@@ -36,6 +36,7 @@ def test_what_the_other_end_of_the_loop_explains_as_well_and_is_small_there() ->
     assert not is_small_elsewhere(scale, [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("loss", "names"), [(0.042, 0), (0.12, 1)])
 def test_a_torque_constant_that_is_off_as_such_are_is_no_physics(loss: float, names: int) -> None:
     """Of a twin whose inertia and friction were measured, so that nothing makes up for it."""

@@ -37,6 +37,7 @@ def test_seven_tenths_of_the_floor_are_named_where_the_gain_is_twice_what_it_has
     assert 2.0 < only.winner.gain / only.needed < 10.0
 
 
+@pytest.mark.slow
 def test_less_than_half_of_the_floor_is_not_named_however_it_shows() -> None:
     decision = decided_on(0.4)
     assert not decision.rounds

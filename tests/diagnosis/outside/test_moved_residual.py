@@ -47,7 +47,7 @@ def case() -> Case:
     return found
 
 
-@pytest.mark.parametrize("colour", [0.0, 0.9, 0.98])
+@pytest.mark.parametrize("colour", [0.0, pytest.param(0.9, marks=pytest.mark.slow), 0.98])
 def test_noise_of_any_colour_does_not_move_with_the_axis(case: Case, colour: float) -> None:
     """Of 12 draws one may be beyond what three correlations of 200 stretches give by chance."""
     found = [

@@ -64,7 +64,10 @@ def looked(
 
 @pytest.mark.parametrize(
     ("law", "family"),
-    [(dead_band_spring, "position"), (drag_that_grows_along_the_way, "damped_position")],
+    [
+        pytest.param(dead_band_spring, "position", marks=pytest.mark.slow),
+        (drag_that_grows_along_the_way, "damped_position"),
+    ],
 )
 def test_a_law_that_no_effect_makes_is_outside_the_library(law: Law, family: str) -> None:
     decision, outside = looked({}, law)
@@ -82,6 +85,7 @@ def test_what_a_sensor_does_is_found_at_its_port() -> None:
     assert (shape.port, shape.unit_y) == ("sensor", "rad")
 
 
+@pytest.mark.slow
 def test_friction_of_the_library_is_not_outside_it() -> None:
     """Negative control: the free function explains as much as the name, and loses to it."""
     decision, outside = looked({"coulomb_friction.level": 0.1})
@@ -90,6 +94,7 @@ def test_friction_of_the_library_is_not_outside_it() -> None:
     assert outside.named > 0.95 * outside.gain > 1000.0
 
 
+@pytest.mark.slow
 def test_where_nothing_is_missing_nothing_is_outside_the_library() -> None:
     decision, outside = looked({})
     assert decision.rounds == []
@@ -98,12 +103,14 @@ def test_where_nothing_is_missing_nothing_is_outside_the_library() -> None:
     assert outside.gain < decision.threshold
 
 
+@pytest.mark.slow
 def test_friction_that_differs_by_place_in_one_direction_is_seen_beside_a_name() -> None:
     decision, outside = looked({}, tight_spot_one_way)
     assert [found.winner.name for found in decision.rounds] == ["coulomb_friction"]
     assert outside.is_better
 
 
+@pytest.mark.slow
 def test_a_spring_against_which_recordings_speak_is_disputed() -> None:
     decision, outside = looked({}, spring_of_wide_strokes)
     assert decision.rounds == []
@@ -125,6 +132,7 @@ def test_what_is_disputed_is_said_where_something_is_missing(
     assert all("some of them speak against it" in note for note in case.notes)
 
 
+@pytest.mark.slow
 def test_a_spring_of_the_library_is_not_disputed() -> None:
     decision, _ = looked({"elastic_return.stiffness": 0.3})
     assert [found.winner.name for found in decision.rounds] == ["elastic_return"]

@@ -22,11 +22,9 @@ Array = NDArray[np.float64]
 UNITS = {"torque": "N.m", "position": "rad", "velocity": "rad/s"}
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +63,7 @@ def up_to_a_slope(shape: Shape, truth: Array) -> Array:
     return np.asarray(truth + slope * x)
 
 
+@pytest.mark.slow
 def test_friction_of_no_known_law_is_a_function_of_the_velocity() -> None:
     hidden = port_case(open_servo({}, law=root_friction))
     found = searched(hidden)
@@ -82,6 +81,7 @@ def test_friction_of_no_known_law_is_a_function_of_the_velocity() -> None:
     assert covered(shape, truth) >= 0.85
 
 
+@pytest.mark.slow
 def test_a_stiffening_spring_is_a_function_of_the_position() -> None:
     hidden = port_case(open_servo({}, law=stiffening_spring))
     found = searched(hidden)
@@ -91,6 +91,7 @@ def test_a_stiffening_spring_is_a_function_of_the_position() -> None:
     assert covered(shape, stiffening_spring(np.zeros(1), np.array(shape.x))) >= 0.8
 
 
+@pytest.mark.slow
 def test_friction_that_depends_on_the_place_has_the_sign_of_the_velocity() -> None:
     physics = {"level": 0.08, "sine": 0.04, "wavenumber": 5.0}
     case = open_servo({f"position_dependent_friction.{n}": v for n, v in physics.items()})

@@ -60,6 +60,7 @@ def test_a_rate_limit_within_a_row_is_found_by_the_jumps_of_the_command() -> Non
     assert fitted.values["rate"] == pytest.approx(150.0, rel=0.04)
 
 
+@pytest.mark.slow
 def test_a_rate_limit_that_the_fastest_command_hardly_passes_is_found() -> None:
     """The command changes by at most 160 N m/s, but for steps within a row: their means tell."""
     ((gain, start),), (fitted,), _ = scanned(
@@ -99,6 +100,7 @@ def test_a_dead_zone_begins_at_its_width() -> None:
     assert fitted.values["width"] == pytest.approx(0.02, rel=0.05)
 
 
+@pytest.mark.slow
 def test_of_two_limits_the_one_that_gains_most_comes_first() -> None:
     scan, _, _ = scanned({"actuator_saturation.limit": 1.2})
     assert [candidate.effect for _, candidate in scan] == list(LIMITS)
@@ -114,6 +116,7 @@ def test_limits_that_may_not_be_tried_are_not() -> None:
     assert scanned({"actuator_saturation.limit": 1.2}, ("coulomb_friction",))[0] == []
 
 
+@pytest.mark.slow
 def test_a_supply_limit_begins_between_the_sizes_of_the_grid(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -14,11 +12,9 @@ from gmfbo.diagnosis.screening.repeating_and_passing import find_lines
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 def waves(servo: PortCase, lines: dict[float, float]) -> list[NDArray[np.float64]]:
@@ -28,6 +24,7 @@ def waves(servo: PortCase, lines: dict[float, float]) -> list[NDArray[np.float64
     return [np.asarray(torque, dtype=float) for torque in torques]
 
 
+@pytest.mark.slow
 def test_white_residuals_hold_no_lines(servo: PortCase) -> None:
     """False alarms: at most one in 20 nulls, position, time and pulses together."""
     alarms = 0
@@ -97,6 +94,7 @@ def test_cogging_hidden_in_the_physics_is_found_through_the_loop() -> None:
     case.simulations.close()
 
 
+@pytest.mark.slow
 def test_few_lines_a_turn_are_found_in_a_quarter_of_a_turn() -> None:
     """Together they look like an offset, a slope and friction to a twin that lacks them."""
     hidden = {"wavenumber_1": 4.0, "sine_1": 0.02, "wavenumber_2": 8.0, "cosine_2": 0.008}

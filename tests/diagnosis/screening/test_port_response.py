@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +21,9 @@ from tests.diagnosis.port_cases import GAINS, SERVO, PortCase, open_servo, opene
 BENCH = models_folder() / "motor_bench.toml"
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 def test_a_known_kernel_comes_back_from_a_random_binary_signal() -> None:

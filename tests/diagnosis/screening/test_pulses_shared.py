@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 
 import numpy as np
 import pytest
@@ -27,11 +27,9 @@ START, DURATION = 0.9, 0.12
 ALL = (0, 1, 2)
 
 
-@pytest.fixture(scope="module")
-def servo() -> Iterator[PortCase]:
-    case = open_servo({})
-    yield port_case(case)
-    case.simulations.close()
+@pytest.fixture
+def servo(right_servo: PortCase) -> PortCase:
+    return right_servo
 
 
 def pulsed(servo: PortCase, where: Collection[int], level: float, seed: int) -> Fitted:
@@ -111,6 +109,7 @@ def test_a_pulse_of_one_recording_changes_no_other(servo: PortCase) -> None:
             assert not np.any(there)
 
 
+@pytest.mark.slow
 def test_a_pulse_that_the_physics_makes_in_each_recording_is_found_through_the_loop() -> None:
     physics = {"start": START, "duration": DURATION, "level": 0.1}
     case = open_servo({f"pulse_disturbance.{name}": value for name, value in physics.items()})
@@ -123,6 +122,7 @@ def test_a_pulse_that_the_physics_makes_in_each_recording_is_found_through_the_l
     assert lines.pulses == ((pulse.start, pulse.duration),)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", [(0, 1), (1,)])
 def test_a_pulse_is_named_with_its_size_in_the_recordings_that_have_it(
     where: tuple[int, ...],

@@ -17,7 +17,7 @@ from tests.diagnosis.short_recordings import SERVO, moves, multisine, named, tri
 
 FRICTION = {"coulomb_friction.level": 0.25, "coulomb_friction.deflection": 1e-6}
 DELAYED = {"transport_delay.delay": 4e-3}
-FEW = ("coulomb_friction", "constant_torque_offset", "transport_delay")
+FEW = ("coulomb_friction", "transport_delay")
 
 
 @cache
