@@ -207,6 +207,33 @@ def test_after_a_change_a_twin_of_the_changed_plant_spares_the_former_best_gains
     assert asked == former
 
 
+def with_more_friction(trial: Trial) -> Trial:
+    """A real run as the plant would have made it with four times the friction."""
+    with FmuTwin(
+        models_folder() / "drive_twin.toml", parameters={"friction.scale": 4.0}
+    ) as changed:
+        run = changed.run(trial.gains, replace(trial.recording, parameters={}))
+    return replace(trial, recording=run)
+
+
+def test_after_a_run_that_may_be_of_a_changed_plant_the_next_one_is_awaited(
+    whole: Study, tmp_path: Path
+) -> None:
+    with refining(whole, tmp_path) as (_, refiner, history):
+        third, fourth = history.of("IS1")[2:]
+        history.trials = [trial for trial in history.trials if trial.number < fourth.number]
+        first = refiner.revise(history)
+        assert first is not None
+        assert first.reason == "estimated from 3 real runs"
+        history.trials.append(with_more_friction(fourth))
+        assert refiner.revise(history) is None
+        again = replace(with_more_friction(third), number=fourth.number + 1)
+        history.trials.append(again)
+        awaited = refiner.revise(history)
+        assert awaited is not None
+        assert awaited.reason == "estimated from 5 real runs"
+
+
 @pytest.mark.slow
 def test_a_run_that_may_be_of_a_changed_plant_is_not_mixed_with_those_before_it(
     tmp_path: Path,
