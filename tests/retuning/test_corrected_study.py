@@ -43,17 +43,23 @@ twin = "{models}/drive_twin.toml"
 parameters = {{ "map.noise" = {noise}, "map.seed" = "seed" }}
 [reference]
 step = 1.0
+{shape}
 [budget]
 initial_is1 = 2
 initial_is2 = 10
 is1_runs = {runs}
 is3_per_run = 1
 """
+SHORT = "at = 0.05\nhorizon = 0.3"
+"""What takes the drive's time is how long it is simulated."""
 
 
-def study_in(folder: Path, *, runs: int = 4, noise: float = 0.5, plant: str = "") -> Study:
+def study_in(
+    folder: Path, *, runs: int = 4, noise: float = 0.5, plant: str = "", shape: str = SHORT
+) -> Study:
     folder.mkdir(exist_ok=True)
-    text = STUDY.format(models=models_folder().as_posix(), runs=runs, noise=noise, plant=plant)
+    models = models_folder().as_posix()
+    text = STUDY.format(models=models, runs=runs, noise=noise, plant=plant, shape=shape)
     (folder / "drive.toml").write_text(text, encoding="utf-8")
     return Study.read(folder / "drive.toml")
 
@@ -121,6 +127,7 @@ def test_runs_made_again_are_no_queries(whole: Study) -> None:
         assert len(current) == 1
 
 
+@pytest.mark.slow
 def test_a_study_that_is_opened_anew_for_each_run_goes_on_the_same(
     whole: Study, tmp_path: Path
 ) -> None:
@@ -187,6 +194,7 @@ def asked_after_a_change(
     return dict(request.gains), dict(former.gains)
 
 
+@pytest.mark.slow
 def test_after_a_change_a_twin_of_the_changed_plant_spares_the_former_best_gains_a_run(
     whole: Study, tmp_path: Path
 ) -> None:
@@ -199,13 +207,41 @@ def test_after_a_change_a_twin_of_the_changed_plant_spares_the_former_best_gains
     assert asked == former
 
 
+def with_more_friction(trial: Trial) -> Trial:
+    """A real run as the plant would have made it with four times the friction."""
+    with FmuTwin(
+        models_folder() / "drive_twin.toml", parameters={"friction.scale": 4.0}
+    ) as changed:
+        run = changed.run(trial.gains, replace(trial.recording, parameters={}))
+    return replace(trial, recording=run)
+
+
+def test_after_a_run_that_may_be_of_a_changed_plant_the_next_one_is_awaited(
+    whole: Study, tmp_path: Path
+) -> None:
+    with refining(whole, tmp_path) as (_, refiner, history):
+        third, fourth = history.of("IS1")[2:]
+        history.trials = [trial for trial in history.trials if trial.number < fourth.number]
+        first = refiner.revise(history)
+        assert first is not None
+        assert first.reason == "estimated from 3 real runs"
+        history.trials.append(with_more_friction(fourth))
+        assert refiner.revise(history) is None
+        again = replace(with_more_friction(third), number=fourth.number + 1)
+        history.trials.append(again)
+        awaited = refiner.revise(history)
+        assert awaited is not None
+        assert awaited.reason == "estimated from 5 real runs"
+
+
+@pytest.mark.slow
 def test_a_run_that_may_be_of_a_changed_plant_is_not_mixed_with_those_before_it(
     tmp_path: Path,
 ) -> None:
     after = {}
     for name, scale in (("changed", 4.0), ("negative control", 1.0)):
         change = f'change = {{ after_runs = 3, parameters = {{ "friction.scale" = {scale} }} }}'
-        study = study_in(tmp_path / name, runs=5, plant=change)
+        study = study_in(tmp_path / name, runs=5, plant=change, shape="")
         with Tuner(study, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
             tuner.run()
             place = {trial.number: k for k, trial in enumerate(tuner.history.of("IS1"), 1)}

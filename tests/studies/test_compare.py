@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,12 @@ def tables(text: str) -> str:
     return text.split("\n\n", 1)[1].split("\ntime [s]\n")[0]
 
 
+def outcomes(comparison: Comparison, method: str) -> list[tuple[float, ...]]:
+    """What each seed came to, by seed."""
+    made = sorted(comparison.outcomes, key=lambda one: one.seed)
+    return [(*one.best, *one.regret, *one.cost) for one in made if one.method == method]
+
+
 def test_outcome_is_what_a_study_of_that_seed_and_method_comes_to(
     whole: Comparison, tmp_path: Path
 ) -> None:
@@ -62,32 +69,35 @@ def test_methods_share_the_truth_and_the_initial_data(whole: Comparison) -> None
     assert len({one.best for one in whole.outcomes}) > 2  # what follows is the method's own
 
 
-def test_more_seeds_and_methods_grow_the_same_tables(tmp_path: Path) -> None:
+def test_more_seeds_and_methods_grow_the_same_tables_some_with_fewer_seeds(
+    tmp_path: Path,
+) -> None:
     study = write_small_study(tmp_path)
     told: list[str] = []
     first = compare(study, ["random"], 1, grid=GRID, out=tmp_path / "o", progress=told.append)
     kept = (tmp_path / "o/runs/random.jsonl").read_text(encoding="utf-8")
     grown = compare(
-        study, ["random", Corner()], 2, grid=GRID, out=tmp_path / "o", progress=told.append
+        study,
+        ["random", Corner(), "bo_ei:1"],
+        2,
+        grid=GRID,
+        out=tmp_path / "o",
+        progress=told.append,
     )
     assert len(first.outcomes) == 1
     made = [(one.method, one.seed) for one in grown.outcomes]
-    assert sorted(made) == [("corner", 0), ("corner", 1), ("random", 0), ("random", 1)]
-    lines = (tmp_path / "o/runs/random.jsonl").read_text(encoding="utf-8").splitlines()
-    assert (lines[0] + "\n", len(lines)) == (kept, 2)
-    assert sum(line.startswith("1 of 3: corner") for line in told) == 1
-    assert grown.text.count("$ gmfbo compare") == 2
-
-
-def test_method_with_fewer_seeds_is_compared_on_those(tmp_path: Path) -> None:
-    study = write_small_study(tmp_path)
-    result = compare(study, ["random", "bo_ei:1"], 2, grid=GRID, out=tmp_path / "o")
-    assert sorted((one.method, one.seed) for one in result.outcomes) == [
+    assert sorted(made) == [
         ("bo_ei", 0),
+        ("corner", 0),
+        ("corner", 1),
         ("random", 0),
         ("random", 1),
     ]
-    assert "random,bo_ei:1" in result.text
+    lines = (tmp_path / "o/runs/random.jsonl").read_text(encoding="utf-8").splitlines()
+    assert (lines[0] + "\n", len(lines)) == (kept, 2)
+    assert sum(line.startswith("1 of 4: corner") for line in told) == 1
+    assert "random,corner,bo_ei:1" in grown.text
+    assert grown.text.count("$ gmfbo compare") == 2
 
 
 def test_killed_comparison_goes_on_to_the_same_tables(whole: Comparison, tmp_path: Path) -> None:
@@ -128,10 +138,20 @@ def test_killed_comparison_goes_on_to_the_same_tables(whole: Comparison, tmp_pat
         assert (out / "runs" / name).read_bytes().startswith(content)
 
 
+@pytest.mark.slow
 def test_runs_on_two_processes_come_to_the_same_tables(whole: Comparison, tmp_path: Path) -> None:
     study = write_small_study(tmp_path)
     result = compare(study, METHOD_NAMES, 2, grid=GRID, out=tmp_path / "o", jobs=2)
     assert tables(result.text) == tables(whole.text)
+
+
+def test_runs_on_an_executor_of_ones_own_come_to_the_same(
+    whole: Comparison, tmp_path: Path
+) -> None:
+    study = write_small_study(tmp_path)
+    with ThreadPoolExecutor(1) as pool:
+        result = compare(study, ["random"], 2, grid=GRID, out=tmp_path / "o", jobs=pool)
+    assert outcomes(result, "random") == outcomes(whole, "random")
 
 
 @pytest.mark.parametrize(
@@ -139,11 +159,12 @@ def test_runs_on_two_processes_come_to_the_same_tables(whole: Comparison, tmp_pa
     [(Corner(breaks=True), 1, "the corner is used up"), (Corner(dies=True), 2, "from outside")],
 )
 def test_run_that_breaks_is_named_and_tried_again_and_costs_no_other(
-    tmp_path: Path, method: Corner, jobs: int, reason: str
+    whole: Comparison, tmp_path: Path, method: Corner, jobs: int, reason: str
 ) -> None:
     study = write_small_study(tmp_path)
     result = compare(study, [method, "random"], 1, grid=GRID, out=tmp_path / "o", jobs=jobs)
     assert [one.method for one in result.outcomes] == ["random"]
+    assert outcomes(result, "random") == outcomes(whole, "random")[:1]
     assert reason in result.failed["corner-0"]
     assert "no result: corner-0" in result.text
     again = compare(study, [Corner(), "random"], 1, grid=GRID, out=tmp_path / "o")
@@ -229,17 +250,30 @@ def test_kept_runs_are_small_texts_anyone_can_read(whole: Comparison) -> None:
         assert path.stat().st_size < 4000
 
 
-def test_figures_follow_from_the_tables_alone(whole: Comparison, tmp_path: Path) -> None:
+@pytest.fixture
+def copied(whole: Comparison, tmp_path: Path) -> Comparison:
+    """The tables alone, elsewhere."""
     pytest.importorskip("matplotlib")
-    copied = tmp_path / "tables"
-    copied.mkdir()
+    folder = tmp_path / "tables"
+    folder.mkdir()
     for name in ("table.txt", "curves.txt", "landscape.txt"):
-        (copied / name).write_bytes((whole.folder / name).read_bytes())
-    first, again = whole.draw(tmp_path / "a"), Comparison.read(copied).draw(tmp_path / "b")
-    assert sorted(path.name for path in again) == [
+        (folder / name).write_bytes((whole.folder / name).read_bytes())
+    return Comparison.read(folder)
+
+
+def test_figures_follow_from_the_tables_alone(copied: Comparison, tmp_path: Path) -> None:
+    drawn = copied.draw(tmp_path / "b")
+    assert sorted(path.name for path in drawn) == [
         "best_observed.svg",
         "landscape.svg",
         "sampling_cost.svg",
     ]
+
+
+@pytest.mark.slow
+def test_figures_of_the_tables_alone_are_the_same_bytes(
+    whole: Comparison, copied: Comparison, tmp_path: Path
+) -> None:
+    first, again = whole.draw(tmp_path / "a"), copied.draw(tmp_path / "b")
     for one, other in zip(first, again, strict=True):
         assert one.read_bytes() == other.read_bytes()

@@ -16,7 +16,7 @@ from gmfbo.errors import InputError, SimulationError
 from gmfbo.studies import dispatch
 from gmfbo.studies.comparison_folder import ComparisonFolder
 from gmfbo.studies.dispatch import ATTEMPTS, Dispatch
-from gmfbo.studies.engine import OnExecutor, Processes
+from gmfbo.studies.engine import InProcess, OnExecutor, Processes
 from gmfbo.studies.planned_comparison import PlannedComparison, Wanted
 from gmfbo.studies.unit import Failed, Made, Missing, Result, Unit
 from gmfbo.tuning.methods import find_method
@@ -123,6 +123,7 @@ def test_contents_go_to_who_lacks_them_and_to_nobody_else(planned: PlannedCompar
     assert set(outcome_of(Threads(do), planned).values()) == {MADE}
 
 
+@pytest.mark.slow
 def test_files_travel_once_to_each_process(planned: PlannedComparison) -> None:
     whole = sum(map(len, planned.gathered.contents.values()))
     engine, came = Processes(2), []
@@ -138,11 +139,7 @@ def test_files_travel_once_to_each_process(planned: PlannedComparison) -> None:
 def test_worker_of_another_version_is_named(planned: PlannedComparison) -> None:
     units = [replace(unit, version="0.0.1") for unit in planned.runs()]
     came: list[Made | Failed] = []
-    engine = Processes(1)
-    try:
-        Dispatch(engine, {}, lambda unit, one: came.append(one)).run(units[:1])
-    finally:
-        engine.close()
+    Dispatch(InProcess(), {}, lambda unit, one: came.append(one)).run(units[:1])
     (failed,) = came
     assert isinstance(failed, Failed)
     assert "the campaign 0.0.1; install the same on all workers" in failed.reason

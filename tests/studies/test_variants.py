@@ -72,7 +72,9 @@ def test_studies_need_names_of_their_own(tmp_path: Path) -> None:
 
 def test_kept_trials_are_the_study_of_that_method_and_seed(tmp_path: Path) -> None:
     study = write_small_study(tmp_path)
-    (result,) = campaign([study], ["random"], 2, out=tmp_path / "o", grid=5, keep_trials=True)
+    (result,) = campaign(
+        [study], ["random"], 1, first_seed=1, out=tmp_path / "o", grid=5, keep_trials=True
+    )
     kept = Study.read(result.folder / "trials" / "random-1.h5")
     assert (kept.file.seed, kept.file.method) == (1, "random")
     best = min(trial.objective for trial in kept.trials if trial.source == "IS1")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from gmfbo.objective.limits import Limits
 from gmfbo.recordings.store.trial import Trial
@@ -13,15 +14,34 @@ from gmfbo.tuning.methods.beliefs import search_of
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
+from tests.tuning.methods.quick_methods import QUICK
 
-QUICK = "[objective]\nweights = { rise_time = 1.0 }\n"
+QUICKEST = "[objective]\nweights = { rise_time = 1.0 }\n"
 LIMIT = 20.0  # [%]
-LIMITED = QUICK + f"[constraints]\novershoot = {LIMIT}\n"
+LIMITED = QUICKEST + f"[constraints]\novershoot = {LIMIT}\n"
 
 
 def run(study: Study) -> list[Trial]:
-    with Tuner(study) as tuner:
+    with Tuner(study, method=QUICK[study.file.method]) as tuner:
         tuner.run()
+    return real(study)
+
+
+@pytest.fixture(scope="module")
+def limited(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    study = linear_study(tmp_path_factory.mktemp("limited"), LIMITED, iterations=6)
+    run(study)
+    return study
+
+
+@pytest.fixture(scope="module")
+def unlimited(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    study = linear_study(tmp_path_factory.mktemp("unlimited"), QUICKEST, iterations=6)
+    run(study)
+    return study
+
+
+def real(study: Study) -> list[Trial]:
     return [trial for trial in study.trials if trial.source == "IS1"]
 
 
@@ -29,38 +49,33 @@ def overshoots(trials: list[Trial]) -> np.ndarray:
     return np.array([trial.metrics["overshoot"] for trial in trials])
 
 
-def test_the_best_gains_meet_the_limit_and_are_still_quick(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, LIMITED, iterations=6)
-    real = run(study)
-    best = study.best
+def test_the_best_gains_meet_the_limit_and_are_still_quick(limited: Study) -> None:
+    best = limited.best
     assert best is not None
     assert best.metrics["overshoot"] <= LIMIT
-    feasible = [t.objective for t in real if t.metrics["overshoot"] <= LIMIT]
+    feasible = [t.objective for t in real(limited) if t.metrics["overshoot"] <= LIMIT]
     assert best.objective == min(feasible)
 
 
-def test_negative_control_without_the_limit_the_best_gains_break_it(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, QUICK, iterations=6)
-    run(study)
-    assert study.best is not None
-    assert study.best.metrics["overshoot"] > LIMIT
+def test_negative_control_without_the_limit_the_best_gains_break_it(unlimited: Study) -> None:
+    assert unlimited.best is not None
+    assert unlimited.best.metrics["overshoot"] > LIMIT
 
 
-def test_proposals_meet_the_limit_more_often_than_without_it(tmp_path: Path) -> None:
-    with_limit = overshoots(run(linear_study(tmp_path / "a", LIMITED, iterations=6))[2:])
-    without = overshoots(run(linear_study(tmp_path / "b", QUICK, iterations=6))[2:])
+def test_proposals_meet_the_limit_more_often_than_without_it(
+    limited: Study, unlimited: Study
+) -> None:
+    with_limit, without = (overshoots(real(study)[2:]) for study in (limited, unlimited))
     assert np.mean(with_limit <= LIMIT) >= np.mean(without <= LIMIT) + 0.3
 
 
 def test_the_corrected_twin_foresees_the_limit(tmp_path: Path) -> None:
-    real = run(linear_study(tmp_path, LIMITED, method="gmfbo", iterations=3))[2:]
-    assert np.all(overshoots(real) <= 1.5 * LIMIT)
+    study = linear_study(tmp_path, LIMITED, method="gmfbo", iterations=3)
+    assert np.all(overshoots(run(study)[2:]) <= 1.5 * LIMIT)
 
 
-def test_the_weight_is_the_probability_that_the_axis_meets_the_limit(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, LIMITED, iterations=6)
-    with Tuner(study) as tuner:
-        tuner.run()
+def test_the_weight_is_the_probability_that_the_axis_meets_the_limit(limited: Study) -> None:
+    with Tuner(limited) as tuner:
         state = tuner.history.state({})
     search = search_of(state)
     seen = state.of("IS1")
@@ -71,8 +86,8 @@ def test_the_weight_is_the_probability_that_the_axis_meets_the_limit(tmp_path: P
     assert weights[met].min() > weights[~met].max()
 
 
-def test_feasible_runs_come_first_whatever_they_cost(tmp_path: Path) -> None:
-    trials = run(linear_study(tmp_path, QUICK, iterations=6))
+def test_feasible_runs_come_first_whatever_they_cost(unlimited: Study) -> None:
+    trials = real(unlimited)
     cheap = min(trials, key=lambda trial: trial.objective)
     tame = min(trials, key=lambda trial: trial.metrics["overshoot"])
     assert cheap.number != tame.number

@@ -14,6 +14,7 @@ from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.tuning.experiment.experiment import StepExperiment
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
+from tests.tuning.methods.quick_methods import QUICK
 
 TWIN = models_folder() / "linear_axis.toml"
 
@@ -97,8 +98,8 @@ def test_the_plant_changes_for_good_after_its_run(tmp_path: Path) -> None:
 def test_a_study_with_corrected_runs_finds_better_gains_than_it_began_with(
     tmp_path: Path,
 ) -> None:
-    study = write(tmp_path, method="gmfbo", iterations=6)
-    with Tuner(study) as tuner:
+    study = write(tmp_path, method="gmfbo", iterations=3)
+    with Tuner(study, method=QUICK["gmfbo"]) as tuner:
         result = tuner.run()
     initial = [trial.objective for trial in study.trials if trial.source == "IS1"][:2]
     assert result.best is not None

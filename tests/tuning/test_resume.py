@@ -18,6 +18,7 @@ from tests.tuning.analytic_axis import write_study
 ROOT = Path(__file__).resolve().parents[2]
 
 ENDS = ("kill", "power", "ctrl-c")
+BUDGET = "iterations = 4"
 
 
 def start(study_file: Path) -> subprocess.Popen[str]:
@@ -87,12 +88,29 @@ def asked(study: Study) -> dict[int, dict[str, float]]:
         return {e["number"]: e["gains"] for e in store.events() if e["event"] == "ask"}
 
 
+def test_stopped_at_first_in_the_midst_and_at_last_and_resumed_equals_uninterrupted(
+    tmp_path: Path,
+) -> None:
+    whole = write_study(tmp_path / "whole", method="gmfbo", seed=2, budget=BUDGET)
+    took = seconds_between_runs(whole.origin / "axis.toml")
+    stopped = write_study(tmp_path / "stopped", method="gmfbo", seed=2, budget=BUDGET)
+    # The second start has all runs but one before it, the third all but a half.
+    for trials, end in zip((1, len(took) // 2, len(took) // 2 - 4), ENDS, strict=True):
+        ended = run_until(stopped.origin / "axis.toml", trials, float(np.median(took)) / 2, end)
+        assert not ended
+        if end == "power":
+            lose_power(stopped, np.random.default_rng(4))
+    assert run_until(stopped.origin / "axis.toml", 0, 60.0, "kill")
+    assert runs(stopped) == runs(whole)
+    assert asked(stopped) == asked(whole)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["random", "bo_ei", "gmfbo"])
 def test_stopped_and_resumed_equals_uninterrupted(tmp_path: Path, method: str) -> None:
-    budget = "iterations = 4"
-    whole = write_study(tmp_path / "whole", method=method, seed=2, budget=budget)
+    whole = write_study(tmp_path / "whole", method=method, seed=2, budget=BUDGET)
     took = seconds_between_runs(whole.origin / "axis.toml")
-    stopped = write_study(tmp_path / "stopped", method=method, seed=2, budget=budget)
+    stopped = write_study(tmp_path / "stopped", method=method, seed=2, budget=BUDGET)
     rng = np.random.default_rng(4)
     ends: list[str] = []
     while True:

@@ -16,7 +16,7 @@ from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 from tests.tuning.methods.quick_methods import QUICK, SURVEY
 
-BUDGET = "iterations = 3\ninitial_is1 = 2\nis3_per_run = 1"
+BUDGET = "iterations = 2\ninitial_is1 = 2\nis3_per_run = 1"
 Runs = list[tuple[str, dict[str, float], float]]
 
 
@@ -59,7 +59,7 @@ def test_it_asks_beyond_the_initial_runs_and_ends(played: Played) -> None:
     twin = [t for t in played.study.trials if t.source == "IS2" and t.parent is None]
     survey = played.method.correction.survey if played.method.correction else 0
     asked = len(queries) + len(twin) - 10 - survey
-    assert asked == (1 if played.method.name == "twin_once" else 3)
+    assert asked == (1 if played.method.name == "twin_once" else 2)
 
 
 def test_no_query_is_a_repeat(played: Played) -> None:

@@ -18,6 +18,13 @@ from tests.tuning.plants.bench import TRIPS_ABOVE
 from tests.tuning.plants.plant_kinds import KINDS, REFERENCE, PlantKind
 
 ROOT = Path(__file__).resolve().parents[3]
+HOW = {
+    "ask_tell": signal.SIGKILL,
+    "callable": signal.SIGINT,
+    "command": signal.SIGINT,  # its programs hear of it too
+    "recorded": signal.SIGKILL,
+}
+"""How a study of each kind is stopped in a short run of the tests."""
 
 
 def real_runs(study: Study) -> list[Trial]:
@@ -71,10 +78,21 @@ def test_gains_lie_in_the_box_and_no_two_runs_are_alike(finished: Study) -> None
     assert all(30.0 <= kp <= 200.0 and 2.0 <= kd <= 10.0 for kp, kd in gains)
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_a_study_that_was_stopped_keeps_all_and_goes_on_the_same(
-    tmp_path: Path, kind: str, finished: Study, how: signal.Signals
+    tmp_path: Path, kind: str, finished: Study
 ) -> None:
+    goes_on_the_same(tmp_path, kind, finished, HOW[kind])
+
+
+@pytest.mark.slow
+def test_a_study_that_was_stopped_the_other_way_goes_on_the_same(
+    tmp_path: Path, kind: str, finished: Study
+) -> None:
+    (how,) = {signal.SIGINT, signal.SIGKILL} - {HOW[kind]}
+    goes_on_the_same(tmp_path, kind, finished, how)
+
+
+def goes_on_the_same(tmp_path: Path, kind: str, finished: Study, how: signal.Signals) -> None:
     plant, folder = KINDS[kind], tmp_path / "stopped"
     stopped = plant.study(folder)
     seen = stop_after(kind, folder, how)

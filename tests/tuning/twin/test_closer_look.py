@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from gmfbo.recordings.store.memory_store import MemoryStore
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from gmfbo.tuning.twin.closer_look import RADII
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
@@ -66,14 +68,30 @@ def test_negative_control_without_it_there_are_no_such_runs(tmp_path: Path) -> N
     assert [len(look) for look in looks(trials)] == [0, 0, 0, 0]
 
 
-@pytest.mark.parametrize("kept", [1, COUNT, COUNT + 2])
-def test_a_look_that_was_broken_off_goes_on_to_the_same_runs(tmp_path: Path, kept: int) -> None:
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """A study on the disk, of which each test breaks a copy."""
+    study = write_study(
+        tmp_path_factory.mktemp("look") / "whole", method="gmfbo", budget="iterations = 2"
+    )
+    tuned(study)
+    return study
+
+
+def tuned(study: Study) -> None:
     method = Gmfbo(correction=replace(CORRECTION, survey=25, closer=COUNT))
-    whole, _ = played(tmp_path / "whole", COUNT)
-    first = looks(whole)[1][kept - 1].number  # the last run that survived
-    study = write_study(tmp_path / "broken", method="gmfbo", budget="iterations = 2")
     with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=method) as tuner:
         tuner.run()
+
+
+@pytest.mark.parametrize("kept", [1, COUNT, COUNT + 2])
+def test_a_look_that_was_broken_off_goes_on_to_the_same_runs(
+    tmp_path: Path, whole: Study, kept: int
+) -> None:
+    expected = whole.trials
+    first = looks(list(expected))[1][kept - 1].number  # the last run that survived
+    shutil.copytree(whole.origin, tmp_path / "broken")
+    study = Study.read(tmp_path / "broken" / "axis.toml")
     for path in (study.location / "trials").glob("*.h5"):
         if int(path.stem) > first:
             path.unlink()
@@ -81,8 +99,5 @@ def test_a_look_that_was_broken_off_goes_on_to_the_same_runs(tmp_path: Path, kep
     lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
     asked = [k for k, line in enumerate(lines) if '"ask"' in line]
     log.write_text("".join(lines[: asked[2]]), encoding="utf-8")  # two initial runs were asked for
-    with Tuner(
-        study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=method, resume=True
-    ) as tuner:
-        tuner.run()
-    assert [(t.source, t.gains) for t in study.trials] == [(t.source, t.gains) for t in whole]
+    tuned(study)
+    assert [(t.source, t.gains) for t in study.trials] == [(t.source, t.gains) for t in expected]
