@@ -46,11 +46,18 @@ def test_the_cheap_source_is_asked_while_the_sources_agree() -> None:
     assert asked(observed(8)).source == "IS2"
 
 
-def test_the_axis_is_asked_where_the_twin_was_run_all_over_and_is_useless() -> None:
-    assert asked(observed(45, useless=True)).source == "IS1"
+@pytest.fixture(scope="module")
+def beside_a_useless_twin() -> Proposal:
+    return asked(observed(45, useless=True))
 
 
-def test_limits_and_what_is_kept_out_are_respected() -> None:
+def test_the_axis_is_asked_where_the_twin_was_run_all_over_and_is_useless(
+    beside_a_useless_twin: Proposal,
+) -> None:
+    assert beside_a_useless_twin.source == "IS1"
+
+
+def test_limits_and_what_is_kept_out_are_respected(beside_a_useless_twin: Proposal) -> None:
     def left(points: NDArray[np.float64]) -> NDArray[np.bool_]:
         return points[:, 0] < 0.5
 
@@ -58,7 +65,7 @@ def test_limits_and_what_is_kept_out_are_respected() -> None:
         return torch.where(points[..., 1] > 0.6, 0.0, -30.0).to(DTYPE)
 
     data = observed(45, useless=True)
-    free = asked(data)
+    free = beside_a_useless_twin
     assert free.source == "IS1"
     assert not left(free.point[None, :])[0] or free.point[1] < 0.6
     kept = asked(data, Search(2, admits=left, log_weight=log_weight))

@@ -19,9 +19,9 @@ GAINS = ({"kp": 60.0, "kd": 1.2}, {"kp": 110.0, "kd": 2.0}, {"kp": 85.0, "kd": 1
 
 def played(friction: float) -> list[Recording]:
     """Steps there and back at three gains, of an axis with some Coulomb friction [N.m]."""
-    there = step_reference(0.4, at=0.05, horizon=0.35)
-    time = np.linspace(0.0, 0.799, 800)
-    wave = np.interp(time, there.time, there.signals["reference"]) * (time < 0.4)
+    there = step_reference(0.4, at=0.1, horizon=0.6)
+    time = np.linspace(0.0, 1.399, 1400)
+    wave = np.interp(time, there.time, there.signals["reference"]) * (time < 0.7)
     rng = np.random.default_rng(5)
     runs = []
     with AugmentedTwin(FmuTwin(AXIS), substeps=10) as axis:
@@ -78,6 +78,7 @@ def test_its_parameters_can_be_estimated_on(
     assert any(name in found.sentence for name in ("riction", "friction"))
 
 
+@pytest.mark.slow
 def test_negative_control_nothing_is_completed_where_nothing_is_missing(tmp_path: Path) -> None:
     with FmuTwin(AXIS) as twin:
         assert complete(twin, {}, played(0.0)[:2], tmp_path / "00001", seed=0) is None

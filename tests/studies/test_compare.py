@@ -100,6 +100,27 @@ def test_more_seeds_and_methods_grow_the_same_tables_some_with_fewer_seeds(
     assert grown.text.count("$ gmfbo compare") == 2
 
 
+def test_interrupted_comparison_goes_on_to_the_same_tables(
+    whole: Comparison, tmp_path: Path
+) -> None:
+    study, told = write_small_study(tmp_path), list[str]()
+
+    def interrupt(line: str) -> None:
+        told.append(line)
+        if len(told) == 3:  # the plant over the box, and two runs
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        compare(study, METHOD_NAMES, 2, grid=GRID, out=tmp_path / "o", progress=interrupt)
+    finished = {path: path.read_bytes() for path in (tmp_path / "o").glob("runs/*.jsonl")}
+    assert sum(content.count(b"\n") for content in finished.values()) == 2
+    resumed = compare(study, METHOD_NAMES, 2, grid=GRID, out=tmp_path / "o")
+    assert tables(resumed.text) == tables(whole.text)
+    for path, content in finished.items():
+        assert path.read_bytes().startswith(content)
+
+
+@pytest.mark.slow
 def test_killed_comparison_goes_on_to_the_same_tables(whole: Comparison, tmp_path: Path) -> None:
     study, out = write_small_study(tmp_path), tmp_path / "out"
     command = [

@@ -70,7 +70,7 @@ def test_proposals_meet_the_limit_more_often_than_without_it(
 
 
 def test_the_corrected_twin_foresees_the_limit(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, LIMITED, method="gmfbo", iterations=3)
+    study = linear_study(tmp_path, LIMITED, method="gmfbo", iterations=2)
     assert np.all(overshoots(run(study)[2:]) <= 1.5 * LIMIT)
 
 

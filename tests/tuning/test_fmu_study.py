@@ -98,7 +98,7 @@ def test_the_plant_changes_for_good_after_its_run(tmp_path: Path) -> None:
 def test_a_study_with_corrected_runs_finds_better_gains_than_it_began_with(
     tmp_path: Path,
 ) -> None:
-    study = write(tmp_path, method="gmfbo", iterations=3)
+    study = write(tmp_path, method="gmfbo", iterations=2)
     with Tuner(study, method=QUICK["gmfbo"]) as tuner:
         result = tuner.run()
     initial = [trial.objective for trial in study.trials if trial.source == "IS1"][:2]

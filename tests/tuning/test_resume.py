@@ -14,6 +14,7 @@ import pytest
 
 from gmfbo.tuning.study.study import Study
 from tests.tuning.analytic_axis import write_study
+from tests.tuning.killed_study import main
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -89,18 +90,20 @@ def asked(study: Study) -> dict[int, dict[str, float]]:
 
 
 def test_stopped_at_first_in_the_midst_and_at_last_and_resumed_equals_uninterrupted(
-    tmp_path: Path,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     whole = write_study(tmp_path / "whole", method="gmfbo", seed=2, budget=BUDGET)
-    took = seconds_between_runs(whole.origin / "axis.toml")
+    begun = time.perf_counter()
+    main(str(whole.origin / "axis.toml"))
+    count = len(capsys.readouterr().out.splitlines())
+    half_a_run = (time.perf_counter() - begun) / count / 2
     stopped = write_study(tmp_path / "stopped", method="gmfbo", seed=2, budget=BUDGET)
-    # The second start has all runs but one before it, the third all but a half.
-    for trials, end in zip((1, len(took) // 2, len(took) // 2 - 4), ENDS, strict=True):
-        ended = run_until(stopped.origin / "axis.toml", trials, float(np.median(took)) / 2, end)
-        assert not ended
+    # The first start ends with its first run, the second past a half, the third late.
+    for trials, end in zip((1, count // 2, count // 3), ENDS, strict=True):
+        assert not run_until(stopped.origin / "axis.toml", trials, half_a_run, end)
         if end == "power":
             lose_power(stopped, np.random.default_rng(4))
-    assert run_until(stopped.origin / "axis.toml", 0, 60.0, "kill")
+    main(str(stopped.origin / "axis.toml"))
     assert runs(stopped) == runs(whole)
     assert asked(stopped) == asked(whole)
 

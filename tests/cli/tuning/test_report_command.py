@@ -17,10 +17,19 @@ def run(*arguments: object) -> int:
     return main([str(argument) for argument in arguments])
 
 
+@pytest.fixture(scope="module")
+def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that holds a study, and a file that is none."""
+    folder = tmp_path_factory.mktemp("example")
+    write_example_study(folder)
+    (folder / "text.h5").write_text("no HDF5")
+    return folder
+
+
 def test_folder_and_packed_study_give_the_same_page(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    example: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = write_example_study(tmp_path)
+    folder = example / "example.study"
     packed = pack_study(folder, tmp_path / "example.h5")
     assert run("report", folder, "--out", tmp_path / "a.html") == 0
     assert run("report", packed, "--out", tmp_path / "b.html") == 0
@@ -56,11 +65,14 @@ def test_a_comparison_has_a_page(tmp_path: Path) -> None:
     ],
 )
 def test_mistakes_are_one_line_and_status_2(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], study: str, out: str, said: str
+    example: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    study: str,
+    out: str,
+    said: str,
 ) -> None:
-    write_example_study(tmp_path)
-    (tmp_path / "text.h5").write_text("no HDF5")
-    assert run("report", tmp_path / study, "--out", tmp_path / out) == 2
+    assert run("report", example / study, "--out", tmp_path / out) == 2
     told = capsys.readouterr().err
     assert said in told
     assert told.count("\n") == 1

@@ -149,7 +149,7 @@ def test_without_an_alarm_proposals_are_as_without_the_watch(tmp_path: Path, met
     proposed = []
     for watch in ("true", "false"):
         sections = f"is1_runs = {{runs}}\n[drift]\nwatch = {watch}\n"
-        study = study_at(tmp_path / watch, 4, sections, method)
+        study = study_at(tmp_path / watch, 3, sections, method)
         assert tuned(study, 1.0).drifts == ()
         proposed.append(gains_of(study))
     assert proposed[0] == proposed[1]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.method import Method
 
-SURVEY, CLOSER = 25, 2
+SURVEY, CLOSER = 12, 2
 """Runs of the twin over the box, and in a stage of a closer look: most of a test's time."""
 
 

@@ -18,13 +18,6 @@ from tests.tuning.plants.bench import TRIPS_ABOVE
 from tests.tuning.plants.plant_kinds import KINDS, REFERENCE, PlantKind
 
 ROOT = Path(__file__).resolve().parents[3]
-HOW = {
-    "ask_tell": signal.SIGKILL,
-    "callable": signal.SIGINT,
-    "command": signal.SIGINT,  # its programs hear of it too
-    "recorded": signal.SIGKILL,
-}
-"""How a study of each kind is stopped in a short run of the tests."""
 
 
 def real_runs(study: Study) -> list[Trial]:
@@ -78,17 +71,22 @@ def test_gains_lie_in_the_box_and_no_two_runs_are_alike(finished: Study) -> None
     assert all(30.0 <= kp <= 200.0 and 2.0 <= kd <= 10.0 for kp, kd in gains)
 
 
+@pytest.mark.parametrize(
+    ("plant", "how"), [("command", signal.SIGINT), ("ask_tell", signal.SIGKILL)]
+)
 def test_a_study_that_was_stopped_keeps_all_and_goes_on_the_same(
-    tmp_path: Path, kind: str, finished: Study
+    tmp_path: Path, plant: str, how: signal.Signals
 ) -> None:
-    goes_on_the_same(tmp_path, kind, finished, HOW[kind])
+    whole = KINDS[plant].study(tmp_path / "whole")
+    KINDS[plant].finish(whole, lambda trial: None)
+    goes_on_the_same(tmp_path, plant, whole, how)
 
 
 @pytest.mark.slow
-def test_a_study_that_was_stopped_the_other_way_goes_on_the_same(
-    tmp_path: Path, kind: str, finished: Study
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_a_study_of_every_kind_that_was_stopped_in_either_way_goes_on_the_same(
+    tmp_path: Path, kind: str, finished: Study, how: signal.Signals
 ) -> None:
-    (how,) = {signal.SIGINT, signal.SIGKILL} - {HOW[kind]}
     goes_on_the_same(tmp_path, kind, finished, how)
 
 

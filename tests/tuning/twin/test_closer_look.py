@@ -11,7 +11,6 @@ import pytest
 
 from gmfbo.recordings.store.memory_store import MemoryStore
 from gmfbo.recordings.store.trial import Trial
-from gmfbo.tuning.history.history import History
 from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
@@ -19,16 +18,17 @@ from gmfbo.tuning.twin.closer_look import RADII
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
 COUNT = 6
+METHOD = Gmfbo(correction=replace(CORRECTION, survey=25, closer=COUNT))
 
 
-def played(folder: Path, closer: int, iterations: int = 2) -> tuple[list[Trial], History]:
+def played(folder: Path, closer: int, iterations: int = 2) -> list[Trial]:
     method = Gmfbo(correction=replace(CORRECTION, survey=25, closer=closer))
     study = write_study(folder, method="gmfbo", budget=f"iterations = {iterations}")
     store = MemoryStore(study.location, study.text)
     twin = AnalyticAxis(inertia=0.2)
     with Tuner(study, is1=AnalyticAxis(), is2=twin, method=method, store=store) as tuner:
         tuner.run()
-        return store.trials(), tuner.history
+        return store.trials()
 
 
 def looks(trials: list[Trial]) -> list[list[Trial]]:
@@ -40,8 +40,25 @@ def looks(trials: list[Trial]) -> list[list[Trial]]:
     ]
 
 
-def test_each_query_is_preceded_by_two_stages_around_few_places(tmp_path: Path) -> None:
-    trials, history = played(tmp_path, COUNT)
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """A study on the disk, of which each test breaks a copy."""
+    study = write_study(
+        tmp_path_factory.mktemp("look") / "whole", method="gmfbo", budget="iterations = 2"
+    )
+    tuned(study)
+    return study
+
+
+def tuned(study: Study) -> None:
+    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=METHOD) as tuner:
+        tuner.run()
+
+
+def test_each_query_is_preceded_by_two_stages_around_few_places(whole: Study) -> None:
+    trials = list(whole.trials)
+    with Tuner(whole, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=METHOD) as tuner:
+        history = tuner.history
     # The first initial run asks for nothing, and after the last query there is none to prepare.
     assert [len(look) for look in looks(trials)] == [0, 2 * COUNT, 2 * COUNT, 0]
     for look in looks(trials)[1:3]:
@@ -57,31 +74,15 @@ def test_each_query_is_preceded_by_two_stages_around_few_places(tmp_path: Path) 
 
 
 def test_what_a_closer_look_found_may_be_asked_for(tmp_path: Path) -> None:
-    trials, _ = played(tmp_path, COUNT, iterations=6)
+    trials = played(tmp_path, COUNT, iterations=4)
     looked_at = [tuple(trial.gains.values()) for look in looks(trials) for trial in look]
     asked = [tuple(trial.gains.values()) for trial in trials if trial.source == "IS1"]
     assert set(asked[2:]) & set(looked_at)
 
 
 def test_negative_control_without_it_there_are_no_such_runs(tmp_path: Path) -> None:
-    trials, _ = played(tmp_path, 0)
+    trials = played(tmp_path, 0)
     assert [len(look) for look in looks(trials)] == [0, 0, 0, 0]
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    """A study on the disk, of which each test breaks a copy."""
-    study = write_study(
-        tmp_path_factory.mktemp("look") / "whole", method="gmfbo", budget="iterations = 2"
-    )
-    tuned(study)
-    return study
-
-
-def tuned(study: Study) -> None:
-    method = Gmfbo(correction=replace(CORRECTION, survey=25, closer=COUNT))
-    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2), method=method) as tuner:
-        tuner.run()
 
 
 @pytest.mark.parametrize("kept", [1, COUNT, COUNT + 2])
