@@ -136,11 +136,11 @@ def maximise(
     acquisition : AcquisitionFunction
         Over [gains, source column], to be maximised.
     search : Search
-            Settings of the search.
+        Settings of the search.
     sources : sequence of str
-            Allowed sources; the first one wins at equal value.
+        Allowed sources; the first one wins at equal value.
     taken : Observations, optional
-            Runs made already.
+        Runs made already.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def maximise(
 def recommend(model: Model, search: Search) -> tuple[NDArray[np.float64], float]:
     """Gains with the least posterior mean: point of shape (d,), and that mean [g].
 
-    Only gains that probably meet the limits count; without any, the most probable gains.
+    Only gains that meet the limits with probability >= 1/2 count; else the most probable ones.
     """
     points, values = _candidates(PosteriorMean(model, maximize=False), search, "IS1")
     weights = search.log_weights(points)

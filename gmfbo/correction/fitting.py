@@ -24,7 +24,7 @@ from gmfbo.correction.torch_setup import exact_algebra
 # ends. The starts are fixed, not drawn from the priors, so that the same data gives the same
 # model whatever else used torch's generator.
 STARTS = (1.0, 100.0)
-# Of the log posterior per observation: 1e-6 is far too little to change any decision.
+# `ftol` is of the log posterior per observation: 1e-6 of it is too little to change a decision.
 OPTIONS = {"maxiter": 100, "ftol": 1e-6}
 
 

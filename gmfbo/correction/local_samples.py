@@ -132,9 +132,9 @@ def draw_local_samples(
     alpha : float
         [signal] See `reference_size`.
     settings : SamplingSettings
-            Settings of the draws.
+        Settings of the draws.
     rng : numpy.random.Generator
-            The only source of randomness.
+        The only source of randomness.
 
     Raises
     ------

@@ -32,9 +32,9 @@ def write_whole(path: Path, content: bytes, *, durable: bool = True) -> None:
     Parameters
     ----------
     path : Path
-            The file.
+        The file.
     content : bytes
-            Its whole content.
+        Its whole content.
     durable : bool
         Sync to the disk; without it a power cut, but no killed process, may lose the file.
 

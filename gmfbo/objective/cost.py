@@ -81,7 +81,7 @@ class Objective:
             [s] Length after the step; sets the cost of a failed run.
         worst : mapping of str to float, optional
             Step metrics of a failed run, in place of `horizon`. The worst case of a user's own
-            metric is as far above the largest sample as the samples are apart.
+            metric lies above the largest sample by the range of the samples.
 
         Returns
         -------

@@ -8,7 +8,7 @@ gains), both fractions, not percent:
 - `scaled_mismatch`: median |G_c - G_2| / G_c on G = sum w_i h_i / std_i, which is not shifted
   and so never negative.
 
-l_g0 = clamp(1 / e, 0.1, cap) and H(IS2) = clamp(e, 0.1, 1).
+l_g0 = clamp(1 / e, 0.1, 1) and H(IS2) = clamp(e, 0.1, 1).
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ def page(title: str, body: str, styles: Sequence[str], scripts: Sequence[str]) -
     body : str
         HTML.
     styles, scripts : sequence of str
-        Texts, in order; the scripts are joined, and share their names.
+        Texts, in order; the scripts are joined, so they see each other's names.
 
     Returns
     -------

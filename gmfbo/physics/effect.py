@@ -266,7 +266,7 @@ class Effect:
     contains : tuple of str
         Simpler effects that are limiting cases of it.
     flattens_to : tuple of str
-        Simpler effects that it resembles only while the axis moves little.
+        Those of `contains` that it resembles only while the axis moves little.
     same_loop : tuple of str
         Effects elsewhere in the loop that cause the same reading and the same command.
     vanishing : mapping of str to tuple of str

@@ -114,7 +114,7 @@ class Excitation:
 
     @property
     def shaft_inertia(self) -> float:
-        """Inertia of the shaft; if unknown, the one that the torque moves to speed in a loop time.
+        """Inertia of the shaft; if unknown, the one that `torque` brings to `speed` in `loop_time`.
 
         An order of magnitude is enough to keep elastic elements numerically stable.
         """

@@ -12,7 +12,7 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 from gmfbo.units import number
 
-# Cycles over the stroke where no line was found, for the smallest detectable size.
+# Cycles over the stroke at which a detectable size is stated where no line was found.
 _CYCLES = 10.0
 _ALONE = 4  # lines tried one at a time
 _TOLD = 3  # lines that a sentence names

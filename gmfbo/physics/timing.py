@@ -49,7 +49,7 @@ def time_parameter(name: str, words: str, longest: Range = longest_lag) -> Effec
 
 
 def starts(name: str, excitation: Excitation, longest: Range = longest_lag) -> list[Values]:
-    """Start values, about a factor of two apart, up to a good share of the longest.
+    """Start values, about a factor of two apart, up to 0.6 of the longest [s].
 
     The response of a ringing loop is no smooth function of the delay: a fit that starts at half
     or twice the true delay stays there.

@@ -236,7 +236,7 @@ def read_recording(
 
 @dataclass(frozen=True)
 class _Words:
-    """Names and signals of a twin, with its column mapping applied."""
+    """Signals and parameters of a twin, by which a reader interprets columns."""
 
     specs: Mapping[str, SignalSpec] = field(default_factory=dict)
     tunable: Mapping[str, bool] = field(default_factory=dict)

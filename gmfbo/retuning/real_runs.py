@@ -57,7 +57,7 @@ def real_run(
     twin : FmuTwin
         Simulated at the same gains; other parameters of the trial stay hidden from it.
     experiment : ExperimentSeries
-            References that were played.
+        References that were played.
     """
     time = trial.recording.time
     times = np.linspace(time[0], time[-1], min(MOST_SAMPLES, time.size))

@@ -318,7 +318,7 @@ def _spread(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _is_better(one: Estimate, other: Estimate) -> bool:
-    """Whether errors of the signals are smaller, each relative to its own size."""
+    """Whether the geometric mean of the signals' errors is smaller."""
     return float(np.sum(np.log(one.errors))) < float(np.sum(np.log(other.errors)))
 
 

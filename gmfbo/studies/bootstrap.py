@@ -36,5 +36,5 @@ class Interval(Spread):
         return cls(float(statistic(values, axis=0)), float(low), float(high))
 
     def text(self, decimals: int = 1) -> str:
-        """Write `value [low, high]`."""
+        """Write `value [low, high]`, each with so many decimals."""
         return f"{self.value:.{decimals}f} [{self.low:.{decimals}f}, {self.high:.{decimals}f}]"

@@ -134,7 +134,7 @@ def campaign(
 
 @dataclass(frozen=True, eq=False)
 class Settings:
-    """What holds for every study of a comparison or campaign.
+    """Settings of every study of a comparison or campaign.
 
     Attributes
     ----------

@@ -21,9 +21,9 @@ class Comparison:
     Attributes
     ----------
     folder : Path
-            Folder of the comparison.
+        Folder of the comparison.
     text : str
-            Its tables.
+        Its tables.
     outcomes : tuple of Outcome
         All finished runs, also of former calls; empty where only the tables were read.
     failed : mapping of str to str

@@ -63,7 +63,7 @@ class ComparisonFolder:
         Parameters
         ----------
         outcome : Outcome
-                Outcome of the run.
+            Outcome of the run.
         record : StudyRecord or None
             All trials, if they are kept.
         """
@@ -77,7 +77,7 @@ class ComparisonFolder:
         write_outcomes(path, [*kept, outcome])
 
     def keep_truth(self, grids: Mapping[str, bytes]) -> None:
-        """Keep grids of the plant."""
+        """Keep grids of the plant, given by file name."""
         self.truth.mkdir(exist_ok=True)
         for name, content in grids.items():
             write_whole(self.truth / name, content)

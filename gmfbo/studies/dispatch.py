@@ -38,7 +38,7 @@ class Dispatch:
     Parameters
     ----------
     engine : Engine
-            Runs the units.
+        Runs the units.
     contents : mapping of str to bytes
         All files by hash; a file is sent to a worker that reports it missing.
     finished : callable

@@ -62,7 +62,7 @@ class Descent:
     regret : tuple of float
         Simple regret, as a share of the way from the optimum to the median.
     first_counted : int
-        First real run, from 1, that counts as arrival: the first on the changed plant.
+        First real run, from 1, at which arrival counts: the first on the changed plant.
     """
 
     best: tuple[float, ...]
@@ -95,7 +95,7 @@ class Descent:
         return cls(tuple(best), tuple(regret), 1 if change_after is None else change_after + 1)
 
     def arrival(self, real_runs: int | None = None) -> int | None:
-        """Return n*: real runs, initial ones included, until the regret is below 2 %.
+        """Return n* within `real_runs`: real runs, initial ones included, until regret <= 2 %.
 
         Returns
         -------

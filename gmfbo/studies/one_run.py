@@ -39,7 +39,7 @@ class OneRun:
     key : str
         Hash of the content that all runs of the comparison share.
     method : Method
-            Method that proposes.
+        Method that proposes.
     truth : Path
         Folder of the plant's grids.
     side : int
@@ -58,9 +58,9 @@ class OneRun:
         Returns
         -------
         outcome : Outcome
-                Outcome of the run.
-            record : StudyRecord
-                All its trials.
+            Outcome of the run.
+        record : StudyRecord
+            All its trials.
         """
         store = MemoryStore(self.study.location, self.study.text)
         stamps = _Stamps([], [])
@@ -161,7 +161,7 @@ def _true_goals(study: Study, history: History, side: int, truth: Path) -> list[
 
 
 def _true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-    """Cost by which runs are judged, shape of a metric [% or s]; breaking a limit is failing."""
+    """Cost g by which runs are judged, shape of a metric; beyond a limit, that of a failed run."""
     costs, limits = history.objective.value(metrics), history.limits
     met = np.ones(costs.shape, dtype=bool)
     for name, values in limits.limited(metrics).items():

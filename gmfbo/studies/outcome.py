@@ -34,7 +34,7 @@ class Outcome:
     least, median : float
         True optimum and median cost over the box, of the plant at the end.
     best, regret : tuple of float
-        After each real run: least true cost g, and simple regret over the way to the median.
+        After each real run: least true cost g; simple regret, 1 at the median cost.
     cost : tuple of float
         After the initial data and each query: cost of all runs so far in units of a real run.
     seconds : tuple of float
@@ -138,7 +138,7 @@ def read_outcomes(path: Path) -> list[Outcome]:
 
 
 def write_outcomes(path: Path, outcomes: Iterable[Outcome]) -> None:
-    """Write the finished runs of one method, a line each, as a whole file or not at all.
+    """Write the finished runs of one method, a line each by seed; a whole file or none.
 
     Parameters
     ----------

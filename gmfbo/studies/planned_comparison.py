@@ -67,13 +67,13 @@ class PlannedComparison:
     study : Study
         As given.
     folder : ComparisonFolder
-            Its folder.
+        Its folder.
     wanted : Wanted
         Its runs.
     key : str
         Hash of the content that the runs share.
     gathered : Gathered
-        All files of the study, which workers may lack, as the grids.
+        All files of the study; workers may lack these, and the grids.
     outcomes : list of Outcome
         Finished runs, also of former calls.
     failed : dict of str to str

@@ -78,11 +78,11 @@ class TrueSources:
     sources : StudySources
         Opened for the study's seed; the caller closes them.
     gains : GainChoice
-            Tuned and held gains.
+        Tuned and held gains.
     experiment : ExperimentSeries
-            Experiment of every source.
+        Experiment of every source.
     safety : SafetySection
-            Safety envelope of the plant.
+        Safety envelope of the plant.
     """
 
     sources: StudySources

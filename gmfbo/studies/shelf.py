@@ -36,7 +36,7 @@ class Shelf:
         return frozenset(digest for digest in hashes if not self._content(digest).exists())
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Keep contents."""
+        """Keep contents, given by their SHA-256."""
         with self._lock:
             for digest, content in contents.items():
                 self._content(digest).write_bytes(content)

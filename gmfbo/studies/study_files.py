@@ -67,7 +67,7 @@ class Gathered:
 
 
 def gather(study: Study) -> Gathered:
-    """Find and read all files that a study names.
+    """Find and read all files that a study names; its plant must be an FMU.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def _content(path: Path) -> bytes:
 
 
 def seeds_apart(study: Study) -> bool:
-    """Whether each seed has another plant."""
+    """Whether each seed has another plant; the plant must be an FMU."""
     plant = study.file.is1
     changed = plant.change.parameters if plant.change else {}
     return plant.hidden is not None or "seed" in [*plant.parameters.values(), *changed.values()]

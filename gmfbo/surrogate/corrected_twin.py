@@ -42,7 +42,7 @@ DEPARTURE_LENGTHSCALE = 0.15
 # Candidates for the residual over the gains, and the log-normal prior (median, spread).
 LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
 _LENGTHSCALE_PRIOR = (0.4, 0.7)
-# Noise of a repeated run, as a share of the scale.
+# Noise variance of a repeated run, over the variance of the process.
 NUGGET = 1e-4
 # Least scale, as a share of the spread of the observed objectives: with a perfect twin the
 # measured error is zero, and improvement would be decided by rounding.

@@ -32,7 +32,7 @@ class TruncatedModel(SingleTaskMultiFidelityGP):
 
     @classmethod
     def fit(cls, observations: Observations) -> TruncatedModel:
-        """Fit by maximum a posteriori; the same data gives the same model."""
+        """Fit runs of axis and twin by maximum a posteriori; the same data gives the same model."""
         inputs = observations.train_X()
         model = cls(inputs, observations.train_Y(), data_fidelities=[inputs.shape[-1] - 1])
         believe_less(model, observations)

@@ -51,7 +51,7 @@ class DriftWatch:
     section: DriftSection
 
     def look(self) -> Drift | None:
-        """Look for changes in the real runs not weighed yet; log and return those found.
+        """Look for changes in the real runs not weighed yet; log those found, return the last.
 
         Call it when the twin's run beside the last real run is on disk. Runs before the last
         logged request have been weighed already.

@@ -102,8 +102,8 @@ class Proposals:
     def _repeat(self, state: TuningState) -> Repeat | None:
         """Gains that are to be run again next; usually None.
 
-        A twin that was just estimated from the runs since a change tells what the gains that were
-        best before it are worth now.
+        After a change, a twin just estimated from the runs since predicts the cost at the former
+        best gains, so these are not repeated.
         """
         former = None if self.corrections.just_made else self.drift.former_best(state)
         return former or self.drift.regular(state)

@@ -15,7 +15,7 @@ NOTHING = "nothing"
 PARAMETERS = "parameters"
 """The axis differs from its twin in inertia and viscous friction only."""
 
-_PLAIN_SHARE = 0.08  # share of the draws with nothing hidden, and with wrong parameters only
+_PLAIN_SHARE = 0.08  # of the draws hide nothing, and as many wrong parameters only
 
 
 @dataclass(frozen=True)

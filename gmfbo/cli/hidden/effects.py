@@ -2,7 +2,7 @@
 
 The plant's laws are not those of the catalogue (hard friction, contact by Hunt and Crossley, delays
 off the grid), so only values that mean the same in both are compared. A limit of the command's rate
-is left out: this loop either does not feel one, or loses the axis to it.
+is left out: such a limit either has no effect in this loop or makes it unstable.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class HiddenEffect:
     draw : callable
         From a generator and the rigid plant's parameters to those that switch the effect on.
     sizes : tuple of Size
-        Compared size.
+        Sizes to compare with a diagnosis.
     """
 
     name: str

@@ -60,7 +60,7 @@ def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
     Returns
     -------
     list of str
-        A heading, a line with the names, and one for each size that is the same in both.
+        A heading, a line with the names, and one for each comparable size and parameter.
     """
     rows = [("", "hidden", "found")]
     rows.append(("effect", _told(drawn.hidden), _named(diagnosis)))

@@ -17,7 +17,7 @@ def _signal(states: States, parameters: Values) -> Array:
 
 
 def _frequencies(excitation: Excitation) -> tuple[float, ...]:
-    # Where no line was found: ten cycles, for the smallest detectable size.
+    # Where no line was found: ten cycles, at which a detectable size is stated.
     return excitation.frequencies[:4] or (min(10.0 / excitation.duration, 0.1 / excitation.sample),)
 
 

@@ -186,7 +186,7 @@ def _on_grid(label: str, channel: Channel, grid: NDArray[np.float64]) -> Column:
             f"s to {channel.time[row]:.9g} s at sample {row + 1}; expected times that increase"
         )
         return Column(channel.name, values, channel.unit, fault)
-    # The grid has the first instant of a cluster, so that a sample belongs to the instant before.
+    # The grid has the first instant of a cluster, so a sample belongs to the one at or before it.
     rows = np.searchsorted(grid, channel.time, side="right") - 1
     values[rows] = channel.values
     return Column(channel.name, values, channel.unit)

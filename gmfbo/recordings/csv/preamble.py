@@ -13,7 +13,7 @@ _LOOKED_AT = 200
 
 
 def stated_delimiter(line: str) -> str:
-    """The delimiter that the line `sep=;` of a spreadsheet states; empty for other lines."""
+    """Delimiter stated by a spreadsheet's first line, such as `sep=;`; empty for other lines."""
     found = _SEPARATOR.fullmatch(line.strip())
     return found["mark"] if found else ""
 

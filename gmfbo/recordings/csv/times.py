@@ -19,7 +19,7 @@ _TICKS_PER_S = 10**12
 
 
 def is_time(text: str) -> bool:
-    """Whether a cell is a time of day or a date with a time."""
+    """Whether a cell, without blanks around it, is a time of day or a date with a time."""
     return any(form.fullmatch(text) for form in _FORMS)
 
 

@@ -66,9 +66,9 @@ def read_columns_from(stream: IO[bytes]) -> RecordedColumns | RecordedChannels |
     Raises
     ------
     EOFError
-            The stream ended early.
-        ValueError
-            The stream holds something else.
+        The stream ended early.
+    ValueError
+        The stream holds something else.
     """
     line = stream.readline()
     if not line.endswith(b"\n"):

@@ -1,7 +1,7 @@
 """Program of the reading process: reads files on request, one after the other.
 
-Readers of HDF5, Parquet, MAT, MDF and TDMS are foreign native code, which a damaged or hostile file
-may crash, hang or make use all memory. This then ends this process only.
+Readers of HDF5, Parquet, MAT, MDF and TDMS are foreign native code. A damaged or hostile file may
+crash it, hang it or fill the memory; this then ends this process only.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class RepairReport:
     whole, mended, lost : list of int
         Trials found whole, mended to the byte, and set aside.
     lines : list of str
-        Each damage and its outcome, a line each.
+        Each damage and its outcome, a line each; empty where nothing was damaged.
     """
 
     location: Path

@@ -18,8 +18,8 @@ from gmfbo.recordings.store.study_folder import StudyStore
 def repair_packed(path: str | Path) -> RepairReport:
     """Repair a packed study; the file itself stays as it is.
 
-    One wrong bit is mended in `NAME.repaired.h5`; otherwise each trial with a valid digest goes
-    to the study folder `NAME.repaired.study`.
+    One wrong bit is corrected and the file written as `NAME.repaired.h5`; otherwise each trial with
+    a valid digest goes to the study folder `NAME.repaired.study`.
 
     Parameters
     ----------

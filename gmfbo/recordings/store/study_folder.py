@@ -248,7 +248,7 @@ class StudyStore:
             self._lock = None
 
     def clear_away(self) -> list[str]:
-        """Remove and log a killed writer's unfinished files, and rebuild the index.
+        """Remove a killed writer's files, log them and new damaged lines, rebuild the index.
 
         Returns
         -------

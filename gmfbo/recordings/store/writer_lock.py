@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gmfbo.errors import StoreError
 
-# A process that holds an operating-system lock may lock it again, so count here.
+# The system lets a process lock its own lock again, so the locks of this process are kept here.
 _held: set[Path] = set()
 
 

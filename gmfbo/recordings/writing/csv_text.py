@@ -41,7 +41,7 @@ def _head_lines(recording: Recording, version: str) -> list[str]:
     if not is_ours(recording):
         lines.append(f"# {OWN}logger = {json.dumps('other')}")
     if recording.use is not None:
-        # A NumPy number would write its type along.
+        # The repr of a NumPy number includes its type.
         first, last = map(float, recording.use)
         lines.append(f"# use = {first!r}:{last!r}")
     if recording.start_time:

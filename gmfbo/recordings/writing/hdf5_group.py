@@ -25,7 +25,7 @@ _names_in_memory = itertools.count()
 
 
 def file_image(fill: Callable[[Any], None]) -> bytes:
-    """Build an HDF5 file in memory and return its bytes.
+    """Build an HDF5 file in memory, by `fill` of its root group, and return its bytes.
 
     HDF5 itself never writes to the disk: on a full disk it would crash the interpreter.
     """

@@ -17,9 +17,9 @@ class Curve:
     Attributes
     ----------
     method : str
-            Its method.
+        Its method.
     name : {"objective", "regret", "cost"}
-            Quantity on the y axis.
+        Quantity on the y axis.
     x : ndarray, shape (n,)
         Real runs; for the cost, queries.
     mean, low, high : ndarray, shape (n,)
@@ -129,7 +129,7 @@ class MethodSummary:
     method : str
         Its name.
     seeds : int
-            Number of seeds.
+        Number of seeds.
     median, mean : Spread
         Of n*, real runs until it arrived.
     never : float

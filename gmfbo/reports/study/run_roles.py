@@ -53,7 +53,7 @@ class Run:
 def placed_runs(
     trials: Sequence[Trial], events: Sequence[Mapping[str, Any]], budget: BudgetSection
 ) -> tuple[Run, ...]:
-    """Give each trial its role, query and cost."""
+    """Give each trial its role, query and cost; trials come in order of their numbers."""
     asked = {event["number"] for event in events if event["event"] == "ask"}
     begun = [event for event in events if event["event"] == "earlier"]
     earlier_runs = len(begun[-1]["trials"]) if begun else 0

@@ -32,7 +32,7 @@ class Binding:
     variables : mapping of str to BoundVariable
         By the names that the twin file uses.
     preset : mapping of str to float
-        Settings of the project's own controllers, below [parameters].
+        Settings of the project's own controllers; [parameters] overrides them.
     """
 
     file: TwinFile

@@ -46,7 +46,7 @@ def build_container(wiring: Wiring, step: float, folder: Path) -> Container:
     Parameters
     ----------
     wiring : Wiring
-            FMUs to join, and their wires.
+        FMUs to join, and their wires.
     step : float
         [s] Internal step.
     folder : Path

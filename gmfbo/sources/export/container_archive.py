@@ -27,7 +27,7 @@ from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.fmu_file.platforms import Platform
 from gmfbo.sources.fmu_file.unpacking import open_archive
 
-_EARLIEST = (1980, 1, 1, 0, 0, 0)  # that a zip archive can hold
+_EARLIEST = (1980, 1, 1, 0, 0, 0)  # earliest date of a zip archive
 _UNIX = 3
 _DESCRIPTION = "modelDescription.xml"
 
@@ -43,7 +43,7 @@ class Content:
     values : mapping of str to float
         [FMU's unit] Start values over the FMUs' own.
     exposed : tuple of ExposedParameter
-            Parameters of the named effects.
+        Parameters of the named effects.
     step, internal_step : float
         [s]
     platforms : tuple of Platform

@@ -86,7 +86,7 @@ def describe_container(
     Parameters
     ----------
     heading : Heading
-            Model name and step.
+        Model name and step.
     parts : sequence of Part
         FMUs whose variables are shown; those without a reference are left out.
     added : sequence of ExposedParameter
@@ -243,7 +243,7 @@ def _unknowns(structure: ET.Element, name: str, places: Iterable[int]) -> None:
 
 
 def _merge_units(descriptions: Iterable[ET.Element]) -> dict[str, ET.Element]:
-    """Gather the units of several FMUs; the first to say what a unit is in SI is believed."""
+    """Gather the units of several FMUs; the first definition of a unit in SI holds."""
     units: dict[str, ET.Element] = {}
     for description in descriptions:
         for unit in description.findall("UnitDefinitions/Unit"):
@@ -272,7 +272,7 @@ def contradicting_units(descriptions: Iterable[ET.Element]) -> list[str]:
             base = unit.find("BaseUnit")
             if base is not None:
                 values = {**{"factor": 1.0}, **{k: float(v) for k, v in base.attrib.items()}}
-                # An exponent of 0 is what is meant where none is written.
+                # A missing exponent means 0.
                 meaning = tuple(sorted((k, v) for k, v in values.items() if v != 0.0))
                 meanings.setdefault(unit.get("name", ""), set()).add(meaning)
     return sorted(name for name, found in meanings.items() if len(found) > 1)

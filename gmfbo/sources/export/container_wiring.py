@@ -88,8 +88,8 @@ class Wiring:
 def wire_up(binding: Binding, physics_fmu: Path) -> Wiring:
     """Place physics before the owners of the ports and show every variable under its name.
 
-    A port keeps taking what it took: the user's own input, or the wire that ended there, passes
-    through physics. Where it is both, an instance of physics.fmu with all effects off adds them:
+    A port keeps its former signal: the user's own input, or the wire that ended there, passes
+    through physics. Where it has both, an instance of physics.fmu with all effects off adds them:
     torque = port.torque + tracking.kp * (tracking.measured - state.position) with kp = 1.
 
     Raises

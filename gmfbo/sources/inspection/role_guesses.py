@@ -53,9 +53,9 @@ class Guess:
     key : str
         Signal, port, state or role.
     variable : FmuVariable
-            The variable.
+        The variable.
     why : str
-            Reason for the guess.
+        Reason for the guess.
     """
 
     key: str

@@ -60,7 +60,7 @@ class RecordedGrid:
     reading : SignalReading or None
         Tells which columns are signals, as a twin file does.
     content_hash : str
-        Hash of all files that are replayed.
+        Hash of the gains and files of all runs.
     """
 
     folder: Path
@@ -126,7 +126,7 @@ class RecordedGrid:
         return replace(self, runs=tuple(kept))
 
     def left(self, played: Sequence[Mapping[str, float]]) -> list[RecordedRun]:
-        """Recordings that are not replayed yet."""
+        """Recordings not replayed yet, after real runs at the gains `played`."""
         left = list(self.runs)
         for gains in played:
             used = next((run for run in left if run.made_at(gains)), None)

@@ -64,7 +64,7 @@ def available() -> Enclosure:
 
 
 def enclose(policy: Policy, *, own: list[Path], shared: list[Path]) -> Enclosure:
-    """Enclose this process for good; it must have one thread.
+    """Enclose this process for good, and return the parts in force; it must have one thread.
 
     Parameters
     ----------

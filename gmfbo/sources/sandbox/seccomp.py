@@ -44,9 +44,9 @@ def is_available() -> bool:
 
 
 def restrict(*, network: bool) -> bool:
-    """Deny this thread and its children the calls of `system_calls`.
+    """Deny this thread and its children the calls of `system_calls`; returns whether in force.
 
-    A denied call fails with EPERM, an ordinary error that an FMU can report.
+    A denied call fails with EPERM, an error that an FMU can report; `network` allows sockets.
     """
     if not is_available():
         return False

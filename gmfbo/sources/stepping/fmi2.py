@@ -30,7 +30,7 @@ class FmuCallError(SimulationError):
     Attributes
     ----------
     stage : Stage
-            Request to the FMU.
+        Request to the FMU.
     status : int
         FMI status of the answer.
     """

@@ -29,11 +29,11 @@ class RunPlan:
     Attributes
     ----------
     recording : Recording
-            Recording that is followed.
+        Recording that is followed.
     experiment : Experiment
-            The recording on the grid.
+        The recording on the grid.
     lead : int
-            Communication steps under the first row before the recording begins.
+        Communication steps under the first row before the recording begins.
     substeps : int
         Steps of physics and twin within each.
     inputs : ndarray, shape ((lead + rows - 1) * substeps, n_inputs)
@@ -58,11 +58,11 @@ class RunPlan:
         Parameters
         ----------
         recording : Recording
-                Recording that is followed.
+            Recording that is followed.
         experiment : Experiment
-                The recording on the grid.
+            The recording on the grid.
         lead : int
-                Communication steps under the first row.
+            Communication steps under the first row.
         substeps : int
             Steps of physics and twin within each.
         """

@@ -21,7 +21,7 @@ class RunParameters:
     Attributes
     ----------
     settings : tuple of Setting
-            Set before initialisation.
+        Set before initialisation.
     in_force : mapping of str to float
         Values [FMU's unit] that this run set over the twin file's, by name.
     schedules : mapping of str to ndarray, shape (n,)

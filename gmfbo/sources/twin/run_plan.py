@@ -26,9 +26,9 @@ class Experiment:
     binding : Binding
         The twin.
     parameters : RunParameters
-            Parameters of the run.
+        Parameters of the run.
     name : str
-            Of the recording that is followed.
+        Of the recording that is followed.
     step : float
         [s] Communication step.
     grid : ndarray, shape (rows,)
@@ -58,9 +58,9 @@ class Experiment:
         binding : Binding
             The twin.
         recording : Recording
-                Recording that is followed.
+            Recording that is followed.
         parameters : RunParameters
-                Parameters of the run.
+            Parameters of the run.
         step : float
             [s] Communication step.
 

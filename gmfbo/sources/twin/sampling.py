@@ -12,7 +12,7 @@ from gmfbo.errors import RecordingError
 # A sample later than a grid point by less than this share of a step belongs to that point: a
 # clock's jitter of 10 ns must not delay a held reference by a whole step.
 _LATE_SHARE = 0.1
-# Quartz clocks are off by up to 100 ppm each: two of them differ by at most twice that.
+# Quartz clocks are off by up to 100 ppm each, two by 200 ppm; beyond twice that they are no clocks.
 _CLOCKS_APART = 4e-4
 # A recording that ends this share of a step after a grid point needs no further point.
 _END_SHARE = 1e-3

@@ -58,7 +58,7 @@ class TwinFile(Table):
     Attributes
     ----------
     name : str
-            Name for messages.
+        Name for messages.
     fmu : str or None
         Path of the FMU; None where `fmus` is given.
     fmus : dict of str to str or ControllerEntry

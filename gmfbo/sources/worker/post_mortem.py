@@ -34,7 +34,7 @@ class WhereItStood:
     time : float or None
         [s] Last communication point reached.
     said : str
-        Its last printed line.
+        End of what it printed, in one line.
     policy : Policy
         Sandbox policy of the worker.
     held : int
@@ -70,7 +70,7 @@ class WhereItStood:
 
     @property
     def quote(self) -> str:
-        """Last printed line, to append to a message."""
+        """End of what the worker printed, to append to a message."""
         return f"; it printed last: {self.said!r}" if self.said else ""
 
 
@@ -80,7 +80,7 @@ def crash_message(where: WhereItStood, exit_code: int) -> str:
     Parameters
     ----------
     where : WhereItStood
-            Last known state.
+        Last known state.
     exit_code : int
         Negative where a signal ended it.
     """
@@ -126,9 +126,9 @@ def timeout_message(where: WhereItStood, limit_s: float) -> str:
     Parameters
     ----------
     where : WhereItStood
-            Last known state.
+        Last known state.
     limit_s : float
-            [s] Its wall-clock limit.
+        [s] Its wall-clock limit.
     """
     if where.stage == Stage.LOAD:
         return (

@@ -23,9 +23,9 @@ class StepExperiment:
     Attributes
     ----------
     reference : Recording
-            Reference that the axis follows.
+        Reference that the axis follows.
     signal : str
-            Measured signal that is scored.
+        Measured signal that is scored.
     step_time : float
         [s] Instant of the step.
     initial, step_size : float

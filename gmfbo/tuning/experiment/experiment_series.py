@@ -228,7 +228,7 @@ class ExperimentSeries:
         return {name: float(value) for name, value in _combined(each, self.shares).items()}
 
     def part_of(self, run: Recording, number: int) -> Recording:
-        """Part of a joined run that belongs to one reference, at its own times."""
+        """Part of a joined run with one reference (counted from 0), at its own times."""
         if len(self.parts) == 1:
             return run
         rows, times = self._slot(run.time, number)

@@ -42,9 +42,9 @@ class History:
     study : StudyFile
         The validated file.
     experiment : ExperimentSeries
-            Experiment of every source.
+        Experiment of every source.
     gains : GainChoice
-            Tuned and held gains.
+        Tuned and held gains.
     survey : int
         Number of twin runs over the box before the first query.
     earlier : int
@@ -222,11 +222,11 @@ class History:
         Parameters
         ----------
         source : {"IS1", "IS2"}
-                Source of the run.
+            Source of the run.
         gains : mapping of str to float
-                All gains by name.
+            All gains by name.
         run : Recording
-                Signals of the run.
+            Signals of the run.
         twin : str
             Content hash of the twin that ran.
         parent : int or None

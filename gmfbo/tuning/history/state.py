@@ -76,9 +76,9 @@ class TuningState:
     trials : tuple of Trial
         The runs themselves, for methods that use trajectories.
     experiment : ExperimentSeries
-            Experiment of every source.
+        Experiment of every source.
     objective : Objective
-            From metrics to cost.
+        From metrics to cost.
     limits : Limits
         On metrics.
     keep_out : KeepOut

@@ -59,7 +59,7 @@ def _gathered(state: TuningState, seen: Sequence[Observation]) -> Observations:
 def corrected_and_twin(
     state: TuningState, *, scaled: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Costs of the corrected twin and of the twin at the same gains, each shape (n,)."""
+    """g, or if `scaled` G, of the corrected twin and of the twin at equal gains, each (n,)."""
     pairs = [
         (seen.scaled, seen.uncorrected_scaled) if scaled else (seen.objective, seen.uncorrected)
         for seen in state.of("IS3")
@@ -111,7 +111,7 @@ def feasibility_of(state: TuningState) -> FeasibilityWeight:
 
 
 def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -> float:
-    """Bar of an improvement: least cost g of the data, or of runs that meet the limits.
+    """Incumbent of the sources: least cost g of the data, or of runs that meet the limits.
 
     After a change of the plant, of the runs since.
     """

@@ -119,6 +119,6 @@ class Method(Protocol):
         Parameters
         ----------
         state : TuningState
-                All observations.
+            All observations.
         """
         ...

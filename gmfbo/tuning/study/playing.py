@@ -24,13 +24,13 @@ def play(
     Parameters
     ----------
     source : Source
-            Source of the run.
+        Source of the run.
     gains : mapping of str to float
         Gains of the query.
     experiment : ExperimentSeries
-            References that are played.
+        References that are played.
     envelope : Envelope, optional
-            Safety envelope of the real axis; a twin has none.
+        Safety envelope of the real axis; a twin has none.
 
     Returns
     -------

@@ -60,9 +60,9 @@ def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]
     Parameters
     ----------
     section : SafetySection
-            With `start`.
+        With `start`.
     gains : GainChoice
-            Tuned and held gains.
+        Tuned and held gains.
 
     Raises
     ------
@@ -92,9 +92,9 @@ def check_signals(section: SafetySection, sources: StudySources) -> None:
     Parameters
     ----------
     section : SafetySection
-            Signals of the envelope.
+        Signals of the envelope.
     sources : StudySources
-            With IS1; the signals of a plant that is no FMU are unknown beforehand.
+        With IS1; the signals of a plant that is no FMU are unknown beforehand.
 
     Raises
     ------

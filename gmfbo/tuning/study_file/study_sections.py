@@ -255,7 +255,7 @@ class BudgetSection(Section):
         return 20 if self.is1_runs is None else max(100, 5 * self.is1_runs)
 
     def queries_left(self, queries: int, real_runs: int) -> int:
-        """Least number of queries until a budget ends; twin queries may add to it."""
+        """Fewest queries left in the budget; `real_runs` count initial ones, `queries` do not."""
         left = self.most_queries - queries
         if self.is1_runs is not None:
             left = min(left, self.is1_runs - real_runs)

@@ -21,9 +21,9 @@ class ToldRun:
     Attributes
     ----------
     recording : Recording
-            The recording.
+        The recording.
     file : str
-            Its path; empty for a recording in memory.
+        Its path; empty for a recording in memory.
     sha256 : str
         Hash of the file's bytes; empty without a file.
     """

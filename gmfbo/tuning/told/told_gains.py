@@ -28,9 +28,9 @@ def told_gains(
     Parameters
     ----------
     request : TrialRequest
-            The request.
+        The request.
     recording : Recording
-            The told recording; its parameters hold the gains in force.
+        The told recording; its parameters hold the gains in force.
     choice : GainChoice
         Ranges of the gains, and the values of those that are held.
     given : mapping of str to float, optional

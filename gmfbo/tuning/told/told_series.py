@@ -25,9 +25,9 @@ def read_told(
     told : Recording, str, Path, or a sequence of them
         One for each reference, in order. A single `Recording` is the whole query.
     reading : SignalReading or None
-            Meaning of a file's columns.
+        Meaning of a file's columns.
     experiment : ExperimentSeries
-            References that were played.
+        References that were played.
 
     Raises
     ------
