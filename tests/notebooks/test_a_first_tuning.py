@@ -11,6 +11,7 @@ import pytest
 NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/01_a_first_tuning.py"
 
 
+@pytest.mark.slow
 def test_five_real_runs_beat_the_gains_in_use(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,9 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/07_add_an_effect_a_metric_a_method.py"
 
 
+@pytest.mark.slow
 def test_ones_own_effect_metric_and_method_are_used_for_real(tmp_path: Path) -> None:
     environment = {name: value for name, value in os.environ.items() if name != "GMFBO_PHYSICS"}
     environment |= {"PYTHONPATH": str(NOTEBOOK.parents[1]), "TMPDIR": str(tmp_path)}

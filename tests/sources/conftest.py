@@ -12,6 +12,7 @@ from typing import Protocol
 import pytest
 
 from gmfbo.sources.fmu_file.models import models_folder
+from tests.sources.worker.processes import forget_earlier
 
 TEST_FMUS = Path(__file__).resolve().parents[1] / "fmus"
 
@@ -63,6 +64,12 @@ force = "controller.u"
 
 class WriteTwin(Protocol):
     def __call__(self, text: str, fmu: Path | None = None) -> Path: ...
+
+
+@pytest.fixture(autouse=True)
+def only_own_processes() -> None:
+    """A test counts the processes that it starts."""
+    forget_earlier()
 
 
 @pytest.fixture

@@ -11,12 +11,21 @@ STANDING = (
     b"gmfbo.recordings.reading_process.reading_program",
 )
 
+_earlier: set[int] = set()
+
+
+def forget_earlier() -> None:
+    """Leave out processes that are there by now: fixtures of other files may hold them."""
+    _earlier.clear()
+    _earlier.update(children())
+
 
 def children(of: int | None = None) -> list[int]:
     """Processes, zombies too, whose parent is this or that process.
 
     Standing helpers are not among them, which stay to the end of a process once it needed them:
-    Python's tracker of a pool's resources, and the reader of foreign recordings.
+    Python's tracker of a pool's resources, and the reader of foreign recordings. Nor are those
+    that were there before the test.
     """
     parent = of or os.getpid()
     found = []
@@ -28,7 +37,8 @@ def children(of: int | None = None) -> list[int]:
             except OSError:
                 continue
             is_child = int(status.rpartition(")")[2].split()[1]) == parent
-            if is_child and not any(name in command for name in STANDING):
+            known = int(entry.name) in _earlier or any(name in command for name in STANDING)
+            if is_child and not known:
                 found.append(int(entry.name))
     return found
 
