@@ -1,4 +1,4 @@
-"""From the names that stand to a diagnosis: verdict, place, sizes and the next experiment."""
+"""Conclude a diagnosis from the confirmed names: verdict, place, sizes, next experiment."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True, eq=False)
 class Conclusion:
-    """What a search came to, and what follows from it.
+    """Result of a search, and the diagnosis that follows from it.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Conclusion:
     reasons : dict of str to str
         Why an effect could not be tested.
     outside : Outside or None
-        What explains more without a name; None where it was not looked for.
+        Free function that may explain more than the names; None where none was fitted.
     result : Validated
         Errors on recordings that were not fitted.
     """
@@ -81,13 +81,13 @@ class Conclusion:
 
     @cached_property
     def units(self) -> Units:
-        """Of the twin's ports and states."""
+        """Units of the twin's ports and states."""
         return units_of(self.case)
 
     def diagnosis(
         self, seed: int, started: float, rng: np.random.Generator, progress: Progress
     ) -> Diagnosis:
-        """Draw the conclusion.
+        """Make the diagnosis.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class Conclusion:
         rng : numpy Generator
             Of the draws for intervals, and for what noise alone would leave.
         progress : callable (str, float)
-            Told the stage and the share that is done.
+            Called with the stage and the share done.
         """
         case, decision, result = self.case, self.decision, self.result
         spread = self._spread(rng)
@@ -159,7 +159,7 @@ class Conclusion:
         return location
 
     def _next_experiment(self) -> tuple[NextExperiment | None, str]:
-        """What to record next where rivals remain or much was not excited, and its file's text."""
+        """Next experiment, where rivals remain or friction was not excited, and its file's text."""
         case, decision = self.case, self.decision
         rivals = next((r for r in decision.rounds if r.rivals), None)
         with TemporaryDirectory() as folder:
@@ -176,7 +176,7 @@ class Conclusion:
 
     @property
     def _shape(self) -> Shape | None:
-        """The unnamed signal; None where it was not looked for."""
+        """Signal inferred by the free function; None where none was fitted."""
         if self.outside is None:
             return None
         units = self.units
@@ -192,7 +192,7 @@ class Conclusion:
 
     @property
     def _latent(self) -> Shape | None:
-        """The unnamed signal beside the names that it was found under, where they act there too."""
+        """The inferred signal beside named effects; None unless one acts at the torque port."""
         at_torque = [r for r in self.decision.rounds if r.winner.effect.law.port == "torque"]
         return self._shape if at_torque else None
 

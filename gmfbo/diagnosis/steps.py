@@ -50,11 +50,11 @@ class Search:
     case : Case
         Twin and recordings.
     rng : numpy Generator
-        Of all randomness.
+        Source of all random draws.
     assume, exclude : sequence of str
         Effects that are tested in any case, and that are not considered.
     progress : callable (str, float)
-        Told the stage and the share that is done.
+        Called with the stage and the share done.
     """
 
     def __init__(
@@ -75,9 +75,9 @@ class Search:
         Parameters
         ----------
         seed : int
-            To be told.
+            Seed, for the result.
         started : float
-            [s] When, by `time.perf_counter`.
+            [s] Start of the diagnosis by `time.perf_counter`.
         unseen : Case or None
             Recordings that are only scored; without them, part of the case's own are held out.
         """
@@ -98,7 +98,7 @@ class Search:
         return found.diagnosis(seed, started, self.rng, self.progress)
 
     def _decision(self, reasons: dict[str, str]) -> Decision:
-        """What to name, about the best fit without names."""
+        """Decide on names, from the best fit without names."""
         case, decision = self.case, self._about_the_fit(reasons)
         if not decision.rounds:
             return decision
@@ -112,7 +112,7 @@ class Search:
         return self._about_the_fit(reasons)
 
     def _about_the_fit(self, reasons: dict[str, str]) -> Decision:
-        """What to name, about the twin as it is refitted so far."""
+        """Decide on names, from the present refit of the twin."""
         excitation = self.case.setting.excitation
         testable = [name for name in CATALOGUE if name not in reasons]
         library = candidates(testable, excitation) + self.lines.passing(testable)
@@ -138,7 +138,7 @@ class Search:
         )
 
     def _outside(self, decision: Decision) -> Outside | None:
-        """What explains more without a name; None where the twin has no torque port."""
+        """Fit free functions, which replace names that they beat; None without a response."""
         if self.lines.response is None:
             return None
         self.progress("looking outside the library", 0.8)
@@ -153,7 +153,7 @@ class Search:
     def _confirmed(
         self, decision: Decision, outside: Outside | None, unseen: Case | None
     ) -> Validated:
-        """Score on the other recordings; names that these speak against are taken back."""
+        """Score on held-out recordings, and withdraw names that these contradict."""
         result = self._validated(decision, outside, unseen)
         why = None
         if result.fit.removes_nothing and is_weak(decision):
@@ -186,7 +186,7 @@ class Search:
         return validated_on(case, model, split, self._unnamed_change(outside, split), decision.left)
 
     def _take_names_back(self, decision: Decision, why: str) -> None:
-        """Name nothing where that would not help."""
+        """Withdraw all names, and note the reason."""
         names = " and ".join(words(entry.winner.name) for entry in decision.rounds)
         self.case.notes.append(
             f"{names} would explain the recordings that were fitted, but {why}: nothing is named"
@@ -213,7 +213,7 @@ class Search:
     def _unnamed_change(
         self, outside: Outside | None, split: Split
     ) -> list[Sequence[NDArray[np.float64]]] | None:
-        """What a free function changes in each recording, by a fit that sees the fitted ones."""
+        """Change of each recording's signals by the free function, fitted without held-out ones."""
         if outside is None:
             return None
         windows = self.case.budget.windows

@@ -55,7 +55,7 @@ def track_recordings(simulations: Simulations, rig: Rig, inertia: float) -> None
     Parameters
     ----------
     simulations : Simulations
-        Changed in place: gets the loop, and recordings whose positions are the loop's error.
+        Changed in place: gets the loop, and records whose positions have a `driving` part.
     rig : Rig
         Where the recorded position is.
     inertia : float
@@ -80,7 +80,7 @@ def track_recordings(simulations: Simulations, rig: Rig, inertia: float) -> None
 
 
 def _untracked(column: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part of a position too fast for the loop, on the communication grid; it is scored."""
+    """Part of a position that is too fast for the loop to follow, shape (rows,); it is scored."""
     w = TRACKING_RAD_S
     closed = [1.0, 2.0 * _TRACKING_DAMPING * w, w**2]
     b, a = bilinear([1.0, 0.0, 0.0], closed, fs=1.0 / float(grid[1] - grid[0]))

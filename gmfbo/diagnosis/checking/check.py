@@ -141,7 +141,7 @@ def _logged(nominal: NominalCase) -> dict[str, str]:
 
 
 def _source(case: Case) -> str | None:
-    """Input that drove the recordings: the reference, or else the input that moves most."""
+    """Input that drove the recordings: the reference, or else the first input that moves."""
     inputs = [
         name
         for name in case.twin.file.inputs

@@ -28,7 +28,7 @@ _STEADY_CHANGE = 0.02  # of the speed, between the halves of a stretch at steady
 _JUMP = (1.5, 20.0)  # step over its neighbours' where rows are lost
 _JUMP_SPREADS = 6.0  # of all steps beside their neighbours'
 _JUMP_SHARE = 0.2  # of the fastest step: a lost row at standstill shows nothing
-_MOVING = 0.1  # of that share: a signal that moves faster would have to jump too
+_MOVING = 0.1  # of the least jump: a signal with larger usual steps would have to jump too
 _ALIKE = 0.3  # by which two columns may differ in how many rows they miss
 
 

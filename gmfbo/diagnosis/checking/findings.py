@@ -28,8 +28,8 @@ _CLIPPED_SHARE = 3e-3
 _JITTER = 0.05  # of a step; recordings that jitter by more than twice that are not read
 _COARSE = 3.0 * math.sqrt(12.0)  # quanta: rounding is three times what the diagnosis tolerates
 _FARTHEST = 1.5  # standard deviations of a nuisance's prior above which an error is reported
-_SHIFT = 0.5  # of a sample
-_BY_CONTROLLER = (0.9, 0.95)  # of the residual by one error, if the rest is noise or not
+_SHIFT = 0.5  # of a sample: a smaller shift is not reported
+_BY_CONTROLLER = (0.9, 0.95)  # least share by one error, where the rest is noise, and elsewhere
 _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
 _SHIFT_BY_TWIN = 2.0  # samples
 _SCALE_BY_TWIN = 0.02
@@ -261,7 +261,7 @@ def _of_gain(name: str, culprit: Culprit) -> Finding:
 
 
 def _by_twin(case: Case, name: str, signal: str, seen: SeenAlignment) -> list[Finding]:
-    """Findings against the twin alone: only an error that explains nearly all is reported."""
+    """Findings against the twin alone, where shift, scale and offset explain nearly all."""
     if seen.explained < _BY_TWIN:
         return []
     sample, prior = _sample(case, signal), case.rig.alignments[signal]

@@ -90,7 +90,7 @@ def open_nominal(
 def _logged_as(case: Case, checked: Parities) -> str | None:
     """Logging convention of the command, by the clearest recording; None where none is clear.
 
-    One recording with a shifted column would mislead a vote of all.
+    A sum over all recordings would be misled by one with a shifted column.
     """
     command = command_of(case)
     if checked.controller is None or command is None:

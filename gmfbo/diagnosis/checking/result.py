@@ -141,7 +141,7 @@ class SeenAlignment:
 
 @dataclass(frozen=True)
 class RecordingFacts:
-    """One recording.
+    """Motion, quality and alignment of one recording.
 
     Attributes
     ----------

@@ -1,8 +1,8 @@
 """Time shift, scale and offset of columns against the twin or its controller.
 
 The command is compared with the one that the twin's controller computes from the recorded
-measurement. No plant takes part, so missing physics cannot mislead this comparison. An error of
-the measurement changes the computed command in another way than an error of the command column.
+measurement. No plant takes part, so missing physics cannot mislead this comparison. It also tells
+which column is wrong, since an error of the measurement changes the computed command otherwise.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def _left(target: Array, free: Sequence[Array]) -> float:
 
 
 def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
-    """Align each recording's command; empty where the controller could not be checked."""
+    """Align the commands at nominal parameters; empty where the controller was not checked."""
     command = command_of(case)
     if checked.controller is None or command is None or case.rig.position is None:
         return []

@@ -90,7 +90,7 @@ def _probed(
 def _sizes(
     case: Case, tried: Sequence[Probe], record: int | None
 ) -> tuple[dict[str, DetectableSize], dict[str, str]]:
-    """Smallest sizes by effect in one recording or in all, and effects that do not show."""
+    """Smallest sizes by effect in one recording or in all, and why others do not show."""
     whiteners = case.misfit.whiteners
     if record is not None:
         whiteners = tuple(w for w in whiteners if w.window.record == record)

@@ -20,7 +20,7 @@ _ALIKE = 0.01  # relative difference of the gain allowed between recordings
 
 @dataclass(frozen=True)
 class ShownGain:
-    """A controller gain whose value in all recordings was another than stated.
+    """A controller gain that differed from the stated one in all recordings.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def _scheduled(recordings: Sequence[Recording]) -> set[str]:
 
 
 def _told_by(view: ControllerView) -> tuple[str, float] | None:
-    """Gain, and its ratio to the stated one, that one recording's command shows."""
+    """Gain that one recording's command shows, and its ratio to the stated gain minus one [1]."""
     if view.excess <= FAILS_ABOVE:
         return None
     best = view.culprits[0]

@@ -37,7 +37,7 @@ class Menu:
     references : tuple of Recording
         The patterns as recordings.
     records : tuple of Record
-        The recordings as they are scored, with the signals of the real recordings.
+        The patterns as scored records, with the same signals as the real recordings.
     """
 
     entries: tuple[MenuEntry, ...]
@@ -69,7 +69,7 @@ def recorded_limits(case: Case, base: Fitted, reference: str) -> RecordedLimits:
     case : Case
         Twin and recordings.
     base : Fitted
-        The model that moves as they do, without encoder noise.
+        Model that moves like the recordings; replayed encoder noise is left out.
     reference : str
         Input that the controller follows.
     """
@@ -200,7 +200,7 @@ class Played:
 
 
 def play(case: Case, rival: Fitted) -> Played | None:
-    """Simulate the menu under a rival, with derivatives; None where a run ends early."""
+    """Simulate the menu that `case` plays now under a rival; None where a run ends early."""
     hypothesis = rival.hypothesis.quiet
     simulated = case.simulations.run([hypothesis.point(rival.x)])[0]
     if not all(run.finite for run in simulated):

@@ -61,7 +61,7 @@ class Confirmation:
     Attributes
     ----------
     recording : str
-        Of the observed run.
+        Name of the observed run.
     scored : tuple of float
         [s] Part of it that was scored.
     predictions : tuple of Prediction
@@ -82,7 +82,7 @@ class Confirmation:
 
     @property
     def expected(self) -> float:
-        """Misfit of the best explanation on the recordings of the diagnosis; at least one."""
+        """Least chi2 per residual on the recordings of the diagnosis; at least one."""
         return max(1.0, min(p.fitted for p in self.predictions))
 
     def fits(self, prediction: Prediction) -> bool:
@@ -96,7 +96,7 @@ class Confirmation:
         return prediction.per_residual <= FAR * self.expected
 
     def behind(self, other: Prediction) -> float:
-        """Excess chi2 of an explanation over the best, per unit of the best one's residual.
+        """Excess chi2 of an explanation over the best, over the best one's chi2 per residual.
 
         No law is exact, so a difference counts relative to the error of the best prediction.
 
@@ -114,7 +114,7 @@ class Confirmation:
 
     @property
     def removed(self) -> float:
-        """Share of the parameters-only error that the best explanation removes; NaN without one."""
+        """Share of the parameters-only chi2 beyond noise that the best removes; NaN without any."""
         plain = next((p for p in self.predictions if p.name == PARAMETERS_ONLY), None)
         if plain is None or plain is self.best or plain.per_residual <= 1.0:
             return math.nan

@@ -96,7 +96,7 @@ def reference_menu(limits: RecordedLimits) -> tuple[MenuEntry, ...]:
 
 
 def _triangle(limits: RecordedLimits) -> Column:
-    """Once through the whole range, in the time of the longest recording."""
+    """Once through the whole range, in about the time of the longest recording."""
     places = [limits.high, limits.low, limits.start]
     ways = np.abs(np.diff([limits.start, *places]))
     times = 0.8 * limits.duration * ways / max(ways.sum(), 1e-300)

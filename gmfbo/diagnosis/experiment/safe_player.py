@@ -23,7 +23,7 @@ _TRIES = 25
 _NEXT = 0.995  # of the factor by which a linear axis would have to shrink
 _LEAST = 0.02  # of a reference: less of it is not worth playing
 _SLACK = 1e-3  # of a range, by which a controlled axis may stand off its start
-_TRIED_SHARE = 0.1  # of the torque limit: effort of the first trial of a plant
+_TRIED_SHARE = 0.1  # of the torque limit: effort by which a plant's motion is first simulated
 _UNIT_TRIED = 1e-2  # [unit of the input] the same where there is no limit and no inertia
 
 

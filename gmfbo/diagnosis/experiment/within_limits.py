@@ -130,7 +130,7 @@ def _joined(
 
 
 def _playable(player: SafePlayer, limits: PlayLimits) -> list[Pattern]:
-    """Patterns shrunk to what the axis can follow, with the columns to play."""
+    """Patterns shrunk until the axis keeps its limits, with the columns to play."""
     start = player.start
     if not limits.low <= start <= limits.high:
         raise InputError(
@@ -158,7 +158,7 @@ def _as_recorded(
     diagnosis: Diagnosis | None,
     rng: np.random.Generator,
 ) -> list[Recording]:
-    """Recordings of the patterns as a logger would store them if the axis were its twin."""
+    """The patterns as a logger would record them, with noise, if the axis were its twin."""
     told = None if diagnosis is None else diagnosis.predictions
     known = {} if told is None else told.noise
     recordings = []

@@ -82,7 +82,7 @@ def _of_window(
 
 
 def _bands(frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Half-octave bands; the lowest frequencies get their own, since drifts are steep there."""
+    """Half-octave bands from 0.7 Hz: 0, 1 and 2 Hz lie apart, since drifts are steep there."""
     bands: NDArray[np.int64] = np.floor(
         2.0 * np.log2(np.maximum(frequencies, _LOWEST_HZ) / _LOWEST_HZ)
     ).astype(int)

@@ -95,7 +95,7 @@ def fit(
     The Jacobian changes little from step to step, and with one effect more. Near a model that has
     effects and fits well, the search begins with that model's Jacobian and keeps it (the chord
     method; Ortega, Rheinboldt 1970, section 7.1) until a step falls short of its predicted gain.
-    From there on, the Jacobian is measured at each step.
+    A second search from its end measures the Jacobian at each step.
 
     Parameters
     ----------

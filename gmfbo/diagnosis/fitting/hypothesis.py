@@ -56,7 +56,7 @@ class Candidate:
 
     @property
     def searched(self) -> int:
-        """Lines and instants of the effect that were found by a search."""
+        """Number of lines and instants of the effect that were found by a search."""
         return max(
             sum(p.name.startswith("wavenumber_") for p in self.parameters), self.law.is_searched
         )

@@ -23,7 +23,7 @@ _STEPS = 3  # of the other parameters, at each value of the one
 def widened_by_profile(
     misfit: Misfit, fitted: Fitted, spread: Spread, places: Sequence[int]
 ) -> Spread:
-    """Widen intervals as far as the likelihood does not fall.
+    """Widen the intervals of the parameters at `places` as far as the likelihood allows.
 
     A shaft of twice the stiffness with 1.4 times the load looks the same below its resonance. The
     derivatives at the fit give the direction of such a valley, but not its bend. So each parameter

@@ -59,7 +59,7 @@ def simulated_left_out(
 
 
 def squares(residual: Blocks, groups: Sequence[int]) -> NDArray[np.float64]:
-    """Sum of squares of each group, shape (n_groups,)."""
+    """chi2 of each group of whitened windows, shape (n_groups,)."""
     total = np.zeros(max(groups) + 1)
     for block, g in zip(residual, groups, strict=True):
         total[g] += float(block @ block)

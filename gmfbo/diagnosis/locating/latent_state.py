@@ -19,7 +19,7 @@ from gmfbo.physics import States
 _BINS = 10
 _TIME_BINS = 8  # of each recording
 _BLOCK_S = 0.01
-_LEAST_RANK = 4  # so that a constant signal must explain as much as any other
+_LEAST_RANK = 4  # so that a state with a single column must explain as much as any other
 
 Column = NDArray[np.float64]
 

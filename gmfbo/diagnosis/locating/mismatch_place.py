@@ -184,7 +184,7 @@ def _likeliest(ranked: Sequence[StateFit]) -> StateFit | None:
 
 
 def _failing(parities: Parities) -> tuple[SignalPath, Parity] | None:
-    """First failing part; a transmission between two encoders is more certain than the plant."""
+    """First failing part; the transmission precedes the plant where its excess is as large."""
     controller, plant, joint = parities.controller, parities.plant, parities.transmission
     if controller is not None and controller.fails:
         return "controller", controller

@@ -67,7 +67,7 @@ def logged_as(checked: Parities) -> str | None:
 
 
 def parities(case: Case, base: Fitted) -> Parities:
-    """Check each part of the loop on its own."""
+    """Check each part of the loop on its own, by the residuals of the model `base`."""
     return _Checks(case, base).run()
 
 
@@ -148,8 +148,8 @@ class _Checks:
     def _leak(self, twin: HeldTwin, command: str) -> float | None:
         """Spread of the command's error in a null simulation; None where the test fails.
 
-        The twin itself computed the command under a disturbance that this test leaves out. Without
-        one, the test would pass even if the sensor port fed nothing.
+        The twin computes the command under a disturbance, and again without it, held on its own
+        measurement. Without a disturbance, a sensor port that feeds nothing would pass.
         """
         k = twin.busiest
         run = twin.disturbed(k)
@@ -170,7 +170,7 @@ class _Checks:
         return spread
 
     def _more(self, efforts: Sequence[Column]) -> float:
-        """Ratio of the recordings' disturbance to that of the null simulation."""
+        """Ratio of the recordings' disturbance to that of the null simulation, at least 1."""
         if not efforts:
             return 1.0
         hidden = DISTURBANCE * self.case.setting.excitation.torque

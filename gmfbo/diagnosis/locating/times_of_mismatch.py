@@ -33,7 +33,7 @@ class Stretch:
     start, end : float
         [s]
     weight : float
-        Sum of squares of the mismatch.
+        Sum of squares of the mismatch, or number of moving rows in `moving_parts`.
     """
 
     record: int
@@ -67,7 +67,7 @@ def strongest(
 
 
 def moving_parts(grids: Sequence[Column], masks: Sequence[Mask]) -> list[Stretch]:
-    """Rows of each recording from its first to its last motion.
+    """Stretch of each recording from its first to its last motion, most motion first.
 
     Parameters
     ----------

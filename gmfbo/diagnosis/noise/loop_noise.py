@@ -46,7 +46,7 @@ def noise_runs(
     point : Point
         Values at which the twin runs.
     base : sequence of Simulated
-            The recordings simulated without noise.
+        The recordings simulated without noise.
     sigma : float or None
         [FMU's unit] Standard deviation of the position's noise; None where none is recorded.
     position : str or None
@@ -184,7 +184,7 @@ def own_variances(
     loop_noise : sequence of Direction
         Changes of the signals under the sensor's noise.
     base : Simulated
-            The recording simulated without noise.
+        The recording simulated without noise.
     position : str or None
         Signal that is the sensor's reading.
     """

@@ -35,7 +35,7 @@ _FEWEST_BINS = 20
 def noise_of_all(
     simulations: Simulations, rig: Rig, levels: Sequence[dict[str, NoiseLevel]]
 ) -> dict[str, NoiseLevel]:
-    """Noise of each signal over all recordings, always with the position's."""
+    """Noise of each signal over all recordings, and of a recorded position in any case."""
     names = dict.fromkeys(name for level in levels for name in level)
     found = {name: level for name in names if (level := pooled(list(levels), name)) is not None}
     if rig.position is not None and rig.position not in found:

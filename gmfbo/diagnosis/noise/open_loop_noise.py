@@ -40,7 +40,7 @@ class ReadNoise:
     step : float
         [s] Of the grid.
     corner : float
-        [Hz] Lowest frequency of the noise.
+        [Hz] Frequency above which the noise is known.
     """
 
     column: Array

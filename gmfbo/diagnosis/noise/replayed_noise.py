@@ -35,7 +35,7 @@ _SETTLED = 0.01  # of the noise: a smaller change ends the rounds
 _CONTAINED = 0.5  # of the sensor port's noise: a reading that shows more contains the port
 _END = 0.02  # of a recording, at each end
 _TRANSIENT = 4.0  # times the level: more at an end of the recording is a transient, not noise
-_FELT = 30.0  # chi2 of the slow change by relevant noise; its onset alone causes up to 15
+_FELT = 30.0  # least chi2 of the slow change by relevant noise; its onset alone causes up to 15
 _WORSE = 1.1  # times a signal's fast residual: noise that raises it more never reached the motor
 
 
@@ -56,7 +56,7 @@ class RecordedNoise:
     signal : str
         Output that is the reading.
     corner : float
-        [Hz] Lowest frequency of the noise.
+        [Hz] Frequency above which the noise is known.
     at_port : ndarray, shape (rows,)
         [FMU's unit] From each communication point on.
     to_si : float
@@ -219,7 +219,7 @@ def without_noise(simulations: Simulations, model: Fitted) -> Fitted:
 
 
 def _explains_more(misfit: Misfit, model: Fitted, noisy: Hypothesis) -> bool:
-    """Whether noise changes a model's signals, and its chi2 is lower then after a refit."""
+    """Whether noise changes a model's signals and, after a linear refit, lowers its chi2."""
     after = misfit.simulations.run_here(noisy.point(model.x))
     if not all(run.finite for run in after):
         return False

@@ -46,7 +46,7 @@ WORDS: Mapping[str, str] = {
 """Name of each model on the page."""
 
 _MOST_POINTS = 48_000  # of all drawn lines: about half a megabyte
-_MOST_NUMBERS = 110_000  # of all curves for the script: about another
+_MOST_NUMBERS = 110_000  # of all curves for the script: about another half megabyte
 
 
 def recordings_to_show(diagnosis: Findings) -> list[str]:

@@ -1,4 +1,4 @@
-"""The control loop as a drawing, with the guilty place marked."""
+"""The control loop as a drawing, with the parts marked in which the mismatch sits."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class Augmentation:
         return Path(self.twin).name if isinstance(self.twin, (str, Path)) else self.twin.name
 
     def export(self, folder: Path) -> AugmentedFmu:
-        """Write `augmented.fmu` and `augmented.toml`.
+        """Write `augmented.fmu` and `augmented.toml` into an existing folder.
 
         Raises
         ------

@@ -27,7 +27,7 @@ class _Misfit(Exception):
 
 
 def diagnosis_text(diagnosis: Findings) -> str:
-    """Return a diagnosis as JSON, schema 1; NaN and infinities become null."""
+    """Return a diagnosis as JSON, schema 1, with a line end; NaN and infinities become null."""
     content = {"schema": SCHEMA, **_plain(diagnosis)}
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 

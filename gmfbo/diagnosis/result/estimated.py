@@ -1,4 +1,4 @@
-"""Estimates without physics: the twin's own parameters, and alignment of the signals."""
+"""Estimates beside the physics: the twin's own parameters, and alignment of the signals."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
-_JUMP_SHARE = 0.7  # of a signal's changes: a command makes as many at its sampling instants
+_JUMP_SHARE = 0.7  # least share of a command's squared changes that falls on sampling instants
 
 
 def logged_new(

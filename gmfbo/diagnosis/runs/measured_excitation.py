@@ -15,7 +15,7 @@ from gmfbo.physics import Excitation, States
 
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
-_AT_REST = 0.02  # of the motion caused by a push
+_AT_REST = 0.02  # of the motion caused by a push: a smaller distance counts as rest
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range: wanted answer to a probing torque
 
 
@@ -153,7 +153,7 @@ def _answer(run: Simulated, base: Simulated, half: int) -> tuple[NDArray[np.floa
 
 
 def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half: int) -> float:
-    """Time until a step's answer stays within a third of its final value."""
+    """[s] Time until a step's answer stays within 37 % of its final value."""
     final = float(np.median(answer[half // 2 : half]))
     return _last_beyond(np.abs(answer[:half] - final) > 0.37 * abs(final), grid)
 
@@ -161,7 +161,7 @@ def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half:
 def _rest_time(
     answers: Sequence[NDArray[np.float64]], grid: NDArray[np.float64], half: int
 ) -> float:
-    """Time until all answers to a step stay near their final values; else the whole step."""
+    """[s] Time until all answers to a step stay near their final values; else the whole step."""
     far = np.zeros(half, dtype=bool)
     for answer in answers:
         pushed = answer[:half]

@@ -73,9 +73,9 @@ class Record:
     Attributes
     ----------
     name : str
-            Of its file.
+        Of its file.
     plan : RunPlan
-            Plan of its simulation.
+        Plan of its simulation.
     signals : tuple of ScoredSignal
         Signals that are compared with the twin's outputs.
     start, end : float

@@ -253,7 +253,7 @@ class Simulations:
         return list(self._threads.map(work, tasks))
 
     def map_outer(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
-        """Apply tasks that each simulate runs one after the other, one task a simulator."""
+        """Apply work that simulates its runs one by one, as many tasks at a time as simulators."""
         with ThreadPoolExecutor(len(self._all)) as threads:
             return list(threads.map(work, tasks))
 

@@ -9,11 +9,11 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
 
 _READ_BACK = 0.5  # of the signal added at the sensor port: a reading that contains it shows more
-_STEP_CHANGE = 0.01  # of a signal's range: largest change allowed by a finer communication step
+_STEP_CHANGE = 0.01  # of a signal's range: largest RMS change allowed by a finer communication step
 
 
 def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
-    """Whether a twin's outputs stay the same with a finer communication step.
+    """Whether a twin's outputs stay the same with `substeps` communication steps in place of one.
 
     Some FMUs refuse finer steps; in others the controller computes once a step of any length.
     """
@@ -42,9 +42,9 @@ def reads_back(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
     twin : FmuTwin
         The user's.
     recording : Recording
-            Recording that is simulated.
+        Recording that is simulated.
     substeps : int
-            Steps of physics within one of the twin.
+        Steps of physics within one of the twin.
     """
     with AugmentedTwin(twin, substeps=substeps) as simulator:
         if "sensor" not in simulator.ports or "position" not in twin.file.states:

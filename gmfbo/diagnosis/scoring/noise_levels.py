@@ -35,7 +35,7 @@ class NoiseLevel:
     Attributes
     ----------
     total : float
-        [SI] Standard deviation of the part that is too fast for mechanics.
+        [SI] Standard deviation, from the part of the signal that is too fast for mechanics.
     least : float
         [SI] Part that resolution and rounding alone cause.
     """
@@ -169,7 +169,7 @@ def loop_covariance(window: Window, changes: Sequence[Sequence[NDArray[np.float6
 
 
 def tolerance_covariance(window: Window, record: Record, positions: frozenset[str]) -> Spectrum:
-    """Diagonal covariance of a tolerance: a share of each signal's spectrum, smoothed."""
+    """Diagonal covariance of a tolerance: share of each spectrum, smoothed over an octave."""
     spectrum = window.spectra([_carrier(s) for s in record.signals])
     # A free axis answers a force by 1/f^2: smoothed as an acceleration, its slow part does not
     # spread over the fast part.

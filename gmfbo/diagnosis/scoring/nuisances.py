@@ -1,7 +1,7 @@
 """Nuisances: small errors of clocks, scales and zeros that every rig has.
 
-Each nuisance is a direction in signal space, one standard deviation of its prior long. Every
-residual is scored without these directions (Whitener.without), so no effect gains by them.
+Each nuisance is a direction in signal space, one standard deviation of its prior long. Residuals
+are freed of them as far as the priors allow (Whitener.without), so no effect gains by them.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def nuisance_directions(
 def _followed(
     simulations: Simulations, point: Point, base: Simulated, record: int, direction: Direction
 ) -> Direction:
-    """Rest of a position's error direction where a tracking loop follows the recorded position."""
+    """Part of a recorded position's error that stays in the residual when a loop follows it."""
     encoder, signals = simulations.encoder, simulations.records[record].signals
     place = next((i for i, s in enumerate(signals) if encoder and s.name == encoder.signal), None)
     if encoder is None or place is None:

@@ -40,7 +40,7 @@ def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
     binding : Binding
         The twin.
     records : sequence of Record
-        Recordings; signals in none of them are left out.
+        Recordings; a signal in none of them is not taken for a position.
     """
     outputs, states = binding.file.outputs, binding.file.states
     present = {s.name for record in records for s in record.signals}

@@ -112,7 +112,7 @@ def make_window(
 
 @dataclass(frozen=True, eq=False)
 class Whitener:
-    """Whitens the residuals of one window, and projects the nuisances out.
+    """Whitens the residuals of one window, and removes nuisances as far as their priors allow.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class Whitener:
     nuisances : ndarray, shape (n_nuisances, n_residuals)
         Whitened directions, each one standard deviation of its prior long; empty at first.
     dispersion : ndarray, shape (n_bins, n_signals)
-        Variance of each whitened component beyond the budget, at least 1.
+        Factor by which the variance of each whitened component exceeds the budget, at least 1.
     """
 
     window: Window
@@ -184,7 +184,7 @@ class Whitener:
         )
 
     def without(self, directions: Sequence[Sequence[NDArray[np.float64]]]) -> Whitener:
-        """Whitener that projects these directions out.
+        """Whitener that removes these directions, as far as their priors allow.
 
         Parameters
         ----------

@@ -107,9 +107,9 @@ def reference_columns(time: Array, reference: Array) -> Array:
     Parameters
     ----------
     time : ndarray, shape (rows,)
-            [s]
+        [s]
     reference : ndarray, shape (rows,)
-            Values of the reference.
+        Values of the reference.
     """
     rate = np.gradient(reference, time)
     # A reference slower than a thousandth of its highest speed is at rest: no direction.
@@ -131,9 +131,9 @@ def following_part(columns: Array, left: Array) -> tuple[float, Array]:
     Parameters
     ----------
     columns : ndarray, shape (n, rows)
-            Orthogonal directions.
+        Orthogonal directions.
     left : ndarray, shape (rows,)
-            The residual; its mean is ignored.
+        The residual; its mean is ignored.
     """
     centred = left - left.mean()
     made = np.linalg.lstsq(columns.T, centred, rcond=None)[0] @ columns
@@ -150,9 +150,9 @@ def chance_bound(columns: Array, rest: Array) -> float:
     Parameters
     ----------
     columns : ndarray, shape (n, rows)
-            Orthogonal directions.
+        Orthogonal directions.
     rest : ndarray, shape (rows,)
-            Coloured noise.
+        Residual without its part along the columns, taken as coloured noise.
     """
     rows = rest.size
     score = columns / np.sqrt(rows) * rest
