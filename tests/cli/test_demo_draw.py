@@ -29,6 +29,9 @@ from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.twin import FmuTwin
 from tests.diagnosis.example_diagnoses import friction
 
+QUICK = ("coulomb_friction", "cogging_torque", "backlash", "actuator_lag")
+with FmuTwin(models_folder() / "demo_axis.toml") as _axis:
+    PLANT_PARAMETERS = set(_axis.parameter_tunable())
 SEEDS = st.integers(min_value=0, max_value=2**40)
 
 
@@ -54,8 +57,7 @@ def test_a_seed_always_hides_the_same(seed: int) -> None:
 
 @given(SEEDS)
 def test_every_draw_is_made_of_parameters_that_the_plant_has(seed: int) -> None:
-    with FmuTwin(models_folder() / "demo_axis.toml") as axis:
-        assert set(draw(seed).plant) <= set(axis.parameter_tunable())
+    assert set(draw(seed).plant) <= PLANT_PARAMETERS
 
 
 def test_all_effects_nothing_and_parameters_are_drawn_as_often_as_stated() -> None:
@@ -129,7 +131,13 @@ def recorded(plant: Mapping[str, float], folder: Path) -> list[Recording]:
     return [Recording.read(path) for path in record(plant, 0, folder)]
 
 
-@pytest.mark.parametrize("name", [effect.name for effect in EFFECTS])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(effect.name, marks=() if effect.name in QUICK else pytest.mark.slow)
+        for effect in EFFECTS
+    ],
+)
 def test_a_hidden_effect_shows_far_above_noise_and_does_not_lose_the_axis(
     name: str, tmp_path: Path
 ) -> None:

@@ -12,6 +12,7 @@ NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/03d_mr_damper.py"
 FILE = Path(os.environ.get("GMFBO_DATA", "")) / "hysteresis_ce8" / "mr_damper.mat"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     "GMFBO_DATA" not in os.environ or not FILE.exists(),
     reason="needs mr_damper.mat of github RomanFoell/DRGP-VSS in hysteresis_ce8 of $GMFBO_DATA",

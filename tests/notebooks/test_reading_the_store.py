@@ -17,6 +17,7 @@ NOTEBOOKS = Path(__file__).resolve().parents[2] / "notebooks"
 NOTEBOOK = NOTEBOOKS / "06_reading_the_store.py"
 
 
+@pytest.mark.slow
 def test_a_correction_trained_outside_gmfbo_predicts_a_real_run_it_has_not_seen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

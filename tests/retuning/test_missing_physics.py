@@ -13,6 +13,8 @@ from gmfbo.retuning.missing_physics import Completion, complete
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
+pytestmark = pytest.mark.slow
+
 AXIS = models_folder() / "servo_axis.toml"
 GAINS = ({"kp": 60.0, "kd": 1.2}, {"kp": 110.0, "kd": 2.0}, {"kp": 85.0, "kd": 1.5})
 

@@ -45,6 +45,7 @@ def test_all_recordings_together_show_at_least_what_each_shows_alone(seen: Check
         assert all(size.together <= alone * (1.0 + 1e-9) for alone in size.alone.values())
 
 
+@pytest.mark.slow
 def test_twice_the_recordings_show_what_is_smaller_by_the_root_of_two() -> None:
     # As long as this, recordings are cut into windows of one length, however many they are.
     drawn = [NULL.recordings({}, (multisine,), seconds=2.6, seed=k)[0] for k in range(4)]

@@ -18,6 +18,8 @@ from gmfbo.diagnosis.naming.selection_round import _begun_alone
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.servo_recordings import HIDDEN, opened
 
+pytestmark = pytest.mark.slow
+
 DELAY, PUSH = 2e-3, 0.05
 PHYSICS = {"transport_delay.delay": DELAY, "constant_torque_offset.level": PUSH}
 THRESHOLD = 30.0

@@ -21,6 +21,8 @@ from tests.diagnosis.short_recordings import (
     triangle,
 )
 
+pytestmark = pytest.mark.slow
+
 OFFSET = {"constant_torque_offset.level": 0.3}
 GRAVITY = {"gravity_torque.sine": 0.1, "gravity_torque.cosine": 0.35}
 HIDDEN = {"offset": OFFSET, "gravity": GRAVITY}

@@ -14,6 +14,8 @@ from gmfbo.diagnosis.naming.candidate_fits import confirm
 from gmfbo.physics import CATALOGUE, Excitation, Values
 from tests.diagnosis.servo_recordings import HIDDEN, hidden_servo, opened_with
 
+pytestmark = pytest.mark.slow
+
 LAW = CATALOGUE["backlash"]
 GAP, LOAD = 4e-3, 0.004
 MOTOR = HIDDEN["inertia"] - LOAD

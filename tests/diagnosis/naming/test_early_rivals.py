@@ -19,6 +19,8 @@ from gmfbo.diagnosis.naming.rivals import rivals_beside
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.port_cases import open_servo
 
+pytestmark = pytest.mark.slow
+
 HIDDEN = {"coulomb_friction.level": 0.05, "gravity_torque.sine": 0.1}
 
 

@@ -26,6 +26,8 @@ from tests.diagnosis.short_recordings import (
     triangle,
 )
 
+pytestmark = pytest.mark.slow
+
 HIDDEN = {
     "stribeck_friction.level": 0.01,
     "stribeck_friction.breakaway": 0.02,

@@ -17,6 +17,8 @@ from gmfbo.diagnosis.naming.withdrawn_names import (
 from gmfbo.diagnosis.outside.beyond_library import MISMATCH, unexplained
 from tests.diagnosis.short_recordings import SERVO, decided, open_small
 
+pytestmark = pytest.mark.slow
+
 HIDDEN = {
     "coulomb_friction.level": 0.25,
     "coulomb_friction.deflection": 1e-6,

@@ -13,6 +13,8 @@ from gmfbo.diagnosis.screening.probes import probes, screen
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.servo_recordings import HIDDEN, opened
 
+pytestmark = pytest.mark.slow
+
 DELAY = 2e-3
 LAGS = ("transport_delay", "actuator_lag", "sensor_lag")
 

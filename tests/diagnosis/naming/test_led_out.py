@@ -18,6 +18,8 @@ from gmfbo.diagnosis.naming.selection_round import go_where_led
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.port_cases import open_servo
 
+pytestmark = pytest.mark.slow
+
 FRICTION = {"coulomb_friction.level": 0.05}
 GRAVITY = {"gravity_torque.sine": 0.1}
 LAG = {"actuator_lag.time": 0.003}

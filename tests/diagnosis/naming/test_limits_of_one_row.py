@@ -15,6 +15,8 @@ from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis import servo_recordings
 from tests.diagnosis.servo_recordings import opened
 
+pytestmark = pytest.mark.slow
+
 JUMP_RAD, LIMIT = 0.1, 2.5  # [rad], [N.m]
 
 

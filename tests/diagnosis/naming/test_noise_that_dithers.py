@@ -15,6 +15,8 @@ from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.noise.planted_noise import opened, planted
 
+pytestmark = pytest.mark.slow
+
 
 def size_of(case: Case, effect: str, parameter: str) -> float:
     """Size at which one effect alone fits recordings."""

@@ -13,6 +13,8 @@ from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO, diagnosed, moves, multisine
 
+pytestmark = pytest.mark.slow
+
 FRICTION = ("coulomb_friction", "constant_torque_offset")
 
 

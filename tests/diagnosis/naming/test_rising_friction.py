@@ -10,6 +10,8 @@ from gmfbo.diagnosis.naming.candidate_fits import confirm
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, open_small, triangle
 
+pytestmark = pytest.mark.slow
+
 QUIET = replace(SERVO, noise={"position": 2e-6, "torque_command": 0.002})
 LEVEL = 0.01
 
