@@ -151,12 +151,14 @@ def oracle() -> Oracle:
     return Oracle(machine, values, experiments, seed=1)
 
 
+@pytest.mark.slow
 def test_the_oracle_gains_nothing_by_wrong_parameters(oracle: Oracle) -> None:
     changed = {"inertia": 1.1 * oracle.values["inertia"], "viscous": 0.7 * oracle.values["viscous"]}
     assert oracle.gain({}) == 0.0
     assert oracle.gain(changed) < 0.1
 
 
+@pytest.mark.slow
 def test_the_gain_of_a_small_effect_grows_with_its_square(oracle: Oracle) -> None:
     gains = [oracle.gain({"wave_1": size, "wave_number_1": 11.0}) for size in (1e-3, 2e-3)]
     assert gains[0] > 1.0

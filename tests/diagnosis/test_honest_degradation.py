@@ -132,6 +132,7 @@ def test_a_climb_without_reversals_is_insufficient_and_friction_is_not_excited()
     assert why["coulomb_friction"].startswith("not excited: ")
 
 
+@pytest.mark.slow
 def test_an_assumed_effect_is_tested_where_the_recordings_seem_not_to_show_it() -> None:
     recordings = SERVO.recordings(FRICTION, (climb,))
     others = [name for name in CATALOGUE if name not in FEW[:1]]
@@ -209,6 +210,7 @@ def content(diagnosis: Diagnosis) -> dict[str, object]:
     return text
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_diagnosis_whatever_the_number_of_jobs() -> None:
     recordings = SERVO.recordings(FRICTION, seconds=1.0)
     one, two = (

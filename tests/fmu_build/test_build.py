@@ -83,6 +83,7 @@ def test_two_builds_from_two_folders_give_the_same_bytes(tmp_path: Path) -> None
     assert first == second
 
 
+@pytest.mark.slow
 def test_a_build_leaves_only_its_products(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from gmfbo import FmuTwin, Recording
 from gmfbo.physics.catalogue import CATALOGUE
@@ -40,6 +41,7 @@ def write_recordings(twin: Path) -> list[Path]:
     return paths
 
 
+@pytest.mark.slow
 def test_friction_that_a_foreign_fmu_lacks_is_found_by_a_twin_file_alone(tmp_path: Path) -> None:
     twin = write_vendor_axis(tmp_path)
     recordings = write_recordings(twin)

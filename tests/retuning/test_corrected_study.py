@@ -251,6 +251,7 @@ def test_a_run_that_may_be_of_a_changed_plant_is_not_mixed_with_those_before_it(
     assert 4 in after["negative control"]
 
 
+@pytest.mark.slow
 def test_a_twin_that_was_taken_back_is_estimated_again_after_a_change_of_the_plant(
     whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -177,7 +177,10 @@ def test_runs_on_an_executor_of_ones_own_come_to_the_same(
 
 @pytest.mark.parametrize(
     ("method", "jobs", "reason"),
-    [(Corner(breaks=True), 1, "the corner is used up"), (Corner(dies=True), 2, "from outside")],
+    [
+        (Corner(breaks=True), 1, "the corner is used up"),
+        pytest.param(Corner(dies=True), 2, "from outside", marks=pytest.mark.slow),
+    ],
 )
 def test_run_that_breaks_is_named_and_tried_again_and_costs_no_other(
     whole: Comparison, tmp_path: Path, method: Corner, jobs: int, reason: str

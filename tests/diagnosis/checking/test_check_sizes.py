@@ -25,6 +25,7 @@ def seen(recordings: list[Recording]) -> Check:
     return check(NULL.twin(), recordings)
 
 
+@pytest.mark.slow
 def test_they_agree_with_what_a_diagnosis_reports_as_detectable(
     seen: Check, recordings: list[Recording]
 ) -> None:

@@ -12,6 +12,7 @@ LIMIT = 1.4  # [N.m] above the peak of the twin's command, 1.38 N.m
 FRICTION = 0.3  # [N.m] for which the controller asks on top
 
 
+@pytest.mark.slow
 def test_a_limit_that_only_friction_makes_the_command_reach_is_named() -> None:
     physics = {"actuator_saturation.limit": LIMIT, "coulomb_friction.level": FRICTION}
     recordings = SERVO.recordings(physics)

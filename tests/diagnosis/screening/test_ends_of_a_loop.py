@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.naming.candidate_fits import shortlist
@@ -21,6 +22,7 @@ def screened_of(name: str, gain: float) -> Screened:
     return Screened(probe, kept, np.ones(width), gain, 1.0, gain)
 
 
+@pytest.mark.slow
 def test_a_lag_at_one_end_has_that_at_the_other_as_its_rival() -> None:
     lags = ("actuator_lag", "sensor_lag")
     recordings = SERVO.recordings(
