@@ -103,6 +103,7 @@ def test_an_unknown_loggers_convention_is_found(logged: str) -> None:
     assert finds_friction(diagnosis)
 
 
+@pytest.mark.slow
 def test_a_start_in_motion_is_scored_once_it_is_forgotten() -> None:
     whole = SERVO.recordings(FRICTION, seconds=1.9)
     recordings = [from_row(recording, 400) for recording in whole]

@@ -13,6 +13,7 @@ from tests.foreign.fmus import foreign_fmu
 NOTEBOOK = Path(__file__).resolve().parents[2] / "notebooks/02_swap_in_a_vendor_fmu.py"
 
 
+@pytest.mark.slow
 def test_a_study_goes_over_to_a_foreign_fmu_by_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

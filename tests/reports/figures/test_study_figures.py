@@ -112,6 +112,7 @@ def test_every_axis_of_every_figure_has_a_unit(review: StudyReview) -> None:
         assert any(axes.get_xlabel() for axes in figure.axes)
 
 
+@pytest.mark.slow
 def test_all_figures_are_written_as_pdf_and_svg(review: StudyReview, tmp_path: Path) -> None:
     first = draw_study(review, tmp_path / "a")
     assert {path.stem for path in first} == {
