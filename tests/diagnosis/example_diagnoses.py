@@ -37,7 +37,10 @@ OFFSET = NamedEffect(
     name="constant_torque_offset",
     port="torque",
     probability=0.81,
-    statement="A constant torque of about 0.11 N m is missing from the twin.",
+    statement=(
+        "One of constant torque offset, gravity torque, elastic return is missing from the twin "
+        "(the recordings cannot tell them apart)."
+    ),
     equation="tau = T_0",
     parameters={"level": IdentifiedValue(0.1071, "N.m", 0.0954, 0.1202)},
     evidence=77.4,
@@ -135,6 +138,16 @@ def rivals() -> Diagnosis:
             "a ladder of holds over a whole turn separates them",
         ),
     )
+
+
+def weak() -> Diagnosis:
+    """Friction that is more likely than not, and no more."""
+    unsure = replace(
+        FRICTION,
+        probability=0.62,
+        statement=FRICTION.statement.replace("is missing", "may be missing"),
+    )
+    return replace(friction(), effects=(unsure,))
 
 
 def nothing() -> Diagnosis:

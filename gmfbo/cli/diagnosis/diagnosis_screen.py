@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts, rivals_text
+from gmfbo.diagnosis.result.certainty import claim_of_set
+from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts
 from gmfbo.plain_words import WIDTH, interval, number, percent, probability, words
 
 if TYPE_CHECKING:
@@ -92,12 +93,11 @@ def _more(count: int, what: str) -> list[str]:
 
 
 def _effect(effect: NamedEffect, most: int) -> list[str]:
-    told = f"{words(effect.name)}, probability {probability(effect.probability)}"
-    rivals = rivals_text(effect)
+    told = f"{claim_of_set(effect)}, probability {probability(effect.probability)}"
+    lines = most + 1 if effect.indistinguishable_from else 1
     return [
-        *_entry("missing", told, 1),
+        *_entry("missing", told, lines),
         *_entry("", ", ".join(parameter_texts(effect)), most),
-        *_entry("", f"cannot be told from {rivals}" if rivals else "", most),
     ]
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 from gmfbo.cli.hidden.draw import NOTHING, PARAMETERS, Draw
 from gmfbo.cli.hidden.effects import EFFECTS, HiddenEffect
+from gmfbo.diagnosis.result.certainty import claim, set_words
 from gmfbo.plain_words import quantity, words
 
 if TYPE_CHECKING:
@@ -63,7 +65,7 @@ def answer_lines(drawn: Draw, diagnosis: Diagnosis) -> list[str]:
         A heading, a line with the names, and one for each comparable size and parameter.
     """
     rows = [("", "hidden", "found")]
-    rows.append(("effect", _told(drawn.hidden), _named(diagnosis)))
+    rows.append(("effect", _told(drawn.hidden), _named(diagnosis, claim)))
     if drawn.hidden in _BY_NAME:
         rows += _size_rows(_BY_NAME[drawn.hidden], drawn, diagnosis)
     for name, nominal in _NOMINAL.items():
@@ -78,14 +80,10 @@ def _told(hidden: str) -> str:
     return "other parameters, no effect" if hidden == PARAMETERS else words(hidden)
 
 
-def _named(diagnosis: Diagnosis) -> str:
+def _named(diagnosis: Diagnosis, say: Callable[[NamedEffect], str]) -> str:
     if not diagnosis.effects:
         return _VERDICTS.get(diagnosis.verdict, words(diagnosis.verdict))
-    told = []
-    for effect in diagnosis.effects:
-        rivals = " or ".join(words(name) for name in effect.indistinguishable_from)
-        told.append(words(effect.name) + (f" (or {rivals})" if rivals else ""))
-    return " + ".join(told)
+    return " + ".join(say(effect) for effect in diagnosis.effects)
 
 
 def _size_rows(
@@ -115,7 +113,9 @@ def explained(drawn: Draw, diagnosis: Diagnosis) -> str:
             return f"MISSED: it saw that something is there, but did not name {hidden}."
         return f"MISSED: it was {_told(drawn.hidden)}, which was not found."
     if drawn.hidden in (NOTHING, PARAMETERS):
-        return f"WRONG: {_told(drawn.hidden)} is the truth; found was {_named(diagnosis)}."
+        return (
+            f"WRONG: {_told(drawn.hidden)} is the truth; found was {_named(diagnosis, set_words)}."
+        )
     if any(effect.name == drawn.hidden for effect in diagnosis.effects):
         return f"WRONG: {hidden} is there, but something else was named beside it that is not."
-    return f"WRONG: it was {hidden}, not {_named(diagnosis)}."
+    return f"WRONG: it was {hidden}, not {_named(diagnosis, set_words)}."

@@ -10,10 +10,11 @@ import numpy as np
 from gmfbo.diagnosis.compensation.laws import ADVICE, REST_SHARE, Ground, compensating_tables
 from gmfbo.diagnosis.compensation.table import Compensation, CompensationTable, NotCompensated
 from gmfbo.diagnosis.diagnosis import Diagnosis
+from gmfbo.diagnosis.result.certainty import is_sure, set_words
 from gmfbo.diagnosis.result.named_effect import NamedEffect
 from gmfbo.diagnosis.result.predictions import Predictions, Span
 from gmfbo.errors import InputError
-from gmfbo.plain_words import words
+from gmfbo.plain_words import probability, words
 
 
 def compensation_of(
@@ -95,12 +96,19 @@ def _unnamed(diagnosis: Diagnosis, ground: Ground) -> list[CompensationTable]:
 
 
 def _remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
-    return tuple(
+    sets = tuple(
         f"{words(effect.name)} cannot be told from "
         f"{words(', '.join(effect.indistinguishable_from))}: this cancels the former"
         for effect in diagnosis.effects
         if effect.indistinguishable_from
     )
+    weak = tuple(
+        f"{set_words(effect)} has a probability of {probability(effect.probability)} only: see on "
+        "the axis whether this helps"
+        for effect in diagnosis.effects
+        if not is_sure(effect.probability)
+    )
+    return sets + weak
 
 
 def _nothing(diagnosis: Diagnosis, name: str, left: list[NotCompensated]) -> str:

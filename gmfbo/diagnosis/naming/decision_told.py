@@ -14,6 +14,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.intervals import Spread
 from gmfbo.diagnosis.naming.decision import Decision, Round
 from gmfbo.diagnosis.result.augmentation import Augmentation
+from gmfbo.diagnosis.result.certainty import statement_of
 from gmfbo.diagnosis.result.estimated import Alignment
 from gmfbo.diagnosis.result.named_effect import (
     DetectableSize,
@@ -91,19 +92,22 @@ def named_effects(
                 float(spread.high[i]),
             )
         place += len(candidate.parameters)
+        rivals, probability = tuple(r.name for r in found.rivals), probabilities[law.name]
         named.append(
             NamedEffect(
                 name=law.name,
                 port=law.port,
-                probability=probabilities[law.name],
-                statement=law.statement(values, units, units.place),
+                probability=probability,
+                statement=statement_of(
+                    law.statement(values, units, units.place), (law.name, *rivals), probability
+                ),
                 equation=law.equation,
                 parameters=identified,
                 evidence=found.winner.gain,
                 threshold=found.needed,
                 evidence_per_recording=_per_recording(case, found),
-                indistinguishable_from=tuple(r.name for r in found.rivals),
-                rivals=_rival_shares(found, probabilities[law.name]),
+                indistinguishable_from=rivals,
+                rivals=_rival_shares(found, probability),
             )
         )
     return tuple(sorted(named, key=lambda effect: -effect.evidence))

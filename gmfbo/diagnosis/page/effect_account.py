@@ -7,6 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import part_words
+from gmfbo.diagnosis.result.certainty import claim
 from gmfbo.pages.html_page import columns, paragraph, table
 from gmfbo.pages.marked_number import (
     marked_interval,
@@ -34,7 +35,7 @@ def effect_account(place: int, diagnosis: Findings) -> str:
         Result of the diagnosis, which tells the fitted and held-out recordings.
     """
     effect = diagnosis.effects[place]
-    own = ("effects", place)
+    own, said = ("effects", place), claim(effect)
     evidence = marked_number((*own, "evidence"), effect.evidence)
     threshold = marked_number((*own, "threshold"), effect.threshold)
     sure = (
@@ -44,7 +45,7 @@ def effect_account(place: int, diagnosis: Findings) -> str:
     )
     return "".join(
         (
-            f"<article><h3>{escape(words(effect.name).capitalize())}</h3>",
+            f"<article><h3>{escape(f'{said[:1].upper()}{said[1:]}')}</h3>",
             paragraph(effect.statement),
             f'<p class="law">{law_html(effect.equation)}</p>',
             sure,
@@ -91,7 +92,8 @@ def _rivals(place: int, effect: NamedEffect) -> str:
             share = marked_probability(path, one.probability)
         rows.append([escape(words(name)), share, escape(apart.get(name, ""))])
     told = (
-        "These explain the recordings as well. The probability above is that of all of them "
+        "These explain the recordings as well; equation and values above are those of the first. "
+        "The probability above is that of all of them "
         "together; here it is divided by how well each fits."
     )
     listed = table(["rival", "probability", "what would tell it apart"], rows, numbers=(1,), best=0)

@@ -9,6 +9,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
+from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
 from gmfbo.diagnosis.result.sentence import verdict_sentence
 from gmfbo.pages.html_page import paragraph, table
 from gmfbo.pages.marked_number import (
@@ -66,7 +67,7 @@ def first_screen(diagnosis: Findings) -> str:
 
 
 def _head(diagnosis: Findings) -> str:
-    verdict = VERDICTS[diagnosis.verdict]
+    verdict = verdict_words(diagnosis)
     twin = diagnosis.augmentation.twin_name if diagnosis.augmentation else ""
     enough = {
         "sufficient": "the recordings can tell",
@@ -77,10 +78,26 @@ def _head(diagnosis: Findings) -> str:
     return (
         f'<header><div class="top">{named}'
         f'<span class="badge {diagnosis.verdict}">{verdict}</span>'
-        f"<span>evidence {diagnosis.evidence}: {enough}</span></div>"
+        f"<span>evidence {diagnosis.evidence}: {enough}</span>{_sure(diagnosis)}</div>"
         f'<h1 id="verdict">{escape(unbroken(headline))}</h1>'
         f"{paragraph(unbroken(rest), 'lead')}</header>"
     )
+
+
+def verdict_words(diagnosis: Findings) -> str:
+    """Name of the verdict; physics of which no name is sure only "may be missing"."""
+    sure = any(is_sure(effect.probability) for effect in diagnosis.effects)
+    told = VERDICTS[diagnosis.verdict]
+    return told if sure or diagnosis.verdict != "missing_physics" else "physics may be missing"
+
+
+def _sure(diagnosis: Findings) -> str:
+    """Probability of what the headline says, where the diagnosis has one."""
+    known = diagnosis.statement_probability
+    if known is None:
+        return ""
+    shown = marked_probability(("statement_probability",), known)
+    return f"<span>probability of this statement {shown}</span>"
 
 
 def unbroken(text: str) -> str:
@@ -180,10 +197,15 @@ def _effect_fact(place: int, effect: NamedEffect) -> str:
         values.append(f'<span class="nowrap">{escape(words(name))} = {shown.text}</span>')
     if len(effect.parameters) > len(values):
         values.append('<a href="#missing">more</a>')
+    head = f"as {escape(words(effect.name))}: " if effect.indistinguishable_from else ""
     return (
-        f"<b>{escape(words(effect.name).capitalize())}</b>, probability {sure}<br>"
-        f'<span class="small">{", ".join(values)}</span>'
+        f"<b>{escape(_capital(claim_of_set(effect)))}</b>, probability {sure}<br>"
+        f'<span class="small">{head}{", ".join(values)}</span>'
     )
+
+
+def _capital(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 def place_words(diagnosis: Findings) -> str:

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import curves_json, shape_chart
 from gmfbo.diagnosis.page.effect_account import effect_account
-from gmfbo.diagnosis.page.first_screen import VERDICTS, first_screen, place_words
+from gmfbo.diagnosis.page.first_screen import first_screen, place_words, verdict_words
 from gmfbo.diagnosis.page.limits_account import detectable_sizes, residual_tests, untested_effects
 from gmfbo.diagnosis.page.loop_drawing import loop_drawing
 from gmfbo.diagnosis.page.time_line import time_line
 from gmfbo.diagnosis.page.twin_account import alignment_table, combination_table, parameter_table
+from gmfbo.diagnosis.result.certainty import is_sure, label
 from gmfbo.diagnosis.result.diagnosis_json import diagnosis_text
 from gmfbo.pages.html_page import columns, embedded_json, page, page_file, paragraph, section, table
 from gmfbo.pages.marked_number import marked_count, marked_number
@@ -40,7 +41,7 @@ def diagnosis_page(diagnosis: Findings) -> str:
     parts = [
         first_screen(diagnosis),
         section("Where", *_where(diagnosis), name="where"),
-        section("What is missing", *accounts, name="missing"),
+        section(_missing_head(diagnosis), *accounts, name="missing"),
         section(
             "The twin's own values",
             columns(parameter_table(diagnosis), combination_table(diagnosis)),
@@ -57,11 +58,16 @@ def diagnosis_page(diagnosis: Findings) -> str:
         curves_json(diagnosis),
     ]
     return page(
-        f"Diagnosis: {VERDICTS[diagnosis.verdict]}",
+        f"Diagnosis: {verdict_words(diagnosis)}",
         "\n".join(filter(None, parts)),
         styles=(page_file("style.css"),),
         scripts=(page_file("charts.js"), page_file("diagnosis.js", __package__)),
     )
+
+
+def _missing_head(diagnosis: Findings) -> str:
+    sure = any(is_sure(effect.probability) for effect in diagnosis.effects)
+    return "What is missing" if sure else "What may be missing"
 
 
 def _where(diagnosis: Findings) -> list[str]:
@@ -74,7 +80,7 @@ def _where(diagnosis: Findings) -> list[str]:
         known = CATALOGUE.get(effect.name)
         if known is not None:
             guilty.setdefault(known.signal_path)
-            labels.setdefault(known.signal_path, []).append(words(effect.name))
+            labels.setdefault(known.signal_path, []).append(label(effect))
     drawing = loop_drawing(list(guilty), {part: names[:2] for part, names in labels.items()})
     sentence = f"{told[0].upper()}{told[1:]}." if told else ""
     return [columns(paragraph(sentence) + drawing, _shape(diagnosis)), time_line(diagnosis)]

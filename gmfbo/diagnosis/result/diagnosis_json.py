@@ -12,11 +12,16 @@ from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from gmfbo.diagnosis.result.findings import Findings
-from gmfbo.diagnosis.result.named_effect import DetectableSize
+from gmfbo.diagnosis.result.named_effect import DetectableSize, NamedEffect
 from gmfbo.errors import InputError
 
 SCHEMA = 1
 NOT_IN_JSON = ("curves", "augmentation", "exported", "next_reference")
+DERIVED: Mapping[type, tuple[str, ...]] = {
+    Findings: ("statement_probability",),
+    NamedEffect: ("set",),
+}
+"""Properties that are written beside the fields, for other programs, and not read back."""
 
 
 F = TypeVar("F", bound=Findings)
@@ -78,6 +83,8 @@ def _plain(value: Any) -> Any:
         return {value.parameter: _plain(value.size), "unit": value.unit}
     if is_dataclass(value):
         names = [field.name for field in fields(value) if field.name not in NOT_IN_JSON]
+        for kind, derived in DERIVED.items():
+            names += derived if isinstance(value, kind) else ()
         return {name: _plain(getattr(value, name)) for name in names}
     if isinstance(value, Mapping):
         return {str(name): _plain(item) for name, item in value.items()}

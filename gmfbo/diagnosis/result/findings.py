@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import prod
 from pathlib import Path
 from typing import Literal
 
@@ -115,3 +116,15 @@ class Findings:
     augmentation: Augmentation | None = field(default=None, compare=False)
     exported: Path | None = field(default=None, compare=False)
     next_reference: str = field(default="", compare=False)
+
+    @property
+    def statement_probability(self) -> float | None:
+        """Probability that all that the sentence says of effects is so; None where none is known.
+
+        The probability of an effect is given those that were named before it, so that of several
+        together is the product (chain rule). Of a set it is that of the set. The other verdicts
+        have no probability.
+        """
+        if self.verdict != "missing_physics" or not self.effects:
+            return None
+        return prod(effect.probability for effect in self.effects)

@@ -55,7 +55,8 @@ class NamedEffect:
     probability : float
         Calibrated probability that this effect, or one it cannot be told from, is at work.
     statement : str
-        One sentence in plain words, ending in a full stop.
+        One sentence in plain words, ending in a full stop. Below a probability of 0.8 its verb is
+        "may"; of a set it names all members.
     equation : str
         Its law, in text.
     parameters : mapping of str to IdentifiedValue
@@ -83,6 +84,11 @@ class NamedEffect:
     evidence_per_recording: Mapping[str, float]
     indistinguishable_from: tuple[str, ...] = ()
     rivals: tuple[RivalShare, ...] = ()
+
+    @property
+    def set(self) -> tuple[str, ...]:
+        """Effects that these recordings cannot tell apart, this one first."""
+        return (self.name, *self.indistinguishable_from)
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.plain_words import NOT_EXCITED, percent, quantity, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
+    from gmfbo.diagnosis.result.next_experiment import NextExperiment
 
 
 def verdict_sentence(diagnosis: Findings) -> str:
@@ -56,17 +59,27 @@ def _parameters(diagnosis: Findings) -> str:
 def _physics(diagnosis: Findings) -> str:
     first, *others = diagnosis.effects
     improved = _improvement(diagnosis)
+    sets = [effect for effect in diagnosis.effects if effect.indistinguishable_from]
     if not others:
-        tail = f"; with it {improved}." if improved else "."
+        with_it = f"with {words(first.name)}" if sets else "with it"
+        tail = f"; {with_it} {improved}." if improved else "."
         told = first.statement.rstrip(". ") + tail
     else:
         told = " ".join(effect.statement for effect in diagnosis.effects)
-        told += f" With them {improved}." if improved else ""
-    for effect in diagnosis.effects:
-        if effect.indistinguishable_from:
-            rivals = " or ".join(words(name) for name in effect.indistinguishable_from)
-            told += f" These recordings cannot tell {words(effect.name)} from {rivals}."
-    return told
+        with_them = "the first of each set" if sets else "them"
+        told += f" With {with_them} {improved}." if improved else ""
+    apart = next(filter(None, (_apart(diagnosis.next_experiment, effect) for effect in sets)), "")
+    return f"{told} {apart}".rstrip()
+
+
+def _apart(planned: NextExperiment | None, effect: NamedEffect) -> str:
+    """Sentence on the experiment that would tell a set apart; empty where none is known."""
+    if planned is None or not planned.reference or planned.distance < planned.threshold:
+        return ""
+    # A rival of several effects is named by all of them, joined by " + ".
+    told_apart = {part for name in planned.separates for part in name.split(" + ")}
+    rivals = [words(name) for name in effect.set if name in told_apart]
+    return f"Play {planned.reference} to tell {' from '.join(rivals)}." if len(rivals) > 1 else ""
 
 
 def _outside(diagnosis: Findings) -> str:
@@ -85,8 +98,10 @@ def _outside(diagnosis: Findings) -> str:
             f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that "
             f"depends on the {words(shape.against)}"
         )
-    certain = " ".join(effect.statement for effect in diagnosis.effects)
-    return f"{told}.{' Certain is: ' + certain if certain else ''}"
+    beside = " ".join(effect.statement for effect in diagnosis.effects)
+    certain = all(is_sure(effect.probability) for effect in diagnosis.effects)
+    head = "Certain is" if certain else "Beside it"
+    return f"{told}.{f' {head}: {beside}' if beside else ''}"
 
 
 def _improvement(diagnosis: Findings) -> str:

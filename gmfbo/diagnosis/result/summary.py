@@ -5,6 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.result.certainty import claim_of_set
 from gmfbo.diagnosis.result.sentence import verdict_sentence
 from gmfbo.plain_words import interval, percent, probability, words
 
@@ -27,16 +28,13 @@ def _fit_cells(fit: SignalFit) -> tuple[str, str, str, str]:
 
 
 def parameter_texts(effect: NamedEffect) -> list[str]:
-    """Each parameter of an effect with its interval and unit."""
-    return [
+    """Each parameter of an effect with its interval and unit; of a set, those of its first."""
+    head = f"as {words(effect.name)}: " if effect.indistinguishable_from else ""
+    texts = [
         f"{name} = {interval(one.value, one.low, one.high, one.unit)}"
         for name, one in effect.parameters.items()
     ]
-
-
-def rivals_text(effect: NamedEffect) -> str:
-    """Words for the rivals of an effect; empty where there are none."""
-    return " or ".join(words(name) for name in effect.indistinguishable_from)
+    return [f"{head}{texts[0]}", *texts[1:]] if texts else []
 
 
 def fit_lines(diagnosis: Findings) -> list[str]:
@@ -57,22 +55,19 @@ def summary_text(diagnosis: Findings) -> str:
     """Return the verdict sentence, the effects with numbers and the before/after table."""
     lines = [f"<Diagnosis: {diagnosis.verdict}> {verdict_sentence(diagnosis)}"]
     for effect in diagnosis.effects:
-        lines.append(f"{words(effect.name)}, probability {probability(effect.probability)}")
+        lines.append(f"{claim_of_set(effect)}, probability {probability(effect.probability)}")
         lines += [f"  {text}" for text in parameter_texts(effect)]
-        if effect.indistinguishable_from:
-            lines.append(f"  cannot be told from {rivals_text(effect)}")
     return "\n".join([*lines, *fit_lines(diagnosis)])
 
 
 def summary_html(diagnosis: Findings) -> str:
     """Return the same as a fragment of a page."""
     rows = "".join(
-        f"<tr><td>{escape(words(effect.name))}</td><td>{probability(effect.probability)}</td>"
-        f"<td>{'<br>'.join(escape(text) for text in parameter_texts(effect))}</td>"
-        f"<td>{escape(rivals_text(effect)) or '-'}</td></tr>"
+        f"<tr><td>{escape(claim_of_set(effect))}</td><td>{probability(effect.probability)}</td>"
+        f"<td>{'<br>'.join(escape(text) for text in parameter_texts(effect))}</td></tr>"
         for effect in diagnosis.effects
     )
-    heads = "<th>missing</th><th>probability</th><th>parameters</th><th>rivals</th>"
+    heads = "<th>missing</th><th>probability</th><th>parameters</th>"
     effects = f"<table><tr>{heads}</tr>{rows}</table>" if rows else ""
     return f"<p><b>{escape(verdict_sentence(diagnosis))}</b></p>{effects}{_fit_html(diagnosis)}"
 

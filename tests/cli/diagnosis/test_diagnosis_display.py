@@ -62,7 +62,9 @@ def test_a_typical_screen_holds_all_that_matters() -> None:
     for part in (
         "coulomb friction, probability 0.94",
         "level = 0.521 [0.493, 0.548] N m",
-        "cannot be told from gravity torque or elastic return",
+        "one of constant torque offset, gravity torque, elastic return (the",
+        "recordings cannot tell them apart), probability 0.81",
+        "as constant torque offset: level = 0.107 [0.0954, 0.12] N m",
         "31 %             30 %      6.0 %        5.1 %",
         "98 % of the error that physics can explain",
         "mech.J 0.12 -> 0.121 [0.119, 0.123] kg m2",

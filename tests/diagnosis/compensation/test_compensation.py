@@ -305,3 +305,12 @@ def test_two_lines_that_share_no_period_are_tabulated_over_what_was_recorded() -
     found = compensation_of(diagnosis_of({"cogging_torque": values}), "found")
     (table,) = found.tables
     assert (table.period, table.x[0], table.x[-1]) == (0.0, -0.5, 0.5)
+
+
+def test_a_compensation_of_a_weak_name_says_so_and_of_a_sure_one_does_not() -> None:
+    sure = diagnosis_of({"coulomb_friction": VALUES["coulomb_friction"]})
+    weak = replace(sure, effects=(replace(sure.effects[0], probability=0.62),))
+    assert compensation_of(weak, "found").remarks == (
+        "coulomb friction has a probability of 0.62 only: see on the axis whether this helps",
+    )
+    assert compensation_of(sure, "found").remarks == ()

@@ -133,7 +133,7 @@ diagnoses = st.builds(
 )
 
 
-EXTENSIONS = ("notes", "predictions", "latent", "residual_tests")
+EXTENSIONS = ("notes", "predictions", "latent", "residual_tests", "statement_probability")
 
 
 def written(folder: Path, content: Any) -> Path:
@@ -174,6 +174,8 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     assert again.pop("latent") is None
     assert again.pop("residual_tests") == []
     assert [effect.pop("rivals") for effect in again["effects"]] == [[]]
+    assert [effect.pop("set") for effect in again["effects"]] == [["coulomb_friction"]]
+    assert again.pop("statement_probability") == 0.97
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 
@@ -183,6 +185,7 @@ def test_a_made_diagnosis_has_the_published_names() -> None:
     published = shape_of(PUBLISHED)
     assert [*published, *EXTENSIONS] == list(content)
     assert [effect.pop("rivals") for effect in content["effects"]] == [[]]
+    assert [effect.pop("set") for effect in content["effects"]] == [["coulomb_friction"]]
     assert shape_of(content["effects"]) == shape_of(
         [{**PUBLISHED["effects"][0], "evidence_per_recording": {"rec2.csv": 1.0, "rec3.csv": 1.0}}]
     )

@@ -31,8 +31,11 @@ def test_missing_physics_is_told_with_its_size_and_the_error_before_and_after() 
 
 def test_rivals_are_in_the_sentence() -> None:
     told = rivals().sentence
-    assert "cannot tell constant torque offset from gravity torque or elastic return" in told
-    assert "With them the torque command error" in told
+    assert (
+        "One of constant torque offset, gravity torque, elastic return is missing from the twin "
+        "(the recordings cannot tell them apart)." in told
+    )
+    assert "With the first of each set the torque command error" in told
 
 
 def test_physics_that_improves_no_signal_claims_no_improvement() -> None:
