@@ -30,6 +30,7 @@ from gmfbo.diagnosis.outside.beyond_library import (
     look_outside,
     unexplained,
 )
+from gmfbo.diagnosis.result.removed_error import rounded_down
 from gmfbo.diagnosis.screening.searched_lines import SearchedLines
 from gmfbo.diagnosis.screening.testable_effects import (
     NOT_EXCITED_BY_REVERSALS,
@@ -232,7 +233,7 @@ def _why_worse(result: Validated) -> str:
         )
     removed = result.fit.explainable_error_removed or 0.0
     return (
-        f"the named physics removes {removed:.0%} of what physics can explain on unseen runs, "
-        "while their RMS errors grow: where the axis comes to rest within friction or a gap is "
+        f"the named physics removes {rounded_down(removed)} of what physics can explain on unseen "
+        "runs, while their RMS errors grow: where the axis comes to rest within friction or a gap is "
         "chance"
     )

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.certainty import claim_of_set
+from gmfbo.diagnosis.result.removed_error import removed_words
 from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts
-from gmfbo.plain_words import WIDTH, interval, number, percent, probability, words
+from gmfbo.plain_words import WIDTH, interval, number, probability, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
@@ -58,7 +59,7 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     table = fit_lines(diagnosis)
     lines += table[: detail.entries + 1]
     lines += _more(len(table) - 1 - detail.entries, "signals")
-    lines += _removed(diagnosis)
+    lines += _entry("removed", removed_words(diagnosis), 2)
     lines += _entry("parameters", _refitted(diagnosis), wraps)
     lines += _entry("where", _where(diagnosis), wraps)
     lines += _entry("not testable", _not_testable(diagnosis), wraps)
@@ -108,13 +109,6 @@ def _refitted(diagnosis: Diagnosis) -> str:
         for name, one in diagnosis.parameters.items()
         if one.identifiable
     )
-
-
-def _removed(diagnosis: Diagnosis) -> list[str]:
-    share = diagnosis.fit.explainable_error_removed
-    if share is None:
-        return []
-    return _entry("removed", f"{percent(share)} of the error that physics can explain", 1)
 
 
 def _where(diagnosis: Diagnosis) -> str:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
 from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
+from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, removed_percent, still_follows
 from gmfbo.diagnosis.result.sentence import verdict_sentence
 from gmfbo.pages.html_page import paragraph, table
 from gmfbo.pages.marked_number import (
+    marked,
     marked_interval,
     marked_number,
     marked_percent,
@@ -20,7 +22,7 @@ from gmfbo.pages.marked_number import (
     scale_for,
 )
 from gmfbo.pages.svg_chart import swatch
-from gmfbo.plain_words import words
+from gmfbo.plain_words import percent, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
@@ -143,10 +145,7 @@ def _error_table(diagnosis: Findings) -> str:
 
 def _key_facts(diagnosis: Findings) -> str:
     facts = [_effect_fact(place, effect) for place, effect in enumerate(diagnosis.effects)]
-    share = diagnosis.fit.explainable_error_removed
-    if share is not None:
-        removed = marked_percent(("fit", "explainable_error_removed"), share)
-        facts.append(f"<b>{removed}</b> of the error that physics can explain is removed")
+    facts += _removed(diagnosis)
     if not diagnosis.effects and diagnosis.shape is None:
         facts += [*_moved_parameters(diagnosis), *_would_have_shown(diagnosis)]
     where = place_words(diagnosis)
@@ -155,6 +154,18 @@ def _key_facts(diagnosis: Findings) -> str:
     if diagnosis.next_experiment is not None:
         facts.append('<b>Next</b> <a href="#next">the recording that would tell more</a>')
     return f'<ul class="key">{"".join(f"<li>{fact}</li>" for fact in facts)}</ul>' if facts else ""
+
+
+def _removed(diagnosis: Findings) -> list[str]:
+    told, share = removed_percent(diagnosis), diagnosis.fit.explainable_error_removed
+    if not told or share is None:
+        return []
+    # Of a share that is rounded down, two of the three digits shown are those of the JSON.
+    digits = None if told == percent(share) else 2
+    path = ("fit", "explainable_error_removed")
+    shown = marked(path, told.removesuffix(" %"), factor=0.01, digits=digits)
+    left = f"; {STILL_FOLLOWS}" if still_follows(diagnosis) else ""
+    return [f"<b>{shown}\u00a0%</b> of the error that physics can explain is removed{left}"]
 
 
 def _moved_parameters(diagnosis: Findings) -> list[str]:

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.certainty import is_sure
+from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, still_follows
 from gmfbo.plain_words import NOT_EXCITED, percent, quantity, words
 
 if TYPE_CHECKING:
@@ -113,9 +114,10 @@ def _improvement(diagnosis: Findings) -> str:
     before, after = percent(fit.parameters_only), percent(fit.augmented)
     if before == after:
         before, after = (f"{100.0 * v:.3g} %" for v in (fit.parameters_only, fit.augmented))
+    left = f"; {STILL_FOLLOWS}" if still_follows(diagnosis) else ""
     return (
         f"the {words(name)} error on unseen recordings falls from {before} to {after}"
-        f"{_floor(fit.noise_floor, '()')}"
+        f"{_floor(fit.noise_floor, '()')}{left}"
     )
 
 

@@ -25,7 +25,7 @@ def test_missing_physics_is_told_with_its_size_and_the_error_before_and_after() 
     assert friction().sentence == (
         "Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin; with it "
         "the torque command error on unseen recordings falls from 30 % to 6.0 % "
-        "(noise floor 5.1 %)."
+        "(noise floor 5.1 %); what is left still follows the reference."
     )
 
 
