@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -42,11 +42,10 @@ from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.result.whereabouts import Location, Shape
+from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.reference_tests import residual_tests
 from gmfbo.diagnosis.validating.validation import Validated
 from gmfbo.physics import Units
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,10 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
-from gmfbo.diagnosis.conclusion import Progress
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.stage_times import Progress, StageTimes
 from gmfbo.diagnosis.steps import Search
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.physics import CATALOGUE, Effect
@@ -72,19 +73,19 @@ def diagnose(
         The twin as it is cannot follow the recordings.
     """
     started = time.perf_counter()
-    _check_names((*assume, *exclude))
-    _check_laws(CATALOGUE.added)
+    told = StageTimes(progress or (lambda stage, share: None), "reading")
+    _check_effects((*assume, *exclude))
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     read = [as_recording(recording, opened) for recording in recordings]
     unseen = [as_recording(recording, opened) for recording in validate or ()]
-    told = progress or (lambda stage, share: None)
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
             closing.callback(opened.close)
         case, other = _cases(opened, read, unseen, seed, jobs, closing)
-        search = Search(case, np.random.default_rng(seed), assume, exclude, told)
-        return search.diagnosis(seed, started, other)
+        steps = Search(case, np.random.default_rng(seed), assume, exclude, told)
+        found = steps.diagnosis(seed, started, other)
+    return replace(found, cost=replace(found.cost, stages=told.seconds))
 
 
 def _cases(
@@ -136,10 +137,12 @@ def _aligned_case(
     return open_case(twin, recordings, seed=seed, jobs=jobs, new_rows=right)
 
 
-def _check_names(names: Sequence[str]) -> None:
+def _check_effects(names: Sequence[str]) -> None:
+    """Raise unless all effects that the user named are known, and the laws of added ones there."""
     for name in names:
         if name not in CATALOGUE:
             raise InputError(f"no effect '{name}'" + did_you_mean(name, CATALOGUE))
+    _check_laws(CATALOGUE.added)
 
 
 def _check_laws(added: Sequence[Effect]) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, split_of
 from gmfbo.diagnosis.case.other_starts import fitted_from_names
-from gmfbo.diagnosis.conclusion import Conclusion, Progress
+from gmfbo.diagnosis.conclusion import Conclusion
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.naming.decision import Decision, Round
@@ -37,6 +37,7 @@ from gmfbo.diagnosis.screening.testable_effects import (
     candidates,
     untestable,
 )
+from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.validation import Validated, validate_unseen
 from gmfbo.diagnosis.validating.validation import validate as validated_on
 from gmfbo.physics import CATALOGUE
@@ -234,6 +235,6 @@ def _why_worse(result: Validated) -> str:
     removed = result.fit.explainable_error_removed or 0.0
     return (
         f"the named physics removes {rounded_down(removed)} of what physics can explain on unseen "
-        "runs, while their RMS errors grow: where the axis comes to rest within friction or a gap is "
-        "chance"
+        "runs, while their RMS errors grow: where the axis comes to rest within friction or a gap "
+        "is chance"
     )

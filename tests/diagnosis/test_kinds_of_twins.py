@@ -107,6 +107,9 @@ def test_without_ports_only_parameters_are_tested_and_every_effect_says_why(
     for name, effect in CATALOGUE.items():
         assert reasons[name] == f"the twin has no {effect.port} port"
     assert diagnosis.location.signal_path is None
+    cost = diagnosis.cost
+    assert {"reading", "running the twin", "validating", "locating"} <= set(cost.stages)
+    assert sum(cost.stages.values()) == pytest.approx(cost.seconds, rel=0.1)
 
 
 def test_an_open_loop_plant_is_kept_near_its_recording_and_shows_its_friction() -> None:

@@ -121,7 +121,7 @@ def diagnose_and_show(
     from gmfbo.cli.diagnosis.diagnosis_screen import screenful
     from gmfbo.diagnosis import diagnose as run_diagnosis
 
-    with DiagnosisDisplay(console) as display:
+    with DiagnosisDisplay(console, lines=True) as display:
         diagnosis = run_diagnosis(twin, recordings, progress=display.show, **options)
     written = diagnosis.save(out)
     for line in screenful(with_notes_of_saving(diagnosis, out), written):

@@ -99,7 +99,7 @@ def _propose(
 
     allowed = PlayLimits.read(limits)
     found = None if folder is None else Diagnosis.from_json(folder)
-    with FmuTwin(twin) as source, DiagnosisDisplay(console) as display:
+    with FmuTwin(twin) as source, DiagnosisDisplay(console, lines=True) as display:
         proposed = propose_experiment(
             source, allowed, found, seed=seed, jobs=jobs, progress=display.show
         )

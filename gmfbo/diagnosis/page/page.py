@@ -143,6 +143,14 @@ def _footer(diagnosis: Findings) -> str:
     seed = marked_count(("seed",), diagnosis.seed)
     return (
         f"<footer><p>{simulations} simulations in {seconds}\u00a0s, seed {seed}. "
-        f"{escape(versions)}.</p><p class=soft>All numbers on this page are those of "
-        "diagnosis.json, which is also inside this file.</p></footer>"
+        f"{escape(versions)}.</p>{_stages(diagnosis)}<p class=soft>All numbers on this page are "
+        "those of diagnosis.json, which is also inside this file.</p></footer>"
     )
+
+
+def _stages(diagnosis: Findings) -> str:
+    shown = [
+        f"{escape(stage)} {marked_number(('cost', 'stages', stage), seconds)}\u00a0s"
+        for stage, seconds in diagnosis.cost.stages.items()
+    ]
+    return f"<p>By stage: {', '.join(shown)}.</p>" if shown else ""

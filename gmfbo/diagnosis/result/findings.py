@@ -32,10 +32,13 @@ class Cost:
         Runs of the twin, one recording each.
     seconds : float
         [s] Wall-clock time.
+    stages : mapping of str to float
+        [s] Of it, by stage, in the order in which they began.
     """
 
     simulations: int
     seconds: float
+    stages: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, repr=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -102,15 +103,33 @@ def test_a_notebook_shows_the_same_escaped() -> None:
     assert "<td>6.0 %</td>" in shown
 
 
-def test_progress_is_drawn_on_a_terminal_only() -> None:
+def test_progress_is_drawn_on_a_terminal_only(capsys: pytest.CaptureFixture[str]) -> None:
     for terminal in (True, False):
         drawn = io.StringIO()
         console = Console(file=drawn, force_terminal=terminal, width=80)
-        with DiagnosisDisplay(console) as display:
+        with DiagnosisDisplay(console, lines=True) as display:
             display.show("screening [120 runs]", 0.4)
             display.show("beyond the end", 1.2)
         assert bool(drawn.getvalue()) == terminal
         assert ("beyond the end" in drawn.getvalue()) == terminal
+        assert bool(capsys.readouterr().err) != terminal
+
+
+STAGES = (("running the twin", 0.0), ("screening", 0.2), ("screening", 0.3), ("judging", 0.9))
+
+
+@pytest.mark.parametrize("lines", [True, False])
+def test_without_a_terminal_each_stage_that_ended_may_be_a_line_with_its_seconds(
+    lines: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    console = Console(file=io.StringIO(), force_terminal=False)
+    with DiagnosisDisplay(console, lines=lines) as display:
+        for stage, share in STAGES:
+            display.show(stage, share)
+    shown, said = capsys.readouterr()
+    assert shown == ""
+    told = re.fullmatch(r"running the twin: \d\.\d s\nscreening: \d\.\d s\n", said)
+    assert told if lines else said == ""
 
 
 def test_a_long_stage_is_cut_and_the_bar_stays() -> None:
