@@ -18,9 +18,9 @@ from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated
 from gmfbo.diagnosis.fitting.profile_intervals import widened_by_profile
 from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
 from gmfbo.diagnosis.locating.parities import parities
+from gmfbo.diagnosis.naming.alignment_told import alignments
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.naming.decision_told import (
-    alignments,
     augmentation_of,
     detectable_sizes,
     named_effects,
@@ -99,6 +99,8 @@ class Conclusion:
         """
         case, decision, result = self.case, self.decision, self.result
         spread = self._spread(rng)
+        progress("aligning the columns", 0.93)
+        alignment = alignments(case, result.augmented, self.reasons)
         progress("locating", 0.95)
         named = named_effects(
             case, decision, result.augmented, spread, self.probabilities, self.units
@@ -115,7 +117,7 @@ class Conclusion:
             effects=named,
             parameters=estimated(result.augmented, spread, case.twin.binding),
             combinations=combinations_of(result.augmented, spread),
-            alignment=alignments(case, result.augmented),
+            alignment=alignment,
             detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
             location=location,
             fit=result.fit,

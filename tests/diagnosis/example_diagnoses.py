@@ -140,6 +140,12 @@ def rivals() -> Diagnosis:
     )
 
 
+def late() -> Diagnosis:
+    """A command logged late, or a delay: either explains the recordings."""
+    column = Alignment("held", -2.9e-3, 1.013, 0.0, "transport_delay", {"shift": 28.6})
+    return replace(friction(), alignment={"torque_command": column})
+
+
 def weak() -> Diagnosis:
     """Friction that is more likely than not, and no more."""
     unsure = replace(

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.certainty import claim_of_set
+from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import removed_words
 from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts
 from gmfbo.plain_words import WIDTH, interval, number, probability, words
@@ -56,6 +57,7 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     for effect in diagnosis.effects[: detail.entries]:
         lines += _effect(effect, wraps)
     lines += _more(len(diagnosis.effects) - detail.entries, "effects")
+    lines += _entry("or", misaligned_sentence(diagnosis), wraps + 2)
     table = fit_lines(diagnosis)
     lines += table[: detail.entries + 1]
     lines += _more(len(table) - 1 - detail.entries, "signals")

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.case.held_out_split import rows_of
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.intervals import Spread
 from gmfbo.diagnosis.naming.decision import Decision, Round
 from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.diagnosis.result.certainty import statement_of
-from gmfbo.diagnosis.result.estimated import Alignment
 from gmfbo.diagnosis.result.named_effect import (
     DetectableSize,
     IdentifiedValue,
@@ -168,34 +166,6 @@ def not_testable(
         elif name in decision.like_parameters:
             entries.append(NotTestable(name, decision.like_parameters[name]))
     return tuple(entries)
-
-
-def alignments(case: Case, model: Fitted) -> dict[str, Alignment]:
-    """Scale, offset and lateness of each column against the final model, where it is scored."""
-    found: dict[str, Alignment] = {}
-    names = dict.fromkeys(s.name for r in case.simulations.records for s in r.signals)
-    for name in names:
-        matrix = np.zeros((3, 3))
-        vector = np.zeros(3)
-        pairs = zip(case.simulations.records, model.simulated, strict=True)
-        for k, (record, run) in enumerate(pairs):
-            for i, (signal, values) in enumerate(zip(record.signals, run.signals, strict=True)):
-                if signal.name != name:
-                    continue
-                rows = rows_of(case, range(len(case.budget.windows)), k, i)
-                columns = np.stack(
-                    [values, np.ones(values.size), np.gradient(values, signal.spacing)]
-                )[:, rows]
-                matrix += columns @ columns.T
-                vector += columns @ (signal.values - values)[rows]
-        scale, offset, rate = np.linalg.lstsq(matrix, vector, rcond=1e-12)[0]
-        found[name] = Alignment(
-            logged="new" if name in case.simulations.new_rows else "held",
-            shift=-float(rate),
-            scale=1.0 + float(scale),
-            offset=float(offset),
-        )
-    return found
 
 
 def augmentation_of(case: Case, augmented: Fitted, units: Units) -> Augmentation:

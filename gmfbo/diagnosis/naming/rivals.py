@@ -71,8 +71,18 @@ def _does_as_well(other: Fitted, winner: Fitted) -> bool:
     """Whether the other one would fit as much worse if it were the truth."""
     residuals = zip(other.residual, winner.residual, strict=True)
     distance = sum(float(np.sum((a - b) ** 2)) for a, b in residuals)
-    bound = max(0.0, -distance + 2.0 * _QUANTILE * np.sqrt(distance))
-    return bool(other.chi2 - winner.chi2 <= bound)
+    return bool(other.chi2 - winner.chi2 <= chance_of_rival(distance))
+
+
+def chance_of_rival(distance: float) -> float:
+    """By how much a true rival may leave more chi2 than the best does, in 95 % of recordings.
+
+    Parameters
+    ----------
+    distance : float
+        Square of the distance of the two fitted models, in units of noise.
+    """
+    return max(0.0, -distance + 2.0 * _QUANTILE * float(np.sqrt(distance)))
 
 
 def _has_as_limit(law: Effect, name: str) -> bool:

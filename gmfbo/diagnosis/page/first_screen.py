@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
 from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
+from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, removed_percent, still_follows
 from gmfbo.diagnosis.result.sentence import verdict_sentence
 from gmfbo.pages.html_page import paragraph, table
@@ -148,6 +149,8 @@ def _key_facts(diagnosis: Findings) -> str:
     facts += _removed(diagnosis)
     if not diagnosis.effects and diagnosis.shape is None:
         facts += [*_moved_parameters(diagnosis), *_would_have_shown(diagnosis)]
+    if misaligned := misaligned_sentence(diagnosis):
+        facts.append(escape(misaligned))
     where = place_words(diagnosis)
     if where:
         facts.append(f'<b>Where</b> <a href="#where">{escape(where)}</a>')

@@ -5,6 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.pages.html_page import paragraph, table
 from gmfbo.pages.marked_number import (
     marked,
@@ -61,12 +62,27 @@ def alignment_table(diagnosis: Findings) -> str:
             _lateness(name, one),
             marked(("alignment", name, "scale"), f"{one.scale:.4f}"),
             _offset(name, one, units.get(name, "")),
+            _beyond(name, one),
+            escape(words(one.rival)) if one.rival else "",
         ]
         for name, one in diagnosis.alignment.items()
     ]
     told = "Found beside the physics, and never taken for physics."
-    heads = ["signal", "command logged", "column is", "scale", "offset"]
-    return paragraph(told, "soft") + table(heads, rows, numbers=(2, 3, 4)) if rows else ""
+    heads = [
+        *("signal", "command logged", "column is", "scale", "offset"),
+        *("more than usual, in standard deviations", "or else"),
+    ]
+    listed = table(heads, rows, numbers=(2, 3, 4)) if rows else ""
+    either = paragraph(misaligned_sentence(diagnosis))
+    return paragraph(told, "soft") + either + listed if rows else ""
+
+
+def _beyond(name: str, one: Alignment) -> str:
+    """Kinds of which a column has more than its prior allows."""
+    return ", ".join(
+        f"{kind} {marked_number(('alignment', name, 'beyond_prior', kind), deviations)}"
+        for kind, deviations in one.beyond_prior.items()
+    )
 
 
 def _lateness(name: str, one: Alignment) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,17 @@ class Alignment:
         Factor on the column, dimensionless.
     offset : float
         [unit of the signal] Added to the column.
+    rival : str or None
+        A law that would explain as well what is off by most; None where none would, or where
+        nothing is off by more than its prior allows.
+    beyond_prior : mapping of str to float
+        Kinds (`shift`, `scale`, `offset`) of which there is more than the prior allows, each in
+        its standard deviations.
     """
 
     logged: str
     shift: float
     scale: float
     offset: float
+    rival: str | None = None
+    beyond_prior: Mapping[str, float] = field(default_factory=dict)

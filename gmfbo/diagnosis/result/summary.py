@@ -6,6 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.certainty import claim_of_set
+from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.sentence import verdict_sentence
 from gmfbo.plain_words import interval, percent, probability, words
 
@@ -57,6 +58,8 @@ def summary_text(diagnosis: Findings) -> str:
     for effect in diagnosis.effects:
         lines.append(f"{claim_of_set(effect)}, probability {probability(effect.probability)}")
         lines += [f"  {text}" for text in parameter_texts(effect)]
+    if misaligned := misaligned_sentence(diagnosis):
+        lines.append(misaligned)
     return "\n".join([*lines, *fit_lines(diagnosis)])
 
 
@@ -68,8 +71,11 @@ def summary_html(diagnosis: Findings) -> str:
         for effect in diagnosis.effects
     )
     heads = "<th>missing</th><th>probability</th><th>parameters</th>"
+    told = escape(misaligned_sentence(diagnosis))
+    misaligned = f"<p>{told}</p>" if told else ""
     effects = f"<table><tr>{heads}</tr>{rows}</table>" if rows else ""
-    return f"<p><b>{escape(verdict_sentence(diagnosis))}</b></p>{effects}{_fit_html(diagnosis)}"
+    verdict = f"<p><b>{escape(verdict_sentence(diagnosis))}</b></p>"
+    return f"{verdict}{effects}{misaligned}{_fit_html(diagnosis)}"
 
 
 def _fit_html(diagnosis: Findings) -> str:

@@ -32,8 +32,10 @@ SHIFT_SHARE = 0.1
 ACTUATOR_LAG_S, ACTUATOR_GAIN = 2.5e-4, 0.02
 """Current loops differ from their twins by 0.1-0.3 ms, torque constants by 2 %."""
 
+OFFSET = 5e-4
+"""Prior of a column's zero, as a share of its range."""
+
 _FREE = 10.0  # times the range: as good as no prior
-_OFFSET = 5e-4  # of a signal's range
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Alignment:
 def alignment_of(entry: OutputEntry, *, is_position: bool) -> Alignment:
     """Priors that the twin file states, or else those of common sensors."""
     scale = POSITION_SCALE if is_position else SCALE
-    offset = 0.0 if is_position else _OFFSET
+    offset = 0.0 if is_position else OFFSET
     shift = None
     if entry.uncertain_scale is not None:
         scale = max(scale, entry.uncertain_scale)

@@ -140,6 +140,23 @@ def following_part(columns: Array, left: Array) -> tuple[float, Array]:
     return float(np.sqrt(np.mean(made**2))), centred - made
 
 
+def long_run_covariance(score: Array) -> Array:
+    """Covariance of the sum of correlated rows (Newey, West 1987), shape (n, n).
+
+    Parameters
+    ----------
+    score : ndarray, shape (n, rows)
+        Terms of n sums, each of mean zero.
+    """
+    rows = score.shape[1]
+    lags = round(np.sqrt(rows))
+    covariance: Array = score @ score.T
+    for lag in range(1, min(lags, rows - 1) + 1):
+        shifted = score[:, lag:] @ score[:, :-lag].T
+        covariance += (1.0 - lag / (lags + 1.0)) * (shifted + shifted.T)
+    return covariance
+
+
 def chance_bound(columns: Array, rest: Array) -> float:
     """RMS along the columns that coloured noise exceeds once in a hundred times.
 
@@ -155,12 +172,7 @@ def chance_bound(columns: Array, rest: Array) -> float:
         Residual without its part along the columns, taken as coloured noise.
     """
     rows = rest.size
-    score = columns / np.sqrt(rows) * rest
-    lags = round(np.sqrt(rows))
-    covariance = score @ score.T
-    for lag in range(1, min(lags, rows - 1) + 1):
-        shifted = score[:, lag:] @ score[:, :-lag].T
-        covariance += (1.0 - lag / (lags + 1.0)) * (shifted + shifted.T)
+    covariance = long_run_covariance(columns / np.sqrt(rows) * rest)
     powers = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
     if powers.sum() <= 0.0:
         return 0.0

@@ -19,6 +19,7 @@ from tests.diagnosis.example_diagnoses import (
     FIT,
     FRICTION,
     friction,
+    late,
     nothing,
     outside,
     parameters,
@@ -49,7 +50,7 @@ def crowded() -> Diagnosis:
 
 @pytest.mark.parametrize(
     "made",
-    [friction(), rivals(), outside(), nothing(), parameters(), too_little(), crowded()],
+    [friction(), rivals(), outside(), nothing(), parameters(), too_little(), crowded(), late()],
 )
 def test_the_result_fits_a_screen(made: Diagnosis) -> None:
     lines = screenful(made, WRITTEN)

@@ -21,15 +21,17 @@ from gmfbo.physics import CATALOGUE
 from tests.diagnosis.example_diagnoses import (
     FRICTION,
     friction,
+    late,
     nothing,
     outside,
     parameters,
     rivals,
     too_little,
+    weak,
 )
 from tests.pages.page_text import PageText, at_path, rounds_to
 
-ALL = [friction(), rivals(), nothing(), parameters(), outside(), too_little()]
+ALL = [friction(), rivals(), nothing(), parameters(), outside(), too_little(), weak(), late()]
 EVIL = "<b>\"&'</b><script>alert(1)</script>"
 # What the page does not print: the shape's points are drawn, predictions are for `experiment`.
 NOT_PRINTED = ("schema", "shape", "latent", "predictions")

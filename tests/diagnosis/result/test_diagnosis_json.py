@@ -94,7 +94,9 @@ diagnoses = st.builds(
         st.builds(EstimatedParameter, numbers, numbers, names, numbers, numbers, st.booleans())
     ),
     combinations=tuples(st.builds(Combination, names, numbers, numbers, numbers)),
-    alignment=mappings(st.builds(Alignment, names, numbers, numbers, numbers)),
+    alignment=mappings(
+        st.builds(Alignment, names, numbers, numbers, numbers, st.none() | names, mappings(numbers))
+    ),
     detectable=mappings(
         st.builds(DetectableSize, names.filter(lambda name: name != "unit"), numbers, names)
     ),
@@ -177,6 +179,8 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     assert [effect.pop("set") for effect in again["effects"]] == [["coulomb_friction"]]
     assert again.pop("statement_probability") == 0.97
     assert again["cost"].pop("stages") == {}
+    (column,) = again["alignment"].values()
+    assert (column.pop("rival"), column.pop("beyond_prior")) == (None, {})
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 
