@@ -11,6 +11,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
+from gmfbo.diagnosis.checking.consistent_recordings import consistent
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.conclusion import Progress
 from gmfbo.diagnosis.diagnosis import Diagnosis
@@ -67,7 +68,7 @@ def diagnose(
     InputError
         An effect or parameter has no such name, or the law of an added effect is missing.
     RecordingError
-        A recording cannot be read, or has nothing to compare.
+        A recording cannot be read, has nothing to compare, or contradicts the twin grossly.
     SimulationError
         The twin as it is cannot follow the recordings.
     """
@@ -96,11 +97,14 @@ def _cases(
     closing: ExitStack,
 ) -> tuple[Case, Case | None]:
     """Open a case of each kind of recordings, under the gain that the drive really had."""
+    recordings, notes = consistent(twin, recordings, seed=seed, jobs=jobs)
+    unseen, more = consistent(twin, unseen, seed=seed, jobs=jobs)
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
     case = _aligned_case(twin, recordings, seed, jobs)
     closing.callback(case.simulations.close)
+    case.notes.extend(dict.fromkeys(notes + more))
     if gain is not None:
         case.notes.append(gain.note)
     if not unseen:

@@ -39,7 +39,11 @@ MANUAL = Manual(
             "gmfbo diagnose axis.toml run*.csv --out found --assume torque_ripple"
         ),
     },
-    exits={0: "done, whatever the verdict"},
+    exits={
+        0: "done, whatever the verdict",
+        2: "bad input, in one line; also a recording of opposite sign, in another unit, or of "
+        "another axis",
+    },
     see_also=(
         "gmfbo check",
         "gmfbo experiment",
