@@ -240,6 +240,7 @@ def _free_runs(case: Case) -> list[dict[str, Array]] | None:
             for r, run in zip(records, case.base.simulated, strict=True)
         ]
     runs = [case.twin.run({}, record.plan.recording) for record in records]
+    case.simulations.runs += len(runs)
     if any(run.status != "ok" for run in runs):
         return None
     return [
