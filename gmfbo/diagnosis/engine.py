@@ -17,8 +17,9 @@ from gmfbo.diagnosis.conclusion import Progress
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.steps import Search
-from gmfbo.errors import InputError, did_you_mean
+from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, Effect
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.description import read_description
@@ -52,7 +53,7 @@ def diagnose(
     assume : sequence of str
         Effects that are tested even where the recordings seem not to show them.
     exclude : sequence of str
-        Effects that are not considered.
+        Effects never named, and parameters of the twin to hold: names or shell patterns.
     progress : callable (str, float), optional
         Called with the stage and the share done.
     jobs : int, optional
@@ -73,9 +74,8 @@ def diagnose(
         The twin as it is cannot follow the recordings.
     """
     started = time.perf_counter()
-    _check_names((*assume, *exclude))
-    _check_laws(CATALOGUE.added)
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
+    ruled_out = _checked(opened, assume, exclude)
     read = [as_recording(recording, opened) for recording in recordings]
     unseen = [as_recording(recording, opened) for recording in validate or ()]
     told = progress or (lambda stage, share: None)
@@ -83,8 +83,8 @@ def diagnose(
     with ExitStack() as closing:
         if opened is not twin:
             closing.callback(opened.close)
-        case, other = _cases(opened, read, unseen, seed, jobs, closing)
-        search = Search(case, np.random.default_rng(seed), assume, exclude, told)
+        case, other = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
+        search = Search(case, np.random.default_rng(seed), assume, ruled_out.effects, told)
         return search.diagnosis(seed, started, other)
 
 
@@ -140,10 +140,11 @@ def _aligned_case(
     return open_case(twin, recordings, seed=seed, jobs=jobs, new_rows=right)
 
 
-def _check_names(names: Sequence[str]) -> None:
-    for name in names:
-        if name not in CATALOGUE:
-            raise InputError(f"no effect '{name}'" + did_you_mean(name, CATALOGUE))
+def _checked(twin: FmuTwin, assume: Sequence[str], exclude: Sequence[str]) -> Excluded:
+    """Look names and laws up, before the work instead of after it."""
+    check_assumed(twin.binding, assume)
+    _check_laws(CATALOGUE.added)
+    return excluded(twin.binding, exclude)
 
 
 def _check_laws(added: Sequence[Effect]) -> None:
