@@ -12,13 +12,15 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
+from gmfbo.diagnosis.checking.consistent_recordings import consistent
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.stage_times import Progress, StageTimes
 from gmfbo.diagnosis.steps import Search
-from gmfbo.errors import InputError, did_you_mean
+from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, Effect
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.description import read_description
@@ -52,7 +54,7 @@ def diagnose(
     assume : sequence of str
         Effects that are tested even where the recordings seem not to show them.
     exclude : sequence of str
-        Effects that are not considered.
+        Effects never named, and parameters of the twin to hold: names or shell patterns.
     progress : callable (str, float), optional
         Called with the stage and the share done.
     jobs : int, optional
@@ -68,23 +70,23 @@ def diagnose(
     InputError
         An effect or parameter has no such name, or the law of an added effect is missing.
     RecordingError
-        A recording cannot be read, or has nothing to compare.
+        A recording cannot be read, has nothing to compare, or contradicts the twin grossly.
     SimulationError
         The twin as it is cannot follow the recordings.
     """
     started = time.perf_counter()
     told = StageTimes(progress or (lambda stage, share: None), "reading")
-    _check_effects((*assume, *exclude))
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
+    ruled_out = _checked(opened, assume, exclude)
     read = [as_recording(recording, opened) for recording in recordings]
     unseen = [as_recording(recording, opened) for recording in validate or ()]
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
             closing.callback(opened.close)
-        case, other = _cases(opened, read, unseen, seed, jobs, closing)
-        steps = Search(case, np.random.default_rng(seed), assume, exclude, told)
-        found = steps.diagnosis(seed, started, other)
+        case, other = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
+        search = Search(case, np.random.default_rng(seed), assume, ruled_out.effects, told)
+        found = search.diagnosis(seed, started, other)
     return replace(found, cost=replace(found.cost, stages=told.seconds))
 
 
@@ -97,11 +99,14 @@ def _cases(
     closing: ExitStack,
 ) -> tuple[Case, Case | None]:
     """Open a case of each kind of recordings, under the gain that the drive really had."""
+    recordings, notes = consistent(twin, recordings, seed=seed, jobs=jobs)
+    unseen, more = consistent(twin, unseen, seed=seed, jobs=jobs)
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
     case = _aligned_case(twin, recordings, seed, jobs)
     closing.callback(case.simulations.close)
+    case.notes.extend(dict.fromkeys(notes + more))
     if gain is not None:
         case.notes.append(gain.note)
     if not unseen:
@@ -137,12 +142,11 @@ def _aligned_case(
     return open_case(twin, recordings, seed=seed, jobs=jobs, new_rows=right)
 
 
-def _check_effects(names: Sequence[str]) -> None:
-    """Raise unless all effects that the user named are known, and the laws of added ones there."""
-    for name in names:
-        if name not in CATALOGUE:
-            raise InputError(f"no effect '{name}'" + did_you_mean(name, CATALOGUE))
+def _checked(twin: FmuTwin, assume: Sequence[str], exclude: Sequence[str]) -> Excluded:
+    """Look names and laws up, before the work instead of after it."""
+    check_assumed(twin.binding, assume)
     _check_laws(CATALOGUE.added)
+    return excluded(twin.binding, exclude)
 
 
 def _check_laws(added: Sequence[Effect]) -> None:

@@ -30,9 +30,13 @@ from gmfbo.sources.twin.twin import FmuTwin
 from tests.diagnosis.example_diagnoses import friction
 
 QUICK = ("coulomb_friction", "cogging_torque", "backlash", "actuator_lag")
-with FmuTwin(models_folder() / "demo_axis.toml") as _axis:
-    PLANT_PARAMETERS = set(_axis.parameter_tunable())
 SEEDS = st.integers(min_value=0, max_value=2**40)
+
+
+@pytest.fixture(scope="module")
+def plant_parameters() -> set[str]:
+    with FmuTwin(models_folder() / "demo_axis.toml") as axis:
+        return set(axis.parameter_tunable())
 
 
 def named(name: str, rivals: tuple[str, ...] = (), **values: float) -> NamedEffect:
@@ -56,8 +60,10 @@ def test_a_seed_always_hides_the_same(seed: int) -> None:
 
 
 @given(SEEDS)
-def test_every_draw_is_made_of_parameters_that_the_plant_has(seed: int) -> None:
-    assert set(draw(seed).plant) <= PLANT_PARAMETERS
+def test_every_draw_is_made_of_parameters_that_the_plant_has(
+    plant_parameters: set[str], seed: int
+) -> None:
+    assert set(draw(seed).plant) <= plant_parameters
 
 
 def test_all_effects_nothing_and_parameters_are_drawn_as_often_as_stated() -> None:

@@ -18,7 +18,11 @@ MANUAL = Manual(
         "What is wrong with four recordings:": "gmfbo check axis.toml run*.csv",
         "All of it, and for a script:": "gmfbo check axis.toml run*.csv --all --json seen.json",
     },
-    exits={0: "done, also where something is wrong with a recording"},
+    exits={
+        0: "done, also where something is wrong with a recording",
+        2: "bad input, in one line; also a recording of opposite sign, in another unit, or of "
+        "another axis",
+    },
     see_also=(
         "gmfbo columns",
         "gmfbo diagnose",

@@ -13,7 +13,7 @@ from gmfbo.cli.arguments import Jobs, Recordings, Seed, TwinFile
 from gmfbo.cli.completion import effects
 from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
-from gmfbo.errors import InputError, did_you_mean
+from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
@@ -39,7 +39,11 @@ MANUAL = Manual(
             "gmfbo diagnose axis.toml run*.csv --out found --assume torque_ripple"
         ),
     },
-    exits={0: "done, whatever the verdict"},
+    exits={
+        0: "done, whatever the verdict",
+        2: "bad input, in one line; also a recording of opposite sign, in another unit, or of "
+        "another axis",
+    },
     see_also=(
         "gmfbo check",
         "gmfbo experiment",
@@ -72,8 +76,8 @@ def diagnose(
     exclude: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="EFFECT",
-            help="Effect never to name; may be repeated.",
+            metavar="NAME",
+            help="Effect never to name, or parameter to hold (pattern too); may be repeated.",
             autocompletion=effects,
         ),
     ] = None,
@@ -86,7 +90,7 @@ def diagnose(
     outside the fit confirm them, and gives the error on unseen recordings before and after.
     Parameters are printed in SI with 95 % intervals.
     """
-    _check_effects(assume or [], exclude or [])
+    _check_effects(twin, assume or [], exclude or [])
     _check_folder(out)
 
     diagnose_and_show(
@@ -135,16 +139,16 @@ def with_notes_of_saving(diagnosis: Diagnosis, out: Path) -> Diagnosis:
     return replace(diagnosis, notes=(*noted, *diagnosis.notes))
 
 
-def _check_effects(assume: Sequence[str], exclude: Sequence[str]) -> None:
+def _check_effects(twin: Path, assume: Sequence[str], exclude: Sequence[str]) -> None:
     from gmfbo.physics import CATALOGUE
 
-    for option, names in (("--assume", assume), ("--exclude", exclude)):
-        for name in names:
-            if name not in CATALOGUE:
-                raise InputError(
-                    f"{option}: expected the name of an effect, got '{name}'"
-                    f"{did_you_mean(name, CATALOGUE)}"
-                )
+    if any(name not in CATALOGUE for name in (*assume, *exclude)):
+        from gmfbo.diagnosis.screening.exclusion import check_assumed, excluded
+        from gmfbo.sources.twin.twin import FmuTwin
+
+        with FmuTwin(twin) as opened:
+            check_assumed(opened.binding, assume)
+            excluded(opened.binding, exclude)
     both = sorted(set(assume) & set(exclude))
     if both:
         raise InputError(f"'{both[0]}' is assumed and excluded; leave one of the two out")

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.checking.consistent_recordings import whole_angles
+from gmfbo.diagnosis.checking.contradiction import refuse_columns, refuse_contradictions
 from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
 from gmfbo.diagnosis.checking.findings import all_findings
 from gmfbo.diagnosis.checking.nominal_case import NominalCase, open_nominal
@@ -63,7 +65,7 @@ def check(
     Raises
     ------
     RecordingError
-        A recording cannot be read, or has nothing to compare.
+        A recording cannot be read, has nothing to compare, or contradicts the twin grossly.
     SimulationError
         The twin as it is cannot follow the recordings.
     """
@@ -73,9 +75,13 @@ def check(
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     try:
         read = [as_recording(recording, opened) for recording in recordings]
+        read, notes = whole_angles(opened, read)
+        doubts = refuse_contradictions(opened, read)
         counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
         nominal = open_nominal(opened, read, seed=seed, jobs=jobs, on_run=counted.one)
+        nominal.case.notes.extend(notes)
         try:
+            refuse_columns(nominal.case, nominal.checked, doubts)
             return _seen(nominal, told, started)
         finally:
             nominal.case.simulations.close()
@@ -234,6 +240,7 @@ def _free_runs(case: Case) -> list[dict[str, Array]] | None:
             for r, run in zip(records, case.base.simulated, strict=True)
         ]
     runs = [case.twin.run({}, record.plan.recording) for record in records]
+    case.simulations.runs += len(runs)
     if any(run.status != "ok" for run in runs):
         return None
     return [

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched
+from gmfbo.diagnosis.checking.missing_signals import missing_signals
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
     ColumnQuality,
@@ -38,6 +39,7 @@ _SPOILING = {"lost_rows", "repeated_samples", "latched_column", "clipped_column"
 
 # Worst first: what makes everything after it wrong.
 _ORDER = (
+    "missing_column",
     "lost_rows",
     "repeated_samples",
     "latched_column",
@@ -74,7 +76,7 @@ def all_findings(
     logged : str or None
         Convention of the command's column by the controller's parity.
     """
-    found = _conventions(case, logged)
+    found = [*_missing(case), *_conventions(case, logged)]
     for k, (name, own) in enumerate(facts.items()):
         faults = _of_clock(name, own.clock)
         for signal, quality in own.columns.items():
@@ -95,6 +97,20 @@ def all_findings(
             )
         )
     return tuple(sorted(found, key=lambda finding: _ORDER.index(finding.kind)))
+
+
+def _missing(case: Case) -> list[Finding]:
+    recordings = [record.plan.recording for record in case.simulations.records]
+    return [
+        Finding(
+            "missing_column",
+            own.recording,
+            own.signal,
+            f"{own.what}: {own.without}",
+            f"record it, or map its column (gmfbo columns ... --set {own.signal}=COLUMN)",
+        )
+        for own in missing_signals(case.twin, recordings)
+    ]
 
 
 def _conventions(case: Case, logged: str | None) -> list[Finding]:

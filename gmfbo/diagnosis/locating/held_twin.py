@@ -88,6 +88,12 @@ class HeldTwin:
         )
         return runs if all(run.outcome.status == "ok" for run in runs) else None
 
+    def run_one(self, k: int, measured: Column, held: Mapping[str, float]) -> Response | None:
+        """Hold the twin on one measurement, with unrecorded FMU inputs at these values."""
+        point = self.base.hypothesis.point(self.base.x)
+        run = self.case.simulations.run_parity(point, k, self.settings, measured, held)
+        return run if run.outcome.status == "ok" else None
+
     def effort(self, measured: Column, run: Response) -> Column:
         """Force that holds the plant, mean over each communication step, shape (rows,)."""
         return mean_effort(self.settings, measured, run, self.case.twin.step)

@@ -17,6 +17,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.locating.held_twin import DISTURBANCE, HeldTwin, hold, mean_effort
 from gmfbo.diagnosis.locating.parity import Parity, block_rows, block_spread, fast_noise
+from gmfbo.diagnosis.locating.unrecorded_inputs import read_by_controller, why_not_judged
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.scoring.noise_levels import TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
@@ -104,7 +105,7 @@ class _Checks:
         logged: dict[str, float] = {}
         if self.command is not None and twin.feeds_controller:
             leak = self._leak(twin, self.command)
-            if leak is not None:
+            if leak is not None and self._reads_only_what_is_known(twin, self.command):
                 controller, logged = self._controller(
                     held, self.command, leak * self._more(efforts)
                 )
@@ -168,6 +169,13 @@ class _Checks:
             )
             return None
         return spread
+
+    def _reads_only_what_is_known(self, twin: HeldTwin, command: str) -> bool:
+        """Whether every input that moves the command was recorded or is stated."""
+        unknown = read_by_controller(self.case, twin, command)
+        if unknown:
+            self.why_not["controller"] = why_not_judged(unknown)
+        return not unknown
 
     def _more(self, efforts: Sequence[Column]) -> float:
         """Ratio of the recordings' disturbance to that of the null simulation, at least 1."""

@@ -218,6 +218,7 @@ class Simulations:
         record: int,
         settings: Mapping[str, float],
         measured: NDArray[np.float64],
+        held: Mapping[str, float] | None = None,
     ) -> Response:
         """Simulate one recording while loops of physics.fmu hold the twin on it.
 
@@ -231,11 +232,13 @@ class Simulations:
             Of the loops.
         measured : ndarray, shape (rows,)
             [FMU's unit] Recorded position.
+        held : mapping of str to float, optional
+            [FMU's unit] FMU inputs that nothing drives, and the value of each.
         """
         physics = {**settings, **point.physics_in(record)}
         plan = self.records[record].plan
         with self._simulator() as simulator:
-            return simulator.run(plan, point.parameters, physics, measured=measured)
+            return simulator.run(plan, point.parameters, physics, measured=measured, held=held)
 
     def read(self, response: Response, record: int) -> tuple[NDArray[np.float64], ...]:
         """Scored signals of a response at their own times."""

@@ -94,7 +94,7 @@ def _same_experiment(a: Record, b: Record) -> bool:
     one, two = a.plan.experiment, b.plan.experiment
     if one.parameters.in_force != two.parameters.in_force or one.grid.size != two.grid.size:
         return False
-    return all(
+    return one.inputs.keys() == two.inputs.keys() and all(
         np.allclose(one.inputs[name], two.inputs[name], rtol=0.0, atol=1e-12) for name in one.inputs
     )
 

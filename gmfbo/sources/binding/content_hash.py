@@ -22,7 +22,7 @@ def content_hash(binding: Binding, parameters: Mapping[str, float], step: float)
         [s] Communication step in force.
     """
     # Neither a logger's column names nor the list of uncertain parameters changes a run.
-    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables"}
+    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables", "fixed"}
     file = binding.file.model_dump(mode="json", exclude=apart)
     meaning = {
         "file": file,

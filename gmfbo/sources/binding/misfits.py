@@ -8,6 +8,7 @@ from math import prod
 from typing import TYPE_CHECKING
 
 from gmfbo.errors import InputError, did_you_mean
+from gmfbo.sources.binding.name_patterns import matching
 from gmfbo.sources.binding.table_nodes import LEAST_NODES, elements, shape_of
 from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, is_parameter
 from gmfbo.sources.twin_file.twin_file import ControllerEntry, SignalEntry
@@ -55,6 +56,7 @@ def find_misfits(binding: Binding) -> Iterator[str]:
     ):
         for key, name in names.items():
             yield from _misfit(binding, f"[{table}] '{key}'", name, part)
+    yield from _fixed_problems(binding)
     yield from _table_problems(binding)
     yield from _column_slips(binding)
     yield from _controller_problems(binding)
@@ -84,6 +86,17 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
         yield f"{where}: expected {words} of the FMU, {is_a}{valid}"
+
+
+def _fixed_problems(binding: Binding) -> Iterator[str]:
+    for pattern in binding.file.fixed.names:
+        found = matching(pattern, binding.parameters)
+        if not found:
+            near = did_you_mean(pattern, binding.parameters)
+            yield f"[fixed] names: no parameter matches '{pattern}'{near}"
+        for name in found:
+            if name in binding.file.uncertain:
+                yield f"[fixed] names: '{pattern}' holds '{name}' of [uncertain]; keep one"
 
 
 def _table_problems(binding: Binding) -> Iterator[str]:

@@ -204,6 +204,7 @@ class AugmentedTwin:
         *,
         excitation: Columns | None = None,
         measured: NDArray[np.float64] | None = None,
+        held: Mapping[str, float] | None = None,
     ) -> Response:
         """Simulate along a recording.
 
@@ -219,6 +220,8 @@ class AugmentedTwin:
             [FMU's unit] Added to a port from each communication point on.
         measured : ndarray, shape (rows,)
             [FMU's unit] Position that the tracking loop follows, a cubic spline between rows.
+        held : mapping of str to float
+            [FMU's unit] FMU inputs that nothing drives, and the value of each for the whole run.
 
         Raises
         ------
@@ -230,7 +233,7 @@ class AugmentedTwin:
         chosen = run_parameters(binding, plan.recording, override, {})
         experiment = replace(plan.experiment, parameters=chosen)
         coarse = experiment.order(plan.lead).job
-        inputs, columns = self._driven(plan, excitation or {}, measured)
+        inputs, columns = self._driven(plan, excitation or {}, measured, held or {})
         outputs = self._outputs(len(coarse.outputs))
         job = Job(
             steps=coarse.steps * self.substeps,
@@ -291,7 +294,11 @@ class AugmentedTwin:
         ]
 
     def _driven(
-        self, plan: RunPlan, excitation: Columns, measured: NDArray[np.float64] | None
+        self,
+        plan: RunPlan,
+        excitation: Columns,
+        measured: NDArray[np.float64] | None,
+        held: Mapping[str, float],
     ) -> tuple[list[Port], list[NDArray[np.float64]]]:
         """Inputs beside the recorded ones, and their columns at the fine steps."""
         ports: list[Port] = []
@@ -308,6 +315,9 @@ class AugmentedTwin:
             for instance in self._augmented.physics:
                 ports.append(instance.variables["tracking.measured"].port(first + len(columns)))
                 columns.append(column)
+        for name, value in held.items():
+            ports.append(self._augmented.binding.variables[name].port(first + len(columns)))
+            columns.append(np.full(len(plan.inputs), value))
         return ports, columns
 
     def _through_physics(self, inputs: tuple[Port, ...], plan: RunPlan) -> tuple[Port, ...]:

@@ -39,6 +39,18 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class FixedNames(Table):
+    """Parameters that are known for certain.
+
+    Attributes
+    ----------
+    names : list of str
+        FMU parameters, or shell patterns of their names.
+    """
+
+    names: list[Text] = Field(default_factory=list)
+
+
 class TableEntry(Table):
     """A lookup table inside the FMU whose nodes are uncertain.
 

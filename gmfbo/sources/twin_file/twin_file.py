@@ -13,6 +13,7 @@ from gmfbo.sources.twin_file.column_file import ColumnEntry, ColumnFile, Dialect
 from gmfbo.sources.twin_file.entries import (
     CONTROLLER_KINDS,
     ControllerEntry,
+    FixedNames,
     GainRange,
     InputEntry,
     NotNegative,
@@ -77,6 +78,8 @@ class TwinFile(Table):
         Ranges of the gains that tuning may move.
     uncertain : dict of str to tuple of float
         Ranges [low, high] of uncertain parameters.
+    fixed : FixedNames
+        Parameters that are known for certain: a diagnosis never doubts them.
     tables : dict of str to TableEntry
         Uncertain lookup tables, by a name for messages.
     ports, states, roles : dict of str to str
@@ -101,6 +104,7 @@ class TwinFile(Table):
     parameters: dict[str, ParameterValue] = Field(default_factory=dict)
     gains: dict[str, GainRange] = Field(default_factory=dict)
     uncertain: dict[str, Pair] = Field(default_factory=dict)
+    fixed: FixedNames = Field(default_factory=FixedNames)
     tables: dict[str, TableEntry] = Field(default_factory=dict)
     ports: dict[str, Text] = Field(default_factory=dict)
     states: dict[str, Text] = Field(default_factory=dict)

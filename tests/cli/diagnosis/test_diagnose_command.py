@@ -133,7 +133,9 @@ def test_a_twin_that_fails_gives_status_three(
         (("a.csv",), "--out"),
         (("--out", "x"), "REC"),
         (("a.csv", "--out", "x", "--assume", "colomb_friction"), "mean 'coulomb_friction'"),
+        (("a.csv", "--out", "x", "--assume", "mass"), "is a parameter of the twin"),
         (("a.csv", "--out", "x", "--exclude", "Backlash"), "mean 'backlash'"),
+        (("a.csv", "--out", "x", "--exclude", "no.such.*"), "no parameter of the twin matches"),
         (
             ("a.csv", "--out", "x", "--exclude", "backlash", "--assume", "backlash"),
             "assumed and excluded",

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, check
 from gmfbo.diagnosis import Check
+from gmfbo.diagnosis.checking.check import _free_runs
 from gmfbo.diagnosis.checking.result import Finding
 from gmfbo.diagnosis.checking.text import check_lines
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.models import models_folder
-from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, climb
+from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, climb, open_small
 
 Array = NDArray[np.float64]
 Fault = Callable[[Recording], Recording]
@@ -193,6 +194,19 @@ def test_an_open_loop_twin_is_compared_in_its_free_run() -> None:
         moves = np.array(seen.frequency) < 25.0  # above it there is noise alone
         ratios.append(float(np.median(np.divide(seen.gain, seen.twin_gain)[moves])))
     assert ratios == pytest.approx([1.0, 0.5], rel=0.15)
+
+
+@pytest.mark.parametrize(("axis", "more"), [(BENCH, 1), (SERVO, 0)], ids=["open", "closed"])
+def test_free_runs_of_an_open_loop_twin_count_as_simulations(axis: Axis, more: int) -> None:
+    """A closed loop is compared in runs that were counted before."""
+    case = open_small(axis.twin(), axis.recordings({})[:1])
+    try:
+        before = case.simulations.runs
+        assert _free_runs(case) is not None
+        assert case.simulations.runs == before + more
+    finally:
+        case.simulations.close()
+        case.twin.close()
 
 
 def test_a_logger_of_the_new_command_is_recognised(

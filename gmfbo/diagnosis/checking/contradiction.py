@@ -1,0 +1,372 @@
+"""Recordings that contradict their twin so grossly that no missing physics can be the cause.
+
+In a closed loop the controlled signal follows its reference, whatever physics the twin lacks: with
+the largest effects of the library its gain against the simulation stays between 0.6 and 1.3. A
+gain of -1, or of 57.3, or a motion that has nothing of the reference's, is a wrong column. The
+command may be anything that the plant asks for; it is judged by the twin's controller on the
+recorded measurement, where no plant takes part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.checking.mistaken_unit import mistaken_unit, times_si
+from gmfbo.diagnosis.locating.parities import Parities
+from gmfbo.errors import RecordingError
+from gmfbo.objective.fit import scored_rows
+from gmfbo.plain_words import number
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.twin import FmuTwin
+
+_SAME_SHAPE = 0.9
+"""Correlation from which two signals are one shape: then four fifths are explained."""
+
+_MIDWAY = 0.5
+"""Share of the simulated motion, midway between an axis that follows and one that does not."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """How a recorded signal follows an expected one.
+
+    Attributes
+    ----------
+    gain : float
+        Recorded over expected, by regression [1].
+    correlation : float
+        Of both, as they are.
+    shifted, near : float
+        Highest correlation at any shift by up to half the recording, and up to a tenth of it:
+        no column of a usable recording is later than that.
+    motion : float
+        Standard deviation of the recorded signal over that of the expected one [1].
+    """
+
+    gain: float
+    correlation: float
+    shifted: float
+    near: float
+    motion: float
+
+    @property
+    def is_flipped(self) -> bool:
+        """Whether it has the opposite sign; a sine that is half a period late has not."""
+        return self.correlation <= -_SAME_SHAPE and self.shifted < -self.correlation
+
+    @property
+    def is_unrelated(self) -> bool:
+        """Whether it moves, and has less than half of the expected motion in it at any shift."""
+        return self.motion >= _MIDWAY > max(self.shifted, self.shifted * self.motion)
+
+    @property
+    def may_be_unrelated(self) -> bool:
+        """Whether it moves, and little of it is like the expected motion at a usual shift."""
+        return self.motion >= _MIDWAY > self.near
+
+
+def likeness(recorded: Array, expected: Array) -> Likeness | None:
+    """Compare two signals without their means; None where one of them does not move.
+
+    Parameters
+    ----------
+    recorded, expected : ndarray, shape (n,)
+        Rows that both have.
+    """
+    a, b = recorded - recorded.mean(), expected - expected.mean()
+    own, other, both = float(a @ a), float(b @ b), float(a @ b)
+    least = 1e-12 * float(np.abs(expected).max() ** 2) * expected.size
+    if own <= 0.0 or other <= least:
+        return None
+    size = math.sqrt(own) * math.sqrt(other)
+    padded = 2 * a.size
+    spectrum = np.fft.rfft(a, padded) * np.conj(np.fft.rfft(b, padded))
+    together = np.fft.irfft(spectrum, padded)
+    together = np.roll(together, a.size)[:padded] / size
+
+    def highest(rows: int) -> float:
+        return float(together[a.size - rows : a.size + rows + 1].max())
+
+    shifted, near = highest(a.size // 2), highest(a.size // 10)
+    return Likeness(both / other, both / size, shifted, near, math.sqrt(own / other))
+
+
+@dataclass(frozen=True)
+class Doubts:
+    """Recordings that the twin's controller has to judge, by their indices.
+
+    Attributes
+    ----------
+    position : frozenset of int
+        Those in which the controlled signal hardly follows its reference.
+    command : frozenset of int
+        Those whose command is of opposite sign, or far in size, from the simulated one.
+    """
+
+    position: frozenset[int]
+    command: frozenset[int]
+
+    def __bool__(self) -> bool:
+        return bool(self.position or self.command)
+
+
+def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Doubts:
+    """Compare the controlled signal of each recording with the twin as it is.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    recordings : sequence of Recording
+        Runs of the real axis.
+
+    Returns
+    -------
+    Doubts
+        Recordings for `refuse_columns`.
+
+    Raises
+    ------
+    RecordingError
+        A controlled signal contradicts the twin at each end of every uncertain range.
+    """
+    signal = controlled(twin)
+    position, command = set(), set()
+    for k, recording in enumerate(recordings if signal else ()):
+        if "reference" not in recording.signals:
+            continue
+        run = twin.run({}, recording)
+        if run.status != "ok":
+            continue
+        if signal in recording.signals:
+            told = _contradicts(twin, recording, run, signal)
+            if told and not _may_follow(twin, recording, signal):
+                raise RecordingError(told)
+            seen = _seen(twin, recording, signal, run)
+            if seen is not None and seen.may_be_unrelated:
+                position.add(k)
+        if _is_doubtful(twin, recording, run):
+            command.add(k)
+    return Doubts(frozenset(position), frozenset(command))
+
+
+def controlled(twin: FmuTwin) -> str:
+    """Output that has to follow the reference: that in its unit; empty in open loop."""
+    file, variables = twin.file, twin.binding.variables
+    if "reference" not in file.inputs:
+        return ""
+    unit = variables[file.inputs["reference"].variable].variable.si_unit
+    alike = [
+        n
+        for n, e in file.outputs.items()
+        if unit and variables[e.variable].variable.si_unit == unit
+    ]
+    return alike[0] if alike else ""
+
+
+def refuse_columns(case: Case, checked: Parities, doubts: Doubts) -> None:
+    """Compare recorded commands with those of the twin's controller on the recorded measurement.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    checked : Parities
+        Runs of the twin that was held on its recordings.
+    doubts : Doubts
+        Recordings that are judged.
+
+    Raises
+    ------
+    RecordingError
+        A command has the opposite sign or is in another unit, or the measurement is not that of
+        the axis which the command drove.
+    """
+    command = command_of(case)
+    if checked.controller is None or command is None:
+        return
+    for k in sorted(doubts.position | doubts.command):
+        record = case.simulations.records[k]
+        signal = next(s for s in record.signals if s.name == command)
+        computed = np.interp(signal.time, record.plan.grid, checked.held[k].response.held[command])
+        seen = likeness(signal.values, computed)
+        if seen is None:
+            continue
+        told = _of_command(case.twin, record.name, command, seen)
+        if not told and k in doubts.position and seen.near < _MIDWAY:
+            told = _unrelated(
+                record.name, controlled(case.twin), "nor is the command computed of it"
+            )
+        if told:
+            raise RecordingError(told)
+
+
+def _of_command(twin: FmuTwin, name: str, command: str, seen: Likeness) -> str:
+    against = "what the twin's controller computes from the recorded measurement"
+    if seen.is_flipped:
+        return _flipped(name, command, against, seen.gain)
+    if seen.correlation < _SAME_SHAPE:
+        return ""
+    variables, file = twin.binding.variables, twin.file
+    unit = mistaken_unit(variables[file.outputs[command].variable].variable.si_unit, seen.gain)
+    if unit is not None:
+        return _in_unit(name, command, against, seen.gain, unit)
+    signal = controlled(twin)
+    if not signal:
+        return ""
+    # Reference and measurement in one wrong unit: the loop is right, and its command is small.
+    other = mistaken_unit(_unit(twin, signal), 1.0 / seen.gain)
+    if other is None:
+        return ""
+    return (
+        f"{name}: {command} is {number(seen.gain)} times {against}, as if reference and {signal} "
+        f'were in {other}; state their unit in the header, "{signal} [{other}]", or correct them'
+    )
+
+
+def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
+    """What is wrong with the controlled signal, in one line; empty where nothing is."""
+    name, against = recording.name or "recording", "what the twin makes of reference"
+    seen = _seen(twin, recording, signal, run)
+    asked = _seen(twin, recording, signal, recording, "reference")
+    if seen is None or asked is None:
+        return ""
+    if seen.is_flipped and _in_both_halves(twin, recording, run, signal, lambda s: s.is_flipped):
+        return _flipped(name, signal, against, seen.gain)
+    unit = _wrong_unit(twin, signal, seen)
+    if unit is not None and _in_both_halves(
+        twin, recording, run, signal, lambda s: _wrong_unit(twin, signal, s) == unit
+    ):
+        return _in_unit(name, signal, against, seen.gain, unit)
+    unit = mistaken_unit(_unit(twin, signal), 1.0 / asked.gain)
+    if (
+        unit is not None
+        and asked.correlation >= _SAME_SHAPE
+        and _is_asked_in(twin, recording, signal, unit)
+    ):
+        return _in_unit(name, "reference", f"what {signal} follows", 1.0 / asked.gain, unit)
+    if seen.is_unrelated and asked.is_unrelated:
+        share = number(100.0 * max(seen.shifted, 0.0) ** 2, 2)
+        return _unrelated(name, signal, f"the simulation explains {share} % of its motion at best")
+    return ""
+
+
+def _wrong_unit(twin: FmuTwin, signal: str, seen: Likeness) -> str | None:
+    if seen.correlation < _SAME_SHAPE:
+        return None
+    return mistaken_unit(_unit(twin, signal), seen.gain)
+
+
+def _in_both_halves(
+    twin: FmuTwin,
+    recording: Recording,
+    run: Recording,
+    signal: str,
+    holds: Callable[[Likeness], bool],
+) -> bool:
+    """Whether it holds in both halves of the motion: a column is in one unit all the time.
+
+    An axis that becomes unstable may differ by as much, but only in the end.
+    """
+    path = np.cumsum(np.abs(np.diff(recording.signal("reference"), prepend=np.nan)[1:]))
+    middle = int(np.searchsorted(path, 0.5 * path[-1])) + 1 if path.size else 0
+    halves = (np.arange(len(recording)) < middle, np.arange(len(recording)) >= middle)
+    seen = [_seen(twin, recording, signal, run, rows=half) for half in halves]
+    return all(one is not None and holds(one) for one in seen)
+
+
+def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) -> bool:
+    """Whether the twin makes what was recorded of a reference that is read in another unit."""
+    converted = recording.signal("reference") / times_si(unit)
+    asked = recording.with_signals({"reference": converted})
+    run = twin.run({}, asked)
+    if run.status != "ok":
+        return False
+    seen = _seen(twin, asked, signal, run)
+    return (
+        seen is not None
+        and seen.correlation >= _SAME_SHAPE
+        and mistaken_unit(_unit(twin, signal), seen.gain) is None
+        and _in_both_halves(
+            twin, asked, run, signal, lambda s: _wrong_unit(twin, signal, s) is None
+        )
+    )
+
+
+def _may_follow(twin: FmuTwin, recording: Recording, signal: str) -> bool:
+    """Whether an uncertain parameter at an end of its range makes the contradiction go away."""
+    for name, ends in twin.file.uncertain.items():
+        for value in ends:
+            variable = twin.binding.variables[name].variable
+            low = -math.inf if variable.minimum is None else variable.minimum
+            high = math.inf if variable.maximum is None else variable.maximum
+            run = twin.run({}, recording, parameters={name: min(max(value, low), high)})
+            if run.status == "ok" and not _contradicts(twin, recording, run, signal):
+                return True
+    return False
+
+
+def _is_doubtful(twin: FmuTwin, recording: Recording, run: Recording) -> bool:
+    """Whether the command is of opposite sign or far in size: then the cut loop has to tell."""
+    state = twin.file.states.get("command")
+    for name, entry in twin.file.outputs.items():
+        if entry.variable == state and name in recording.signals and controlled(twin):
+            seen = _seen(twin, recording, name, run)
+            if seen is not None:
+                # From the root of 2 pi on, a size is nearer to that unit's than to the right one's.
+                far = abs(math.log(seen.motion)) > 0.5 * math.log(2.0 * math.pi)
+                return seen.correlation < 0.0 or far
+    return False
+
+
+def _seen(
+    twin: FmuTwin,
+    recording: Recording,
+    signal: str,
+    run: Recording,
+    expected: str = "",
+    *,
+    rows: NDArray[np.bool_] | None = None,
+) -> Likeness | None:
+    """Likeness of a recorded signal to that, or another, of a run, in rows that are scored."""
+    scored = scored_rows(recording, signal, warmup=twin.file.warmup or 0.0)
+    rows = scored if rows is None else scored & rows
+    known = np.isfinite(run.signal(expected or signal))
+    if rows.sum() < 3 or not known.any():
+        return None
+    other = np.interp(recording.time[rows], run.time[known], run.signal(expected or signal)[known])
+    return likeness(recording.signal(signal)[rows], other)
+
+
+def _unit(twin: FmuTwin, signal: str) -> str:
+    return twin.binding.variables[twin.file.outputs[signal].variable].variable.si_unit
+
+
+def _flipped(name: str, signal: str, against: str, gain: float) -> str:
+    return (
+        f"{name}: {signal} has the opposite sign of {against} (gain {number(gain)}); write "
+        f"scale = -1 for {signal} in the twin file, or correct the column"
+    )
+
+
+def _in_unit(name: str, signal: str, against: str, gain: float, unit: str) -> str:
+    return (
+        f"{name}: {signal} is {number(gain)} times {against}, as if it were in {unit}; state its "
+        f'unit in the header, "{signal} [{unit}]", or correct the column'
+    )
+
+
+def _unrelated(name: str, signal: str, why: str) -> str:
+    return (
+        f"{name}: {signal} does not follow reference, {why}; are these columns of one axis and one "
+        "run? record both together, or map the right columns"
+    )

@@ -1,0 +1,147 @@
+"""A controller is not judged where one of its inputs was not recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gmfbo import FmuTwin, check
+from gmfbo.diagnosis.checking.text import check_lines
+from gmfbo.diagnosis.locating.parities import Parities, parities
+from gmfbo.diagnosis.locating.unrecorded_inputs import unrecorded_inputs
+from gmfbo.recordings.recording import Recording
+from tests.diagnosis.servo_recordings import MODELS, opened_with, rewritten
+from tests.diagnosis.short_recordings import Axis, multisine
+
+BENCH = f"""
+name = "motor under a PD controller"
+step = 1e-3
+[fmus]
+controller = {{ kind = "pd_filtered", kp = 10.0, kd = 0.3 }}
+plant = "{MODELS / "motor_bench.fmu"}"
+[wires]
+"plant.current" = "controller.u"
+"controller.measured" = "plant.position"
+[inputs]
+reference = "controller.reference"
+[outputs]
+position = "plant.position"
+current = "controller.u"
+[ports]
+torque = "plant.tau_load"
+sensor = "controller.measured"
+[states]
+position = "plant.position"
+velocity = "plant.velocity"
+command = "controller.u"
+[roles]
+inertia = "plant.inertia"
+"""
+FEEDFORWARD = '[inputs]\nfeedforward = "controller.feedforward"'
+STATED = '[parameters]\n"controller.feedforward" = 0.0\n[inputs]'
+
+
+def bench(folder: Path, inputs: str = "[inputs]") -> FmuTwin:
+    """A motor under a controller that has an input for a feedforward."""
+    path = folder / "bench.toml"
+    path.write_text(BENCH.replace("[inputs]", inputs))
+    return FmuTwin(path)
+
+
+@contextmanager
+def opened_parities(twin: FmuTwin, recordings: list[Recording]) -> Iterator[Parities]:
+    case = opened_with(twin, recordings)
+    try:
+        yield parities(case, case.base)
+    finally:
+        case.simulations.close()
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
+    axis = Axis(truth={}, gains={}, noise={})
+    twin = bench(tmp_path_factory.mktemp("driven"))
+    return axis.recordings({}, [multisine], seconds=1.0, twin=twin)
+
+
+def test_controller_with_an_unrecorded_feedforward_is_not_judged(
+    tmp_path: Path, driven: list[Recording]
+) -> None:
+    with opened_parities(bench(tmp_path), driven) as found:
+        assert found.controller is None
+        assert not found.logged
+        said = found.why_not["controller"]
+        assert said.startswith(
+            "the controller also reads controller.feedforward, and it was not recorded;"
+        )
+        # The plant is held by force whatever its command is.
+        assert found.plant is not None
+
+
+def test_input_that_the_twin_file_states_voids_nothing(
+    tmp_path: Path, driven: list[Recording]
+) -> None:
+    with opened_parities(bench(tmp_path, STATED), driven) as found:
+        assert found.controller is not None
+        assert not found.controller.fails
+
+
+def test_recorded_input_voids_nothing(tmp_path: Path, driven: list[Recording]) -> None:
+    with_it = [r.with_signals({"feedforward": np.zeros(len(r))}) for r in driven]
+    with opened_parities(bench(tmp_path, FEEDFORWARD), with_it) as found:
+        assert found.controller is not None
+        assert not found.controller.fails
+
+
+def test_input_that_one_recording_lacks_voids_all(tmp_path: Path, driven: list[Recording]) -> None:
+    with_it = driven[0].with_signals({"feedforward": np.zeros(len(driven[0]))})
+    both = [with_it, replace(driven[0], name="rec1.csv")]
+    with opened_parities(bench(tmp_path, FEEDFORWARD), both) as found:
+        assert found.controller is None
+        assert "controller.feedforward" in found.why_not["controller"]
+
+
+@pytest.mark.parametrize(
+    ("removed", "name"),
+    [('torque = "tau_load"', "tau_load"), ('command = "tau_command"', "tau_command")],
+)
+def test_input_of_the_plant_voids_nothing(tmp_path: Path, removed: str, name: str) -> None:
+    """A load torque that was not recorded moves the plant, which the cut loop ignores."""
+    twin = rewritten("servo_axis", tmp_path, {removed: ""})
+    case = opened_with(twin, Axis().recordings({}, [multisine]))
+    try:
+        assert list(unrecorded_inputs(case)) == [name]
+        found = parities(case, case.base)
+        assert found.controller is not None
+        assert not found.controller.fails
+    finally:
+        case.simulations.close()
+
+
+def test_enabling_input_that_was_not_recorded_voids_the_parity(tmp_path: Path) -> None:
+    """Without it, the drive may have been off for a while: no command is right then."""
+    twin = rewritten(
+        "servo_pendulum",
+        tmp_path,
+        {
+            'enabled = "enabled"                         # 0 opens the bridge\n': "",
+            'duty = "duty"': 'voltage = "voltage"\nduty = "duty"',
+        },
+    )
+    time = 5e-3 * np.arange(300, dtype=np.float64)
+    asked = Recording(time=time, signals={"reference": multisine(time), "position": 0.0 * time})
+    with opened_parities(twin, [twin.run({}, asked)]) as found:
+        assert found.controller is None
+        assert "enabled" in found.why_not["controller"]
+
+
+def test_check_says_which_input_is_missing(tmp_path: Path, driven: list[Recording]) -> None:
+    seen = check(bench(tmp_path), driven, jobs=1)
+    assert not [f for f in seen.findings if f.kind.startswith("controller")]
+    told = " ".join(" ".join(check_lines(seen)).split())
+    assert "controller: not checked: the controller also reads controller.feedforward" in told
