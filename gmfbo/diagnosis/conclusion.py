@@ -131,6 +131,7 @@ class Conclusion:
             predictions=predictions_of(case, decision, result.augmented, self.units),
             latent=self._latent,
             residual_tests=tests,
+            converged=result.augmented.converged,
             curves=result.curves,
             augmentation=augmentation_of(case, result.augmented, self.units),
         )

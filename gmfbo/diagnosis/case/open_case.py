@@ -13,7 +13,7 @@ from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_n
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
 from gmfbo.diagnosis.case.tracking import track_recordings
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
@@ -261,7 +261,7 @@ class _Opening:
         setting = base.hypothesis.setting
         budget = measured_budget(self.twin, simulations, windows, rig, base, ratio, self.rng)
         misfit = Misfit(simulations, budget.whiteners())
-        refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
+        refitted = fit_to_the_end(misfit, Hypothesis(setting), base.parameters)
         assert refitted is not None, "it was simulated at these values a moment ago"
         levels = noise_levels(simulations.records, base.simulated)
         return Case(
@@ -374,6 +374,6 @@ class _Opening:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         misfit = without_loop_noise(simulations, windows, rig, noise)
         hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
-        base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
+        base = fit_to_the_end(misfit, hypothesis, {})
         assert base is not None, "the nominal twin was simulated a moment ago"
         return fitted_from_elsewhere(misfit, base)

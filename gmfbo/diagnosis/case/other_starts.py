@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from gmfbo.diagnosis.case.case import Case, chi2_per_dof
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.runs.simulated import Simulated
 
@@ -41,7 +41,7 @@ def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
         The better fit; None where there is none.
     """
     plain = case.plain
-    again = fit(plain, case.base.hypothesis, named.parameters, near=named, parallel=True)
+    again = fit_to_the_end(plain, case.base.hypothesis, named.parameters, near=named)
     before = case.base.measured_by(plain).chi2
     return again if again is not None and again.chi2 < _MUCH_LESS * before else None
 
@@ -88,5 +88,5 @@ def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
         options={"initial_simplex": corners, "maxfev": _STEPS},
     )
     parameters = hypothesis.parameters(hypothesis.inside(found.x))
-    again = fit(misfit, hypothesis, parameters, parallel=True)
+    again = fit_to_the_end(misfit, hypothesis, parameters)
     return again if again is not None and again.chi2 < _MUCH_LESS * base.chi2 else base

@@ -133,7 +133,7 @@ diagnoses = st.builds(
 )
 
 
-EXTENSIONS = ("notes", "predictions", "latent", "residual_tests")
+EXTENSIONS = ("notes", "predictions", "latent", "residual_tests", "converged")
 
 
 def written(folder: Path, content: Any) -> Path:
@@ -173,6 +173,7 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     assert again.pop("predictions") is None
     assert again.pop("latent") is None
     assert again.pop("residual_tests") == []
+    assert again.pop("converged") is True
     assert [effect.pop("rivals") for effect in again["effects"]] == [[]]
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
