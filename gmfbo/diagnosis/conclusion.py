@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case, is_more_than_noise
+from gmfbo.diagnosis.case.wider_ranges import stated_ranges
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
 from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated, spread_of
@@ -114,7 +115,7 @@ class Conclusion:
             verdict=verdict,
             evidence=self._sufficiency,
             effects=named,
-            parameters=estimated(result.augmented, spread, case.twin.binding),
+            parameters=estimated(result.augmented, spread, case.twin, stated_ranges(case.twin)),
             combinations=combinations_of(result.augmented, spread),
             alignment=alignments(case, result.augmented),
             detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),

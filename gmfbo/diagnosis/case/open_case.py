@@ -12,6 +12,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_noise
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
 from gmfbo.diagnosis.case.tracking import track_recordings
+from gmfbo.diagnosis.case.wider_ranges import WiderRanges, stated_ranges
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
 from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
@@ -52,6 +53,7 @@ def open_case(
     jobs: int | None,
     new_rows: frozenset[str] | None = None,
     on_run: Callable[[], None] = lambda: None,
+    wider: WiderRanges | None = None,
 ) -> Case:
     """Run the twin along its recordings, measure the noise, refit what is uncertain.
 
@@ -69,6 +71,8 @@ def open_case(
         Outputs of which the logger stores the value just computed; found out unless given.
     on_run : callable
         Called after each run.
+    wider : WiderRanges, optional
+        Ranges in place of those in the twin file, and where the fit starts.
 
     Raises
     ------
@@ -83,6 +87,7 @@ def open_case(
     notes: list[str] = []
     opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
     opening.new_rows = new_rows
+    opening.wider = wider or WiderRanges({}, {})
     return opening.case(substeps)
 
 
@@ -133,6 +138,7 @@ class _Opening:
         self.rng = np.random.default_rng(seed)
         self.notes = notes
         self.new_rows: frozenset[str] | None = None
+        self.wider = WiderRanges({}, {})
         self.sensor_included = False
 
     def case(self, substeps: int) -> Case:
@@ -353,15 +359,11 @@ class _Opening:
         return Setting(self._uncertain(), excitation, role, least or 0.0)
 
     def _uncertain(self) -> tuple[Uncertain, ...]:
-        found = []
-        binding = self.twin.binding
-        for name, (low, high) in self.twin.file.uncertain.items():
-            variable = binding.variables[name].variable
-            nominal = self.twin.nominal(name)
-            low = max(low, variable.minimum if variable.minimum is not None else low)
-            high = min(high, variable.maximum if variable.maximum is not None else high)
-            found.append(Uncertain(name, nominal, low, high))
-        return tuple(found)
+        ranges = {**stated_ranges(self.twin), **self.wider.ranges}
+        return tuple(
+            Uncertain(name, self.twin.nominal(name), low, high)
+            for name, (low, high) in ranges.items()
+        )
 
     def _first_fit(
         self,
@@ -373,7 +375,8 @@ class _Opening:
     ) -> Fitted:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         misfit = without_loop_noise(simulations, windows, rig, noise)
-        hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
-        base = fit_to_the_end(misfit, hypothesis, {})
+        start = self.wider.values
+        hypothesis = with_clear_steps(misfit, Hypothesis(setting), start, parallel=True)
+        base = fit_to_the_end(misfit, hypothesis, start)
         assert base is not None, "the nominal twin was simulated a moment ago"
         return fitted_from_elsewhere(misfit, base)

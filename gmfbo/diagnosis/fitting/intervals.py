@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +10,9 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.linear_left_out import normal_equations
+from gmfbo.diagnosis.fitting.range_ends import ends_reached
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
-from gmfbo.sources.binding.binding import Binding
+from gmfbo.sources.twin.twin import FmuTwin
 
 _DRAWS = 400
 _SEEN = 0.15  # of a parameter's scale: a smaller standard deviation counts as identifiable
@@ -56,7 +58,9 @@ def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
     return Spread(np.maximum(deviation, half / 1.96), fitted.x - half, fitted.x + half)
 
 
-def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, EstimatedParameter]:
+def estimated(
+    fitted: Fitted, spread: Spread, twin: FmuTwin, ranges: Mapping[str, tuple[float, float]]
+) -> dict[str, EstimatedParameter]:
     """Estimates of the twin's uncertain parameters; unidentifiable ones stay nominal.
 
     Parameters
@@ -65,22 +69,29 @@ def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, Est
         Best model.
     spread : Spread
         Of the same fit.
-    binding : Binding
-        For units.
+    twin : FmuTwin
+        For units, and for where its file states a range.
+    ranges : mapping of str to (float, float)
+        [FMU's unit] As the twin file states them; the fit's own are wider where these do not hold.
     """
     found = {}
+    ends = ends_reached(fitted, ranges)
     for i, uncertain in enumerate(fitted.hypothesis.setting.uncertain):
-        width = uncertain.high - uncertain.low
+        name, width = uncertain.name, uncertain.high - uncertain.low
         seen = bool(spread.deviation[i] < _SEEN * max(abs(uncertain.nominal), 0.3 * width))
         value = float(fitted.x[i]) if seen else uncertain.nominal
         half = float(spread.high[i] - fitted.x[i])
-        found[uncertain.name] = EstimatedParameter(
+        at = ends.get(name) if seen else None
+        found[name] = EstimatedParameter(
             nominal=uncertain.nominal,
             value=value,
-            unit=binding.variables[uncertain.name].variable.si_unit or "1",
+            unit=twin.binding.variables[name].variable.si_unit or "1",
             low=max(uncertain.low, value - half) if seen else uncertain.low,
             high=min(uncertain.high, value + half) if seen else uncertain.high,
             identifiable=seen,
+            at_bound=at,
+            bound=np.nan if at is None else ranges[name][at == "high"],
+            stated="" if at is None else twin.place_of("uncertain", name),
         )
     return found
 

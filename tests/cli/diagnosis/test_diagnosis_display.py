@@ -25,6 +25,7 @@ from tests.diagnosis.example_diagnoses import (
     parameters,
     rivals,
     too_little,
+    too_narrow,
 )
 
 WRITTEN = tuple(
@@ -56,6 +57,7 @@ def crowded() -> Diagnosis:
         outside(),
         nothing(),
         parameters(),
+        too_narrow(),
         too_little(),
         crowded(),
         replace(crowded(), converged=False),

@@ -133,6 +133,7 @@ diagnoses = st.builds(
 )
 
 
+OF_RANGES = ("at_bound", "bound", "stated")
 EXTENSIONS = ("notes", "predictions", "latent", "residual_tests", "converged")
 
 
@@ -175,6 +176,8 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     assert again.pop("residual_tests") == []
     assert again.pop("converged") is True
     assert [effect.pop("rivals") for effect in again["effects"]] == [[]]
+    ends = [[one.pop(name) for name in OF_RANGES] for one in again["parameters"].values()]
+    assert ends == [[None, None, ""]]
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 
