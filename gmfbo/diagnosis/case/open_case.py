@@ -32,6 +32,7 @@ from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
+from gmfbo.plain_words import listed
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
@@ -88,7 +89,9 @@ def open_case(
     opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
     opening.new_rows = new_rows
     opening.wider = wider or WiderRanges({}, {})
-    return opening.case(substeps)
+    case = opening.case(substeps)
+    case.notes += _what_is_not_scored(case)
+    return case
 
 
 def open_unseen(
@@ -120,6 +123,18 @@ def open_unseen(
 
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _what_is_not_scored(case: Case) -> list[str]:
+    """A note where recordings have no window; the twin would be judged without them in silence."""
+    scored = {window.record for window in case.budget.windows}
+    left = [r.name for k, r in enumerate(case.simulations.records) if k not in scored]
+    if not left:
+        return []
+    return [
+        f"{listed(left)}: not scored, since the recording starts in another state than the twin "
+        "and ends before that is forgotten; state it in [initial], or record longer"
+    ]
 
 
 class _Opening:

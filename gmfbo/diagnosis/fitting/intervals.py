@@ -17,6 +17,9 @@ from gmfbo.sources.twin.twin import FmuTwin
 _DRAWS = 400
 _SEEN = 0.15  # of a parameter's scale: a smaller standard deviation counts as identifiable
 _UNSEEN_DIRECTION = 1e-6  # of the largest squared singular value
+_UNEVEN = 0.1  # by which two powers of a combination may differ
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +78,11 @@ def estimated(
         [FMU's unit] As the twin file states them; the fit's own are wider where these do not hold.
     """
     found = {}
-    ends = ends_reached(fitted, ranges)
+    ends, hidden = ends_reached(fitted, ranges), _hidden_in_combinations(fitted)
     for i, uncertain in enumerate(fitted.hypothesis.setting.uncertain):
         name, width = uncertain.name, uncertain.high - uncertain.low
-        seen = bool(spread.deviation[i] < _SEEN * max(abs(uncertain.nominal), 0.3 * width))
+        size = max(abs(uncertain.nominal), 0.3 * width)
+        seen = name not in hidden and bool(spread.deviation[i] < _SEEN * size)
         value = float(fitted.x[i]) if seen else uncertain.nominal
         half = float(spread.high[i] - fitted.x[i])
         at = ends.get(name) if seen else None
@@ -110,27 +114,47 @@ def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
         Of the same fit.
     """
     uncertain = fitted.hypothesis.setting.uncertain
-    values = np.array([fitted.x[i] for i in range(len(uncertain))])
-    if len(uncertain) < 2 or np.any(values <= 0.0):
-        return ()
-    logs = [s[: len(uncertain)] * values[:, None] for s in fitted.sensitivity]
-    matrix = sum(s @ s.T for s in logs)
-    sizes, directions = np.linalg.eigh(np.asarray(matrix))
     found = []
-    for size, direction in zip(sizes, directions.T, strict=True):
-        if size > _UNSEEN_DIRECTION * sizes[-1]:
-            continue
+    directions, matrix = _unseen_directions(fitted)
+    for direction in directions:
         pivot = int(np.argmax(np.abs(direction)))
         for i, share in enumerate(direction):
             power = share / direction[pivot]
-            if i == pivot or abs(abs(power) - 1.0) > 0.1:
+            if i == pivot or abs(abs(power) - 1.0) > _UNEVEN:
                 continue
             sign = "/" if power > 0.0 else "*"
             expression = f"{uncertain[i].name} {sign} {uncertain[pivot].name}"
-            value = float(values[i] * values[pivot] ** (-1.0 if power > 0.0 else 1.0))
-            inverse = np.linalg.pinv(np.asarray(matrix), rcond=10.0 * _UNSEEN_DIRECTION)
+            value = float(fitted.x[i] * fitted.x[pivot] ** (-1.0 if power > 0.0 else 1.0))
+            inverse = np.linalg.pinv(matrix, rcond=10.0 * _UNSEEN_DIRECTION)
             ratio = np.zeros(len(uncertain))
             ratio[i], ratio[pivot] = 1.0, -1.0 if power > 0.0 else 1.0
             half = 1.96 * value * float(np.sqrt(max(float(ratio @ inverse @ ratio), 0.0)))
             found.append(Combination(expression, value, value - half, value + half))
     return tuple(found)
+
+
+def _hidden_in_combinations(fitted: Fitted) -> set[str]:
+    """Parameters that data alone do not determine: a prior must not make them look known."""
+    names = [uncertain.name for uncertain in fitted.hypothesis.setting.uncertain]
+    hidden = set()
+    for direction in _unseen_directions(fitted)[0]:
+        least = _UNEVEN * float(np.max(np.abs(direction)))
+        hidden |= {name for name, share in zip(names, direction, strict=True) if abs(share) > least}
+    return hidden
+
+
+def _unseen_directions(fitted: Fitted) -> tuple[list[Array], Array]:
+    """Directions of the logarithms that the data do not see, and the information on all of them.
+
+    Nothing is told of one parameter alone, or where a value is not positive.
+    """
+    count = len(fitted.hypothesis.setting.uncertain)
+    values = fitted.x[:count]
+    if count < 2 or np.any(values <= 0.0):
+        return [], np.zeros((count, count))
+    logs = [s[:count] * values[:, None] for s in fitted.sensitivity]
+    matrix = np.asarray(sum(s @ s.T for s in logs))
+    sizes, directions = np.linalg.eigh(matrix)
+    least = min(_UNSEEN_DIRECTION * sizes[-1], _SEEN**-2)
+    unseen = [d for size, d in zip(sizes, directions.T, strict=True) if size <= least]
+    return unseen, matrix

@@ -5,23 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gmfbo.plain_words import listed, quantity
+from gmfbo.plain_words import interval, listed, quantity
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.estimated import EstimatedParameter
     from gmfbo.diagnosis.result.findings import Findings
 
-NOT_CONVERGED = (
-    "The fit of these values was stopped before it had converged: they, and their intervals, may "
-    "still move."
-)
+NOT_CONVERGED = "The fit of these values was stopped before it had converged."
 
 
 def cautions(diagnosis: Findings) -> tuple[str, ...]:
     """Sentences that belong beside the values of a diagnosis; none where all is well."""
     told = (too_narrow_ranges(diagnosis), range_ends(diagnosis))
-    stopped = "" if diagnosis.converged else NOT_CONVERGED
+    moving = f"{NOT_CONVERGED} They, and their intervals, may still move."
+    stopped = "" if diagnosis.converged else moving
     return tuple(filter(None, (*told, stopped)))
+
+
+def combinations_text(diagnosis: Findings) -> str:
+    """Combinations of parameters with their intervals; empty where each is seen by itself."""
+    return "; ".join(
+        f"{one.expression} = {interval(one.value, one.low, one.high, '')}"
+        for one in diagnosis.combinations
+    )
 
 
 def too_narrow_ranges(diagnosis: Findings) -> str:

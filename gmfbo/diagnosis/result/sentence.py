@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import range_ends, too_narrow_ranges
-from gmfbo.plain_words import NOT_EXCITED, percent, quantity, words
+from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
@@ -56,6 +56,12 @@ def _parameters(diagnosis: Findings) -> str:
     )
     more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
     told = f": {values}{more}" if values else ""
+    hidden = [name for name, one in diagnosis.parameters.items() if not one.identifiable]
+    if hidden and not moved and diagnosis.combinations:
+        told = (
+            f"; of {listed(hidden)} these recordings tell only "
+            f"{listed(f'{one.expression} = {number(one.value)}' for one in diagnosis.combinations)}"
+        )
     if too_narrow_ranges(diagnosis):
         return f"With such values the twin explains the difference{told}; no physics is missing."
     return f"The twin's uncertain values explain the difference{told}; no physics is missing."

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import interval, number, percent, quantity
@@ -54,6 +55,19 @@ def test_a_value_at_the_end_of_its_range_is_told_before_unknown_physics_and_afte
 def test_control_values_within_their_ranges_are_told_without_the_ranges() -> None:
     assert "range" not in parameters().sentence
     assert "range" not in outside().sentence
+
+
+def test_parameters_that_are_seen_only_together_are_told_as_what_is_seen() -> None:
+    hidden = EstimatedParameter(8.0, 8.0, "kg", 2.0, 12.0, identifiable=False)
+    found = replace(
+        parameters(),
+        parameters={"mass": hidden, "damping": hidden},
+        combinations=(Combination("mass / damping", 0.35714, 0.356, 0.358),),
+    )
+    assert found.sentence == (
+        "The twin's uncertain values explain the difference; of mass and damping these recordings "
+        "tell only mass / damping = 0.357; no physics is missing."
+    )
 
 
 def test_rivals_are_in_the_sentence() -> None:
