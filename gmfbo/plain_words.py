@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Iterable
 
 from gmfbo.units import unit_words
 
@@ -29,6 +30,12 @@ def percent(share: float) -> str:
     if not math.isfinite(share):
         return "-"
     return f"{100.0 * share:.0f} %" if abs(share) >= 0.0995 else f"{100.0 * share:#.2g} %"
+
+
+def listed(entries: Iterable[str]) -> str:
+    """Entries with commas and "and": "a, b and c"."""
+    *before, last = entries
+    return f"{', '.join(before)} and {last}" if before else last
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:

@@ -12,8 +12,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case, is_more_than_noise
+from gmfbo.diagnosis.case.wider_ranges import stated_ranges
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
+from gmfbo.diagnosis.fitting.central_slopes import with_central_slopes
+from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated, spread_of
 from gmfbo.diagnosis.fitting.profile_intervals import widened_by_profile
 from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
@@ -115,8 +118,8 @@ class Conclusion:
             verdict=verdict,
             evidence=self._sufficiency,
             effects=named,
-            parameters=estimated(result.augmented, spread, case.twin.binding),
-            combinations=combinations_of(result.augmented, spread),
+            parameters=estimated(self._measured, spread, case.twin, stated_ranges(case.twin)),
+            combinations=combinations_of(self._measured, spread),
             alignment=alignment,
             detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
             location=location,
@@ -132,12 +135,18 @@ class Conclusion:
             predictions=predictions_of(case, decision, result.augmented, self.units),
             latent=self._latent,
             residual_tests=tests,
+            converged=result.augmented.converged,
             curves=result.curves,
             augmentation=augmentation_of(case, result.augmented, self.units),
         )
 
+    @cached_property
+    def _measured(self) -> Fitted:
+        """The augmented twin with sensitivities that tell what these recordings cannot see."""
+        return with_central_slopes(self.result.misfit, self.result.augmented)
+
     def _spread(self, rng: np.random.Generator) -> Spread:
-        augmented = self.result.augmented
+        augmented = self._measured
         of_effects = range(len(self.case.setting.uncertain), augmented.x.size)
         spread = spread_of(augmented, rng)
         return widened_by_profile(self.result.misfit, augmented, spread, of_effects)

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.case import Case, times_noise
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
+from gmfbo.diagnosis.case.wider_ranges import wider_ranges
 from gmfbo.diagnosis.checking.consistent_recordings import consistent
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
@@ -104,7 +105,9 @@ def _cases(
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
-    case = _aligned_case(twin, recordings, seed, jobs)
+    case = _with_ranges_that_hold(
+        _aligned_case(twin, recordings, seed, jobs), recordings, seed, jobs
+    )
     closing.callback(case.simulations.close)
     case.notes.extend(dict.fromkeys(notes + more))
     if gain is not None:
@@ -140,6 +143,29 @@ def _aligned_case(
         return case
     case.simulations.close()
     return open_case(twin, recordings, seed=seed, jobs=jobs, new_rows=right)
+
+
+def _with_ranges_that_hold(
+    case: Case, recordings: Sequence[Recording], seed: int, jobs: int | None
+) -> Case:
+    """Open a case anew with wider ranges, where these explain what the twin file's own do not."""
+    try:
+        wider = wider_ranges(case)
+        if wider is None:
+            return case
+        rows = case.simulations.new_rows
+        again = open_case(case.twin, recordings, seed=seed, jobs=jobs, new_rows=rows, wider=wider)
+    except BaseException:
+        case.simulations.close()
+        raise
+    better, worse = (again, case) if _leaves_less(again, case) else (case, again)
+    better.simulations.runs += worse.simulations.runs
+    worse.simulations.close()
+    return better
+
+
+def _leaves_less(one: Case, other: Case) -> bool:
+    return times_noise(one, one.base) < times_noise(other, other.base)
 
 
 def _checked(twin: FmuTwin, assume: Sequence[str], exclude: Sequence[str]) -> Excluded:

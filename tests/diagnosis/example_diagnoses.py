@@ -172,6 +172,14 @@ def parameters() -> Diagnosis:
     return replace(nothing(), verdict="parameters", parameters={"mech.J": wrong})
 
 
+def too_narrow() -> Diagnosis:
+    """An inertia beyond the range that the twin file gives."""
+    beyond = EstimatedParameter(
+        0.2, 0.4113, "kg.m2", 0.4032, 0.4191, at_bound="high", bound=0.3, stated="ax7.toml, line 9"
+    )
+    return replace(parameters(), parameters={"mech.J": beyond})
+
+
 def outside() -> Diagnosis:
     """A mismatch that has no name."""
     x = np.linspace(-30.0, 30.0, 61)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.result.cautions import NOT_CONVERGED, combinations_text
 from gmfbo.diagnosis.result.certainty import claim_of_set
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import removed_words
@@ -63,6 +64,8 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     lines += _more(len(table) - 1 - detail.entries, "signals")
     lines += _entry("removed", removed_words(diagnosis), 2)
     lines += _entry("parameters", _refitted(diagnosis), wraps)
+    lines += _entry("known only", combinations_text(diagnosis), wraps)
+    lines += _entry("caution", "" if diagnosis.converged else NOT_CONVERGED, 1)
     lines += _entry("where", _where(diagnosis), wraps)
     lines += _entry("not testable", _not_testable(diagnosis), wraps)
     lines += _entry("next", _next(diagnosis), wraps)

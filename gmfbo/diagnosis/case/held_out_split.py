@@ -54,17 +54,16 @@ def split_of(case: Case, changes: Sequence[Blocks], model: Fitted) -> Split:
         The twin with all named effects, fitted to all recordings.
     """
     windows, records = case.budget.windows, case.simulations.records
-    count = len(records)
-    if count >= _WHOLE_FROM:
+    scored = scored_records(case)
+    if len(scored) >= _WHOLE_FROM:
         out = _whole_recordings(case, changes, model)
         fitted = tuple(i for i, w in enumerate(windows) if w.record not in out)
         held = tuple(i for i, w in enumerate(windows) if w.record in out)
-        names = [record.name for record in records]
         return Split(
             fitted,
             held,
-            tuple(n for k, n in enumerate(names) if k not in out),
-            tuple(n for k, n in enumerate(names) if k in out),
+            tuple(records[k].name for k in scored if k not in out),
+            tuple(records[k].name for k in scored if k in out),
         )
     last = {w.record: i for i, w in enumerate(windows)}
     held = tuple(
@@ -76,8 +75,9 @@ def split_of(case: Case, changes: Sequence[Blocks], model: Fitted) -> Split:
 
 def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> set[int]:
     """Recordings to hold out: at least one, and more while no parameter becomes uncertain."""
-    records = [window.record for window in case.budget.windows]
-    count = len(case.simulations.records)
+    scored = scored_records(case)
+    records = [scored.index(window.record) for window in case.budget.windows]
+    count = len(scored)
     strengths = np.zeros((max(len(changes), 1), count))
     for strength, change in zip(strengths, changes, strict=False):
         for record, block in zip(records, change, strict=True):
@@ -102,7 +102,12 @@ def _whole_recordings(case: Case, changes: Sequence[Blocks], model: Fitted) -> s
         if out and not foretold:
             break
         out.add(foretold[0] if foretold else min(left, key=lambda k: doubts[k]))
-    return out
+    return {scored[k] for k in out}
+
+
+def scored_records(case: Case) -> list[int]:
+    """Places of the recordings that have a window: others end before their start is forgotten."""
+    return sorted({window.record for window in case.budget.windows})
 
 
 def _variances(matrix: NDArray[np.float64], prior: NDArray[np.float64]) -> NDArray[np.float64]:

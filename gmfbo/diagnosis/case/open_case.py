@@ -12,8 +12,9 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_noise
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
 from gmfbo.diagnosis.case.tracking import track_recordings
+from gmfbo.diagnosis.case.wider_ranges import WiderRanges, stated_ranges
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
@@ -31,6 +32,7 @@ from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
+from gmfbo.plain_words import listed
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
@@ -52,6 +54,7 @@ def open_case(
     jobs: int | None,
     new_rows: frozenset[str] | None = None,
     on_run: Callable[[], None] = lambda: None,
+    wider: WiderRanges | None = None,
 ) -> Case:
     """Run the twin along its recordings, measure the noise, refit what is uncertain.
 
@@ -69,6 +72,8 @@ def open_case(
         Outputs of which the logger stores the value just computed; found out unless given.
     on_run : callable
         Called after each run.
+    wider : WiderRanges, optional
+        Ranges in place of those in the twin file, and where the fit starts.
 
     Raises
     ------
@@ -83,7 +88,10 @@ def open_case(
     notes: list[str] = []
     opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
     opening.new_rows = new_rows
-    return opening.case(substeps)
+    opening.wider = wider or WiderRanges({}, {})
+    case = opening.case(substeps)
+    case.notes += _what_is_not_scored(case)
+    return case
 
 
 def open_unseen(
@@ -117,6 +125,18 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def _what_is_not_scored(case: Case) -> list[str]:
+    """A note where recordings have no window; the twin would be judged without them in silence."""
+    scored = {window.record for window in case.budget.windows}
+    left = [r.name for k, r in enumerate(case.simulations.records) if k not in scored]
+    if not left:
+        return []
+    return [
+        f"{listed(left)}: not scored, since the recording starts in another state than the twin "
+        "and ends before that is forgotten; state it in [initial], or record longer"
+    ]
+
+
 class _Opening:
     """The steps from files to a refitted twin, in order."""
 
@@ -133,6 +153,7 @@ class _Opening:
         self.rng = np.random.default_rng(seed)
         self.notes = notes
         self.new_rows: frozenset[str] | None = None
+        self.wider = WiderRanges({}, {})
         self.sensor_included = False
 
     def case(self, substeps: int) -> Case:
@@ -261,7 +282,7 @@ class _Opening:
         setting = base.hypothesis.setting
         budget = measured_budget(self.twin, simulations, windows, rig, base, ratio, self.rng)
         misfit = Misfit(simulations, budget.whiteners())
-        refitted = fit(misfit, Hypothesis(setting), base.parameters, parallel=True, iterations=4)
+        refitted = fit_to_the_end(misfit, Hypothesis(setting), base.parameters)
         assert refitted is not None, "it was simulated at these values a moment ago"
         levels = noise_levels(simulations.records, base.simulated)
         return Case(
@@ -353,15 +374,11 @@ class _Opening:
         return Setting(self._uncertain(), excitation, role, least or 0.0)
 
     def _uncertain(self) -> tuple[Uncertain, ...]:
-        found = []
-        binding = self.twin.binding
-        for name, (low, high) in self.twin.file.uncertain.items():
-            variable = binding.variables[name].variable
-            nominal = self.twin.nominal(name)
-            low = max(low, variable.minimum if variable.minimum is not None else low)
-            high = min(high, variable.maximum if variable.maximum is not None else high)
-            found.append(Uncertain(name, nominal, low, high))
-        return tuple(found)
+        ranges = {**stated_ranges(self.twin), **self.wider.ranges}
+        return tuple(
+            Uncertain(name, self.twin.nominal(name), low, high)
+            for name, (low, high) in ranges.items()
+        )
 
     def _first_fit(
         self,
@@ -373,7 +390,8 @@ class _Opening:
     ) -> Fitted:
         """Refit the parameters by a budget without the loop's noise, which they shape."""
         misfit = without_loop_noise(simulations, windows, rig, noise)
-        hypothesis = with_clear_steps(misfit, Hypothesis(setting), {}, parallel=True)
-        base = fit(misfit, hypothesis, {}, parallel=True, iterations=6)
+        start = self.wider.values
+        hypothesis = with_clear_steps(misfit, Hypothesis(setting), start, parallel=True)
+        base = fit_to_the_end(misfit, hypothesis, start)
         assert base is not None, "the nominal twin was simulated a moment ago"
         return fitted_from_elsewhere(misfit, base)

@@ -10,12 +10,16 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from gmfbo.diagnosis.case.case import Case, chi2_per_dof
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.runs.simulated import Simulated
 
-_FAR = 30.0  # chi2 per degree of freedom above which other starts are tried
-_STARTS = 16
+FAR = 30.0
+"""chi2 per degree of freedom above which other starts are tried."""
+
+STARTS = 16
+"""Points tried as other starts."""
+
 _SPREAD = 0.3  # of a parameter's size: distance of starts on either side
 _FIRST_STEP = 0.05  # of a parameter's size
 _STEPS = 60  # points of the search that uses no slopes
@@ -41,7 +45,7 @@ def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
         The better fit; None where there is none.
     """
     plain = case.plain
-    again = fit(plain, case.base.hypothesis, named.parameters, near=named, parallel=True)
+    again = fit_to_the_end(plain, case.base.hypothesis, named.parameters, near=named)
     before = case.base.measured_by(plain).chi2
     return again if again is not None and again.chi2 < _MUCH_LESS * before else None
 
@@ -60,7 +64,7 @@ def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
     none (Nelder, Mead 1965).
     """
     hypothesis = base.hypothesis
-    if chi2_per_dof(base, misfit) <= _FAR or not base.x.size:
+    if chi2_per_dof(base, misfit) <= FAR or not base.x.size:
         return base
     scales = hypothesis.scales
 
@@ -73,7 +77,7 @@ def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
         point = hypothesis.point(hypothesis.inside(x))
         return square(misfit.simulations.run([point])[0])
 
-    sides = 2.0 * qmc.Sobol(base.x.size, scramble=False).random(_STARTS) - 1.0
+    sides = 2.0 * qmc.Sobol(base.x.size, scramble=False).random(STARTS) - 1.0
     starts = [hypothesis.inside(base.x + _SPREAD * scales * side) for side in sides]
     points = misfit.simulations.run([hypothesis.point(x) for x in starts])
     squares = [square(simulated) for simulated in points]
@@ -88,5 +92,5 @@ def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:
         options={"initial_simplex": corners, "maxfev": _STEPS},
     )
     parameters = hypothesis.parameters(hypothesis.inside(found.x))
-    again = fit(misfit, hypothesis, parameters, parallel=True)
+    again = fit_to_the_end(misfit, hypothesis, parameters)
     return again if again is not None and again.chi2 < _MUCH_LESS * base.chi2 else base

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,12 +10,16 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.linear_left_out import normal_equations
+from gmfbo.diagnosis.fitting.range_ends import ends_reached
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
-from gmfbo.sources.binding.binding import Binding
+from gmfbo.sources.twin.twin import FmuTwin
 
 _DRAWS = 400
 _SEEN = 0.15  # of a parameter's scale: a smaller standard deviation counts as identifiable
 _UNSEEN_DIRECTION = 1e-6  # of the largest squared singular value
+_UNEVEN = 0.1  # by which two powers of a combination may differ
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +61,9 @@ def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
     return Spread(np.maximum(deviation, half / 1.96), fitted.x - half, fitted.x + half)
 
 
-def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, EstimatedParameter]:
+def estimated(
+    fitted: Fitted, spread: Spread, twin: FmuTwin, ranges: Mapping[str, tuple[float, float]]
+) -> dict[str, EstimatedParameter]:
     """Estimates of the twin's uncertain parameters; unidentifiable ones stay nominal.
 
     Parameters
@@ -65,22 +72,30 @@ def estimated(fitted: Fitted, spread: Spread, binding: Binding) -> dict[str, Est
         Best model.
     spread : Spread
         Of the same fit.
-    binding : Binding
-        For units.
+    twin : FmuTwin
+        For units, and for where its file states a range.
+    ranges : mapping of str to (float, float)
+        [FMU's unit] As the twin file states them; the fit's own are wider where these do not hold.
     """
     found = {}
+    ends, hidden = ends_reached(fitted, ranges), _hidden_in_combinations(fitted)
     for i, uncertain in enumerate(fitted.hypothesis.setting.uncertain):
-        width = uncertain.high - uncertain.low
-        seen = bool(spread.deviation[i] < _SEEN * max(abs(uncertain.nominal), 0.3 * width))
+        name, width = uncertain.name, uncertain.high - uncertain.low
+        size = max(abs(uncertain.nominal), 0.3 * width)
+        seen = name not in hidden and bool(spread.deviation[i] < _SEEN * size)
         value = float(fitted.x[i]) if seen else uncertain.nominal
         half = float(spread.high[i] - fitted.x[i])
-        found[uncertain.name] = EstimatedParameter(
+        at = ends.get(name) if seen else None
+        found[name] = EstimatedParameter(
             nominal=uncertain.nominal,
             value=value,
-            unit=binding.variables[uncertain.name].variable.si_unit or "1",
+            unit=twin.binding.variables[name].variable.si_unit or "1",
             low=max(uncertain.low, value - half) if seen else uncertain.low,
             high=min(uncertain.high, value + half) if seen else uncertain.high,
             identifiable=seen,
+            at_bound=at,
+            bound=np.nan if at is None else ranges[name][at == "high"],
+            stated="" if at is None else twin.place_of("uncertain", name),
         )
     return found
 
@@ -99,27 +114,47 @@ def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
         Of the same fit.
     """
     uncertain = fitted.hypothesis.setting.uncertain
-    values = np.array([fitted.x[i] for i in range(len(uncertain))])
-    if len(uncertain) < 2 or np.any(values <= 0.0):
-        return ()
-    logs = [s[: len(uncertain)] * values[:, None] for s in fitted.sensitivity]
-    matrix = sum(s @ s.T for s in logs)
-    sizes, directions = np.linalg.eigh(np.asarray(matrix))
     found = []
-    for size, direction in zip(sizes, directions.T, strict=True):
-        if size > _UNSEEN_DIRECTION * sizes[-1]:
-            continue
+    directions, matrix = _unseen_directions(fitted)
+    for direction in directions:
         pivot = int(np.argmax(np.abs(direction)))
         for i, share in enumerate(direction):
             power = share / direction[pivot]
-            if i == pivot or abs(abs(power) - 1.0) > 0.1:
+            if i == pivot or abs(abs(power) - 1.0) > _UNEVEN:
                 continue
             sign = "/" if power > 0.0 else "*"
             expression = f"{uncertain[i].name} {sign} {uncertain[pivot].name}"
-            value = float(values[i] * values[pivot] ** (-1.0 if power > 0.0 else 1.0))
-            inverse = np.linalg.pinv(np.asarray(matrix), rcond=10.0 * _UNSEEN_DIRECTION)
+            value = float(fitted.x[i] * fitted.x[pivot] ** (-1.0 if power > 0.0 else 1.0))
+            inverse = np.linalg.pinv(matrix, rcond=10.0 * _UNSEEN_DIRECTION)
             ratio = np.zeros(len(uncertain))
             ratio[i], ratio[pivot] = 1.0, -1.0 if power > 0.0 else 1.0
             half = 1.96 * value * float(np.sqrt(max(float(ratio @ inverse @ ratio), 0.0)))
             found.append(Combination(expression, value, value - half, value + half))
     return tuple(found)
+
+
+def _hidden_in_combinations(fitted: Fitted) -> set[str]:
+    """Parameters that data alone do not determine: a prior must not make them look known."""
+    names = [uncertain.name for uncertain in fitted.hypothesis.setting.uncertain]
+    hidden = set()
+    for direction in _unseen_directions(fitted)[0]:
+        least = _UNEVEN * float(np.max(np.abs(direction)))
+        hidden |= {name for name, share in zip(names, direction, strict=True) if abs(share) > least}
+    return hidden
+
+
+def _unseen_directions(fitted: Fitted) -> tuple[list[Array], Array]:
+    """Directions of the logarithms that the data do not see, and the information on all of them.
+
+    Nothing is told of one parameter alone, or where a value is not positive.
+    """
+    count = len(fitted.hypothesis.setting.uncertain)
+    values = fitted.x[:count]
+    if count < 2 or np.any(values <= 0.0):
+        return [], np.zeros((count, count))
+    logs = [s[:count] * values[:, None] for s in fitted.sensitivity]
+    matrix = np.asarray(sum(s @ s.T for s in logs))
+    sizes, directions = np.linalg.eigh(matrix)
+    least = min(_UNSEEN_DIRECTION * sizes[-1], _SEEN**-2)
+    unseen = [d for size, d in zip(sizes, directions.T, strict=True) if size <= least]
+    return unseen, matrix

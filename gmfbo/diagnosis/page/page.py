@@ -12,6 +12,7 @@ from gmfbo.diagnosis.page.limits_account import detectable_sizes, residual_tests
 from gmfbo.diagnosis.page.loop_drawing import loop_drawing
 from gmfbo.diagnosis.page.time_line import time_line
 from gmfbo.diagnosis.page.twin_account import alignment_table, combination_table, parameter_table
+from gmfbo.diagnosis.result.cautions import cautions
 from gmfbo.diagnosis.result.certainty import is_sure, label
 from gmfbo.diagnosis.result.diagnosis_json import diagnosis_text
 from gmfbo.pages.html_page import columns, embedded_json, page, page_file, paragraph, section, table
@@ -44,6 +45,7 @@ def diagnosis_page(diagnosis: Findings) -> str:
         section(_missing_head(diagnosis), *accounts, name="missing"),
         section(
             "The twin's own values",
+            *(paragraph(caution) for caution in cautions(diagnosis)),
             columns(parameter_table(diagnosis), combination_table(diagnosis)),
         ),
         section("How the signals were logged", alignment_table(diagnosis)),

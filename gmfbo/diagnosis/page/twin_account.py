@@ -33,6 +33,9 @@ def parameter_table(diagnosis: Findings) -> str:
         interval = f"{shown.low} to {shown.high}" if one.identifiable else "not seen by itself"
         unit = f'<span class="nowrap">{escape(shown.unit)}</span>'
         value = shown.value if one.identifiable else nominal
+        if one.at_bound is not None:
+            end = marked_number((*path, "bound"), one.bound, factor=factor, digits=4)
+            interval += f" (its range ends at {end})"
         rows.append([escape(name), nominal, value, interval, unit])
     heads = ["parameter", "in the twin", "refitted", "95 % interval", "unit"]
     return table(heads, rows, numbers=(1, 2, 3))

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
+
+Side = Literal["low", "high"]
+"""End of a range."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +27,12 @@ class EstimatedParameter:
         [unit] Ends of the interval.
     identifiable : bool
         Whether the recordings determine it alone; else it appears in a `Combination`.
+    at_bound : {"low", "high"} or None
+        End of its range at which it lies, or beyond which where the range is too narrow.
+    bound : float
+        [unit] That end; NaN where it is at none.
+    stated : str
+        Where the range stands: twin file and line.
     """
 
     nominal: float
@@ -30,6 +41,14 @@ class EstimatedParameter:
     low: float
     high: float
     identifiable: bool = True
+    at_bound: Side | None = None
+    bound: float = math.nan
+    stated: str = ""
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether the recordings ask for a value beyond the range."""
+        return self.value > self.bound if self.at_bound == "high" else self.value < self.bound
 
 
 @dataclass(frozen=True)

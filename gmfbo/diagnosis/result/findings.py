@@ -86,6 +86,8 @@ class Findings:
         Latent torque at the torque port, inferred without a law, where physics was named.
     residual_tests : tuple of ResidualTest
         Whether a residual still follows the reference, on held-out recordings.
+    converged : bool
+        Whether the fit that gave these values ended by itself; False where it was stopped.
     curves : tuple of Curve
         Signals before and after, for plots; not part of the JSON.
     augmentation : Augmentation or None
@@ -115,6 +117,7 @@ class Findings:
     predictions: Predictions | None = None
     latent: Shape | None = None
     residual_tests: tuple[ResidualTest, ...] = ()
+    converged: bool = True
     curves: tuple[Curve, ...] = field(default=(), compare=False)
     augmentation: Augmentation | None = field(default=None, compare=False)
     exported: Path | None = field(default=None, compare=False)

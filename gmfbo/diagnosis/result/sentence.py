@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.result.cautions import range_ends, too_narrow_ranges
 from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, still_follows
-from gmfbo.plain_words import NOT_EXCITED, percent, quantity, words
+from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
@@ -23,7 +24,11 @@ def verdict_sentence(diagnosis: Findings) -> str:
         "missing_physics": _physics,
         "outside_library": _outside,
     }[diagnosis.verdict](diagnosis)
-    return f"{told}{_unseen(diagnosis)}"
+    told = f"{told}{_unseen(diagnosis)}"
+    narrow, ends = too_narrow_ranges(diagnosis), range_ends(diagnosis)
+    # What a range holds back could do what is missing: it is said before anything is blamed.
+    parts = (narrow, ends, told) if diagnosis.verdict == "outside_library" else (narrow, told, ends)
+    return " ".join(filter(None, parts))
 
 
 def _nothing(diagnosis: Findings) -> str:
@@ -46,6 +51,7 @@ def _parameters(diagnosis: Findings) -> str:
         name: parameter
         for name, parameter in diagnosis.parameters.items()
         if parameter.identifiable and not parameter.low <= parameter.nominal <= parameter.high
+        if not parameter.is_beyond
     }
     values = ", ".join(
         f"{name} is {quantity(parameter.value, parameter.unit)} instead of "
@@ -54,6 +60,14 @@ def _parameters(diagnosis: Findings) -> str:
     )
     more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
     told = f": {values}{more}" if values else ""
+    hidden = [name for name, one in diagnosis.parameters.items() if not one.identifiable]
+    if hidden and not moved and diagnosis.combinations:
+        told = (
+            f"; of {listed(hidden)} these recordings tell only "
+            f"{listed(f'{one.expression} = {number(one.value)}' for one in diagnosis.combinations)}"
+        )
+    if too_narrow_ranges(diagnosis):
+        return f"With such values the twin explains the difference{told}; no physics is missing."
     return f"The twin's uncertain values explain the difference{told}; no physics is missing."
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from gmfbo.diagnosis.scoring.noise_levels import (
 from gmfbo.diagnosis.scoring.nuisances import Direction
 from gmfbo.diagnosis.scoring.signal_parts import Rig
 from gmfbo.diagnosis.scoring.whitening import Spectrum, Whitener, Window
+from gmfbo.diagnosis.scoring.windows import starts_apart
 
 
 def covariances(
@@ -46,7 +47,7 @@ def covariances(
         record = records[window.record]
         white = white_covariance(window, own[window.record])
         s = white + loop_covariance(window, loop_noise[window.record])
-        s = s + _repeats(window, windows, records, s)
+        s = s + _repeats(window, records, s, rig.positions)
         total.append(s + tolerance_covariance(window, record, rig.positions))
     return total
 
@@ -78,14 +79,16 @@ def noise_squares(
 
 
 def _repeats(
-    window: Window, windows: Sequence[Window], records: Sequence[Record], known: Spectrum
+    window: Window, records: Sequence[Record], known: Spectrum, positions: Collection[str]
 ) -> Spectrum | float:
     first = records[window.record]
     excess = []
     for k, other in enumerate(records):
         if k == window.record or not _same_experiment(first, other):
             continue
-        if [s.name for s in first.signals] == [s.name for s in other.signals]:
+        if [s.name for s in first.signals] != [s.name for s in other.signals]:
+            continue
+        if not _starts_apart(first, other, positions):
             excess.append(excess_of_repeats(window, first, other, known))
     return sum(excess) / len(excess) if excess else 0.0
 
@@ -96,6 +99,14 @@ def _same_experiment(a: Record, b: Record) -> bool:
         return False
     return one.inputs.keys() == two.inputs.keys() and all(
         np.allclose(one.inputs[name], two.inputs[name], rtol=0.0, atol=1e-12) for name in one.inputs
+    )
+
+
+def _starts_apart(a: Record, b: Record, positions: Collection[str]) -> bool:
+    """Whether two recordings begin at different places: let go from there, they are no repeats."""
+    return any(
+        one.name in positions and starts_apart(one, two.values)
+        for one, two in zip(a.signals, b.signals, strict=True)
     )
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record, ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.scoring.whitening import Window, make_window
 from gmfbo.errors import RecordingError
@@ -17,6 +18,7 @@ _LEAST_WINDOWS = 4  # in all, where the loop is fast enough for it
 _LOOP_TIMES = 5.0
 _SETTLING = 10.0  # loop times after which e^-10 of an initial error remains
 _FIRST_ROWS = 5
+_ROWS_OF_SLOPE = 8  # a third of a usual second difference is then one deviation of the slope
 _ELSEWHERE = 0.02  # of a signal's range: a larger difference at the start is another state
 
 
@@ -93,15 +95,42 @@ def _starts_elsewhere(
 
     Within the first few rows neither parameters nor physics move anything that was at rest. Told
     by positions, since a command differs by any load; a wrong speed goes on for `loop_time` [s].
+    The speed is the first slope of a parabola, since an axis that is let go accelerates at once,
+    and not as its twin does.
     """
     for signal, values in zip(record.signals, nominal.signals, strict=True):
         if signal.name not in positions:
             continue
-        apart = signal.values[:_FIRST_ROWS] - values[:_FIRST_ROWS]
-        place = abs(float(np.median(apart)))
-        moved = abs(float(apart[-1] - apart[0])) * loop_time / (_FIRST_ROWS * signal.spacing)
-        noise = float(np.median(np.abs(np.diff(signal.values, 2))))
-        bound = max(_ELSEWHERE * float(np.ptp(signal.values)), 3.0 * noise)
-        if place > bound or moved > bound + noise * loop_time / signal.spacing:
+        noise, bound = _noise_and_bound(signal)
+        moved = abs(_first_slope(signal.values, values)) * loop_time / signal.spacing
+        if starts_apart(signal, values) or moved > bound + noise * loop_time / signal.spacing:
             return True
     return False
+
+
+def starts_apart(signal: ScoredSignal, values: NDArray[np.float64]) -> bool:
+    """Whether a recorded signal begins at another value than these, beyond noise.
+
+    Parameters
+    ----------
+    signal : ScoredSignal
+        As recorded.
+    values : ndarray, shape (n,)
+        [SI] The same signal as simulated, or in another recording.
+    """
+    _, bound = _noise_and_bound(signal)
+    apart = signal.values[:_FIRST_ROWS] - values[:_FIRST_ROWS]
+    return abs(float(np.median(apart))) > bound
+
+
+def _noise_and_bound(signal: ScoredSignal) -> tuple[float, float]:
+    """Size of a signal's noise, and the difference at its start that is another state."""
+    noise = float(np.median(np.abs(np.diff(signal.values, 2))))
+    return noise, max(_ELSEWHERE * float(np.ptp(signal.values)), 3.0 * noise)
+
+
+def _first_slope(recorded: NDArray[np.float64], simulated: NDArray[np.float64]) -> float:
+    """Difference of both slopes at the first row, per row."""
+    rows = slice(0, _ROWS_OF_SLOPE)
+    apart = recorded[rows] - simulated[rows]
+    return float(np.polynomial.Polynomial.fit(np.arange(apart.size), apart, 2).deriv()(0.0))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.noise.replayed_noise import under_noise, without_noise
 from gmfbo.diagnosis.result.curve import Curve
@@ -103,17 +103,19 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         tuple(record.name for record in case.simulations.records),
         tuple(record.name for record in unseen.simulations.records),
     )
+    if not model.converged:
+        model = _refitted(case.misfit, model)
     # Found while the effects were decided, after these recordings had been opened.
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     there = [
-        _refitted(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet), iterations=1)
+        _measured(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet))
         for fitted in (case.base, model)
     ]
     if model.hypothesis.noise is not None:
         noisy = under_noise(unseen.misfit, there[1])
         if noisy is not None:
             shaken = replace(there[1], hypothesis=noisy)
-            there[1] = _refitted(unseen.misfit, shaken, iterations=1)
+            there[1] = _measured(unseen.misfit, shaken)
     held_out = split.held_out
     result = _scored(
         unseen, case.misfit, held_out, there[0], there[1], there[1], split, None, least
@@ -174,8 +176,15 @@ def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, floa
     return stretches
 
 
-def _refitted(misfit: Misfit, model: Fitted, iterations: int = 6) -> Fitted:
-    again = fit(misfit, model.hypothesis, model.parameters, parallel=True, iterations=iterations)
+def _refitted(misfit: Misfit, model: Fitted) -> Fitted:
+    again = fit_to_the_end(misfit, model.hypothesis, model.parameters)
+    assert again is not None, "it was simulated at these values before"
+    return again
+
+
+def _measured(misfit: Misfit, model: Fitted) -> Fitted:
+    """Measure a model by other recordings, at values that no fit has adapted to them."""
+    again = fit(misfit, model.hypothesis, model.parameters, parallel=True, iterations=1)
     assert again is not None, "it was simulated at these values before"
     return again
 

@@ -28,6 +28,7 @@ from gmfbo.sources.twin.run_plan import Experiment
 from gmfbo.sources.twin.settling import probe_lengths, settled_after
 from gmfbo.sources.twin.signals import signal_specs
 from gmfbo.sources.twin_file.column_file import column_mapping
+from gmfbo.sources.twin_file.toml_lines import line_of
 from gmfbo.sources.twin_file.twin_file import TwinFile
 from gmfbo.sources.worker.runner import InProcess, Result, Runner, once_only
 
@@ -128,6 +129,22 @@ class FmuTwin:
         """
         given = self._parameters.get(name)
         return float(self._binding.nominal(name) if given is None else given)
+
+    def place_of(self, table: str, key: str) -> str:
+        """Where the twin file states an entry: its name, with the line where that can be told.
+
+        Parameters
+        ----------
+        table : str
+            Such as `uncertain`.
+        key : str
+            Of the entry.
+        """
+        try:
+            line = line_of(self._path.read_text(encoding="utf-8"), table, key)
+        except (OSError, ValueError):
+            line = None  # it was moved or changed meanwhile
+        return self._path.name if line is None else f"{self._path.name}, line {line}"
 
     @cached_property
     def content_hash(self) -> str:

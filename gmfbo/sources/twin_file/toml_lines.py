@@ -1,4 +1,4 @@
-"""Write the text of a twin file."""
+"""Write the text of a twin file, and find an entry in it."""
 
 from __future__ import annotations
 
@@ -33,3 +33,26 @@ def free_key(name: str, taken: set[str]) -> str:
         free = f"{name}_{number}"
     taken.add(free)
     return free
+
+
+def line_of(text: str, table: str, key: str) -> int | None:
+    """Number of the line on which a table's entry begins, from 1; None where it has no own line.
+
+    Parameters
+    ----------
+    text : str
+        Of a TOML file.
+    table : str
+        Name of a table that begins with a line `[table]`.
+    key : str
+        Of the entry, without quotes.
+    """
+    entry = re.compile(rf"""\s*(["']?){re.escape(key)}\1\s*=""")
+    header = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
+    within = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if begun := header.match(line):
+            within = begun[1]
+        elif within == table and entry.match(line):
+            return number
+    return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from rich.console import Console
 from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
 from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
+from gmfbo.diagnosis.page.page import diagnosis_page
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.diagnosis.result.named_effect import IdentifiedValue
 from tests.diagnosis.example_diagnoses import (
@@ -25,6 +27,7 @@ from tests.diagnosis.example_diagnoses import (
     parameters,
     rivals,
     too_little,
+    too_narrow,
 )
 
 WRITTEN = tuple(
@@ -50,13 +53,38 @@ def crowded() -> Diagnosis:
 
 @pytest.mark.parametrize(
     "made",
-    [friction(), rivals(), outside(), nothing(), parameters(), too_little(), crowded(), late()],
+    [
+        friction(),
+        rivals(),
+        outside(),
+        nothing(),
+        parameters(),
+        too_narrow(),
+        too_little(),
+        crowded(),
+        late(),
+        replace(crowded(), converged=False),
+    ],
 )
 def test_the_result_fits_a_screen(made: Diagnosis) -> None:
     lines = screenful(made, WRITTEN)
     assert len(lines) <= 23
     assert max(len(line) for line in lines) <= 79
     assert lines[-1].endswith("augmented.toml")
+
+
+def test_values_of_a_fit_that_was_stopped_are_marked() -> None:
+    told = "stopped before it had converged"
+    stopped = replace(parameters(), converged=False)
+    assert told in " ".join(screenful(stopped))
+    assert told in diagnosis_page(stopped)
+    assert json.loads(stopped.to_json())["converged"] is False
+
+
+def test_control_values_of_a_fit_that_converged_are_not_marked() -> None:
+    told = "stopped before it had converged"
+    assert told not in " ".join(screenful(parameters()))
+    assert told not in diagnosis_page(parameters())
 
 
 def test_a_typical_screen_holds_all_that_matters() -> None:

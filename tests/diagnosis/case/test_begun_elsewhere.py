@@ -45,10 +45,11 @@ def test_parameters_behind_a_limit_are_found() -> None:
 
 
 def test_by_slopes_alone_they_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Negative control."""
+    """Negative control: the fit ends by itself, ten times the allowed error from the truth."""
     monkeypatch.setattr(open_case, "fitted_from_elsewhere", as_it_was)
     with closing((case := opened()).simulations):
-        assert case.base.parameters["mass"] < 0.9 * TRUTH["mass"]
+        assert case.base.converged
+        assert case.base.parameters["mass"] < 0.95 * TRUTH["mass"]
 
 
 @pytest.mark.slow

@@ -27,11 +27,22 @@ from tests.diagnosis.example_diagnoses import (
     parameters,
     rivals,
     too_little,
+    too_narrow,
     weak,
 )
 from tests.pages.page_text import PageText, at_path, rounds_to
 
-ALL = [friction(), rivals(), nothing(), parameters(), outside(), too_little(), weak(), late()]
+ALL = [
+    friction(),
+    rivals(),
+    nothing(),
+    parameters(),
+    too_narrow(),
+    outside(),
+    too_little(),
+    weak(),
+    late(),
+]
 EVIL = "<b>\"&'</b><script>alert(1)</script>"
 # What the page does not print: the shape's points are drawn, predictions are for `experiment`.
 NOT_PRINTED = ("schema", "shape", "latent", "predictions")

@@ -135,7 +135,15 @@ diagnoses = st.builds(
 )
 
 
-EXTENSIONS = ("notes", "predictions", "latent", "residual_tests", "statement_probability")
+OF_RANGES = ("at_bound", "bound", "stated")
+EXTENSIONS = (
+    "notes",
+    "predictions",
+    "latent",
+    "residual_tests",
+    "converged",
+    "statement_probability",
+)
 
 
 def written(folder: Path, content: Any) -> Path:
@@ -175,12 +183,15 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     assert again.pop("predictions") is None
     assert again.pop("latent") is None
     assert again.pop("residual_tests") == []
+    assert again.pop("converged") is True
     assert [effect.pop("rivals") for effect in again["effects"]] == [[]]
     assert [effect.pop("set") for effect in again["effects"]] == [["coulomb_friction"]]
     assert again.pop("statement_probability") == 0.97
     assert again["cost"].pop("stages") == {}
     (column,) = again["alignment"].values()
     assert (column.pop("rival"), column.pop("beyond_prior")) == (None, {})
+    ends = [[one.pop(name) for name in OF_RANGES] for one in again["parameters"].values()]
+    assert ends == [[None, None, ""]]
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import interval, number, percent, quantity
@@ -18,6 +19,7 @@ from tests.diagnosis.example_diagnoses import (
     parameters,
     rivals,
     too_little,
+    too_narrow,
 )
 
 
@@ -26,6 +28,45 @@ def test_missing_physics_is_told_with_its_size_and_the_error_before_and_after() 
         "Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin; with it "
         "the torque command error on unseen recordings falls from 30 % to 6.0 % "
         "(noise floor 5.1 %); what is left still follows the reference."
+    )
+
+
+def test_a_range_that_is_too_narrow_is_told_before_anything_else() -> None:
+    assert too_narrow().sentence == (
+        "mech.J is at the end of its range. The recordings ask for 0.411 kg m2 where mech.J may be "
+        "at most 0.3 kg m2 (ax7.toml, line 9): widen it there. With such values the twin explains "
+        "the difference; no physics is missing."
+    )
+
+
+def test_a_value_at_the_end_of_its_range_is_told_before_unknown_physics_and_after_a_name() -> None:
+    held = replace(too_narrow().parameters["mech.J"], value=0.3, low=0.29, high=0.3)
+    at_end = (
+        "mech.J is at the end of its range: mech.J may be at most 0.3 kg m2 (ax7.toml, line 9)."
+    )
+    unknown = replace(outside(), parameters={"mech.J": held}).sentence
+    assert unknown.startswith(at_end)
+    assert unknown.index("Something is missing") > len(at_end)
+    named = replace(friction(), parameters={"mech.J": held}).sentence
+    assert named.startswith("Coulomb friction")
+    assert at_end in named
+
+
+def test_control_values_within_their_ranges_are_told_without_the_ranges() -> None:
+    assert "range" not in parameters().sentence
+    assert "range" not in outside().sentence
+
+
+def test_parameters_that_are_seen_only_together_are_told_as_what_is_seen() -> None:
+    hidden = EstimatedParameter(8.0, 8.0, "kg", 2.0, 12.0, identifiable=False)
+    found = replace(
+        parameters(),
+        parameters={"mass": hidden, "damping": hidden},
+        combinations=(Combination("mass / damping", 0.35714, 0.356, 0.358),),
+    )
+    assert found.sentence == (
+        "The twin's uncertain values explain the difference; of mass and damping these recordings "
+        "tell only mass / damping = 0.357; no physics is missing."
     )
 
 
