@@ -13,7 +13,7 @@ from gmfbo.diagnosis.result.certainty import claim_of_set
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import removed_words
 from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts
-from gmfbo.plain_words import WIDTH, interval, number, probability, words
+from gmfbo.plain_words import WIDTH, interval, listed, number, probability, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis import Diagnosis
@@ -33,7 +33,14 @@ class _Detail:
 
 
 # Tried in turn until the result fits; the last one always does.
-_DETAILS = (_Detail(6, 5, 2), _Detail(5, 3, 1), _Detail(4, 2, 1), _Detail(3, 1, 1))
+_DETAILS = (
+    _Detail(6, 5, 2),
+    _Detail(5, 3, 1),
+    _Detail(4, 2, 1),
+    _Detail(3, 2, 1),
+    _Detail(3, 1, 1),
+    _Detail(2, 1, 1),
+)
 
 
 def screenful(diagnosis: Diagnosis, written: Sequence[Path] = ()) -> list[str]:
@@ -57,11 +64,9 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     lines = [*_cut(textwrap.wrap(diagnosis.sentence, WIDTH), detail.sentence), ""]
     for effect in diagnosis.effects[: detail.entries]:
         lines += _effect(effect, wraps)
-    lines += _more(len(diagnosis.effects) - detail.entries, "effects")
-    lines += _entry("or", misaligned_sentence(diagnosis), wraps + 2)
+    lines += _entry("or", misaligned_sentence(diagnosis), wraps + 1)
     table = fit_lines(diagnosis)
     lines += table[: detail.entries + 1]
-    lines += _more(len(table) - 1 - detail.entries, "signals")
     lines += _entry("removed", removed_words(diagnosis), 2)
     lines += _entry("parameters", _refitted(diagnosis), wraps)
     lines += _entry("known only", combinations_text(diagnosis), wraps)
@@ -71,7 +76,7 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     lines += _entry("next", _next(diagnosis), wraps)
     for note in diagnosis.notes[:wraps]:
         lines += _entry("note", note, wraps)
-    lines += _more(len(diagnosis.notes) - wraps, "notes")
+    lines += _entry("more", _left_out(diagnosis, detail), 1)
     lines += _entry("cost", _cost(diagnosis), 1)
     return lines + _entry("written", _files(written), 2)
 
@@ -94,8 +99,15 @@ def _entry(name: str, text: str, most: int) -> list[str]:
     return [f"{head:<{INDENT}}{line}" for head, line in zip(heads, wrapped, strict=True)]
 
 
-def _more(count: int, what: str) -> list[str]:
-    return [f"{'':<{INDENT}}and {count} more {what}, see the report"] if count > 0 else []
+def _left_out(diagnosis: Diagnosis, detail: _Detail) -> str:
+    """How many entries this detail has no room for; empty where all are shown."""
+    counts = {
+        "effect": len(diagnosis.effects) - detail.entries,
+        "signal": len(diagnosis.fit.signals) - detail.entries,
+        "note": len(diagnosis.notes) - detail.wraps,
+    }
+    told = [f"{n} {what}{'s' if n > 1 else ''}" for what, n in counts.items() if n > 0]
+    return f"{listed(told)}, see the report" if told else ""
 
 
 def _effect(effect: NamedEffect, most: int) -> list[str]:
