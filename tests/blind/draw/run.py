@@ -82,23 +82,80 @@ def run_draw(
     if strata:
         cases = [c for s in strata for c in cases if answers[c]["details"]["stratum"] == s]
     to.parent.mkdir(parents=True, exist_ok=True)
-    lock = threading.Lock()
+    lock, running = threading.Lock(), Running()
     with to.open("a", encoding="utf-8") as file, ThreadPoolExecutor(jobs) as pool:
 
         def one(case: str) -> str:
-            line = run_one(out / "cases" / case, answers[case], limit, engine)
+            line = run_one(out / "cases" / case, answers[case], limit, engine, running)
             with lock:
                 file.write(json.dumps(line) + "\n")
                 file.flush()
             return f"{case} {line['seconds']:6.1f} s {judge(line).told()}"
 
         futures = [pool.submit(one, case) for case in cases]
-        for count, future in enumerate(as_completed(futures), 1):
-            print(f"{count} of {len(cases)}: {future.result()}", flush=True)
+        try:
+            for count, future in enumerate(as_completed(futures), 1):
+                print(f"{count} of {len(cases)}: {future.result()}", flush=True)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            running.end_all()
+            raise
     return len(cases)
 
 
-def run_one(folder: Path, answer: dict[str, Any], limit: float, engine: str) -> dict[str, Any]:
+class Running:
+    """The cases that are being diagnosed, so that none outlives a runner that is stopped."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._processes: set[subprocess.Popen[str]] = set()
+        self._is_stopped = False
+
+    def start(self, command: Sequence[str]) -> subprocess.Popen[str]:
+        """Start a process in a session of its own.
+
+        Raises
+        ------
+        RuntimeError
+            The runner has been stopped.
+        """
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        with self._lock:
+            self.check()
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                env=environment,
+                start_new_session=True,
+            )
+            self._processes.add(process)
+        return process
+
+    def check(self) -> None:
+        """Raise where the runner has been stopped: what such a case came to is no outcome."""
+        if self._is_stopped:
+            raise RuntimeError("the runner was stopped")
+
+    def end_all(self) -> None:
+        """End all that are under way, and let none begin."""
+        with self._lock:
+            self._is_stopped = True
+            for process in self._processes:
+                if process.poll() is None:
+                    _kill(process)
+
+    def ended(self, process: subprocess.Popen[str]) -> None:
+        """Forget a process that has ended."""
+        with self._lock:
+            self._processes.discard(process)
+
+
+def run_one(
+    folder: Path, answer: dict[str, Any], limit: float, engine: str, running: Running
+) -> dict[str, Any]:
     """Diagnose one case; its line.
 
     Parameters
@@ -111,24 +168,25 @@ def run_one(folder: Path, answer: dict[str, Any], limit: float, engine: str) -> 
         [s] Wall clock.
     engine : str
         MODULE:FUNCTION.
+    running : Running
+        Starts the process.
+
+    Raises
+    ------
+    RuntimeError
+        The runner was stopped meanwhile.
     """
     command = [sys.executable, "-m", "tests.blind.draw.one", str(folder), "--engine", engine]
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     began, note, said = time.monotonic(), "", {"diagnosis": None, "cpu_seconds": None}
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-        start_new_session=True,
-    )
+    process = running.start(command)
     try:
         printed, complaints = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired:
-        _end(process)
+        _kill(process)
+        process.communicate()
         printed, complaints, note = "", "", f"more than {limit:g} s"
+    running.ended(process)
+    running.check()
     if process.returncode == 0:
         said = json.loads(printed.strip().splitlines()[-1])
     elif not note:
@@ -144,13 +202,12 @@ def run_one(folder: Path, answer: dict[str, Any], limit: float, engine: str) -> 
     }
 
 
-def _end(process: subprocess.Popen[str]) -> None:
+def _kill(process: subprocess.Popen[str]) -> None:
     """End a case with all that it started."""
     if hasattr(os, "killpg"):
         os.killpg(process.pid, signal.SIGKILL)
     else:
         process.kill()
-    process.communicate()
 
 
 def _answer(out: Path, case: str) -> dict[str, Any]:
@@ -172,6 +229,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--retry", action="store_true", help="those without a diagnosis again")
     parser.add_argument("--engine", default="gmfbo:diagnose", metavar="MODULE:FUNCTION")
     given = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     run_draw(
         given.out,
         given.to,

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 from tests.blind.draw.one import kept
@@ -65,6 +70,22 @@ def test_a_case_that_takes_too_long_is_ended_and_says_so(tmp_path: Path) -> None
     run_draw(out, to, engine=f"{HERE}:sleeps", limit=1.0)
     assert time.monotonic() - began < 20.0
     assert read_outcomes(to)[0]["note"] == "more than 1 s"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="ends a process group")
+def test_a_runner_that_is_stopped_ends_its_case_and_writes_no_line(tmp_path: Path) -> None:
+    out, to = drawn(tmp_path / "draw", 1), tmp_path / "outcomes.jsonl"
+    command = [sys.executable, "-m", "tests.blind.draw.run", "--out", str(out), "--to", str(to)]
+    with subprocess.Popen([*command, "--engine", f"{HERE}:sleeps"]) as runner:
+        started = [psutil.Process(runner.pid)]
+        while len(started) < 2 and runner.poll() is None:
+            time.sleep(0.1)
+            started = [*started[:1], *started[0].children(recursive=True)]
+        runner.terminate()
+        assert runner.wait(30.0) == 128 + signal.SIGTERM
+    psutil.wait_procs(started[1:], timeout=10.0)
+    assert not any(process.is_running() for process in started[1:])
+    assert to.read_text() == ""
 
 
 def test_strata_are_run_in_the_order_that_was_asked_for(tmp_path: Path) -> None:
