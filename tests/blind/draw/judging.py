@@ -87,8 +87,8 @@ class Judged:
         Names.
     intervals : tuple of Interval
         Of values whose truth is known, where the physics is right.
-    simulations, seconds : float
-        Cost as told, and wall clock.
+    simulations, seconds, cpu_seconds : float
+        Cost as told, wall clock, and time of all processes; NaN where that was not counted.
     note : str
         Why there is no diagnosis.
     """
@@ -107,6 +107,7 @@ class Judged:
     intervals: tuple[Interval, ...] = ()
     simulations: float = 0.0
     seconds: float = 0.0
+    cpu_seconds: float = float("nan")
     note: str = ""
 
     @property
@@ -143,6 +144,8 @@ def judge(line: Mapping[str, Any]) -> Judged:
         "seconds": float(line["seconds"]),
         "note": line["note"],
     }
+    if line.get("cpu_seconds") is not None:
+        common["cpu_seconds"] = float(line["cpu_seconds"])
     common["is_owed"] = details["stratum"] != "null" and case_gain(answer) > OWED
     if diagnosis is None:
         return Judged(**common, outcome="failed")

@@ -161,14 +161,16 @@ def _cost(judged: Sequence[Judged]) -> str:
     ended = [j for j in judged if j.outcome != "failed"]
     if not ended:
         return ""
-    rows = (
-        ("simulations", [j.simulations for j in ended]),
-        ("seconds", [j.seconds for j in ended]),
-    )
+    rows = {
+        "simulations": [j.simulations for j in ended],
+        "seconds, wall clock": [j.seconds for j in ended],
+        "seconds, all processes": [j.cpu_seconds for j in ended if not math.isnan(j.cpu_seconds)],
+    }
     return "\n".join(
         f"{title:<34}median {np.median(own):.0f}, 90 % {np.quantile(own, 0.9):.0f}, "
         f"most {max(own):.0f}"
-        for title, own in rows
+        for title, own in rows.items()
+        if own
     )
 
 

@@ -189,3 +189,5 @@ def test_the_table_counts_each_stratum() -> None:
     assert "all              2        1        0        1        0        0   1 of 2" in text
     assert "owed, right                       1 of 2" in text  # the third is below what is owed
     assert "more than 300 s" in text
+    assert f"{'seconds, wall clock':<34}median 10, 90 % 10, most 10" in text
+    assert "all processes" not in text  # these lines did not count them
