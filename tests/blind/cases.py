@@ -15,14 +15,14 @@ from tests.blind.experiments import experiments_of, setting_of
 from tests.blind.hidden import EFFECTS, Changes, Rng, Setting
 from tests.blind.machines import MACHINES, Knowledge, twin_file
 from tests.blind.oracle import Oracle
-from tests.blind.outside import NEAREST, OUTSIDE
+from tests.blind.outside import LAWS_OUTSIDE, NEAREST
 from tests.blind.plan import Plan
 from tests.blind.recording import record
 from tests.blind.sizing import size_for_gain, target_gain
 from tests.blind.true_values import true_values
 from tests.blind.windows import windows_of
 
-_ALL = {**EFFECTS, **OUTSIDE}
+_ALL = {**EFFECTS, **LAWS_OUTSIDE}
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
-from tests.blind.hidden import EFFECTS
+from tests.blind.hidden import EFFECTS, Hidden
 from tests.blind.machines import MACHINES
-from tests.blind.outside import OUTSIDE
+from tests.blind.outside import LAWS_OUTSIDE, OUTSIDE
 from tests.blind.sizing import BANDS
 
 Item = TypeVar("Item")
@@ -137,7 +137,7 @@ class Plan:
     def is_within_reach(self) -> bool:
         """Whether the twin has the ports that the hidden effects need."""
         ports = MACHINES[self.machine].ports
-        return all({**EFFECTS, **OUTSIDE}[name].port in ports for name in self.effects)
+        return all({**EFFECTS, **LAWS_OUTSIDE}[name].port in ports for name in self.effects)
 
 
 def make_plan(cases: int, seed: int) -> list[Plan]:
@@ -153,11 +153,11 @@ def make_plan(cases: int, seed: int) -> list[Plan]:
     rng = np.random.default_rng([seed, 0])
     counts = _counts(cases)
     plans = [
-        *_nulls(counts["null"], counts["stressed_null"], rng),
-        *_singles(counts["single"], rng),
-        *_pairs(counts["pair"], rng),
-        *_outside(counts["outside"], rng),
-        *_decoys(counts["decoy"], rng),
+        *nulls_of(counts["null"], counts["stressed_null"], rng),
+        *singles_of(counts["single"], rng),
+        *pairs_of(counts["pair"], rng),
+        *outside_of(counts["outside"], rng),
+        *decoys_of(counts["decoy"], rng),
     ]
     return [plans[index] for index in rng.permutation(len(plans))]
 
@@ -173,7 +173,7 @@ def _counts(cases: int) -> dict[str, int]:
     return counts
 
 
-def _nulls(clean: int, stressed: int, rng: np.random.Generator) -> list[Plan]:
+def nulls_of(clean: int, stressed: int, rng: np.random.Generator) -> list[Plan]:
     """Every third clean null has the right parameters; those of the others are wrong."""
     machines = _shuffled(list(MACHINES), rng)
     stresses = _shuffled(STRESSES, rng)
@@ -193,7 +193,7 @@ def _nulls(clean: int, stressed: int, rng: np.random.Generator) -> list[Plan]:
 _COLUMN_STRESSES = frozenset({"column_scale", "logger_new"})
 
 
-def _singles(count: int, rng: np.random.Generator) -> list[Plan]:
+def singles_of(count: int, rng: np.random.Generator) -> list[Plan]:
     """Each effect as often as every other, a third of its cases in each band of gains."""
     out_of_reach = count // OUT_OF_REACH_SHARE
     plans = [
@@ -219,7 +219,8 @@ def _singles(count: int, rng: np.random.Generator) -> list[Plan]:
     return plans
 
 
-def _pairs(count: int, rng: np.random.Generator) -> list[Plan]:
+def pairs_of(count: int, rng: np.random.Generator) -> list[Plan]:
+    """Each pair as often as every other, on machines with all ports."""
     pairs = _shuffled(PAIRS, rng)
     machines = ("servo", "wires_pid", "servo", "wires_pd_filtered", "wires_cascade_p_pi")
     return [
@@ -228,11 +229,14 @@ def _pairs(count: int, rng: np.random.Generator) -> list[Plan]:
     ]
 
 
-def _outside(count: int, rng: np.random.Generator) -> list[Plan]:
-    names = _shuffled(list(OUTSIDE), rng)
+def outside_of(
+    count: int, rng: np.random.Generator, laws: Mapping[str, Hidden] = OUTSIDE
+) -> list[Plan]:
+    """Each of the laws outside the catalogue as often as every other."""
+    names = _shuffled(list(laws), rng)
     plans = []
     for i in range(count):
-        law = OUTSIDE[name := names[i % len(names)]]
+        law = laws[name := names[i % len(names)]]
         machines = [
             machine
             for machine in ("servo", "axis", "wires_pid", "servo_torque", "wires_pd_filtered")
@@ -243,7 +247,8 @@ def _outside(count: int, rng: np.random.Generator) -> list[Plan]:
     return plans
 
 
-def _decoys(count: int, rng: np.random.Generator) -> list[Plan]:
+def decoys_of(count: int, rng: np.random.Generator) -> list[Plan]:
+    """Each decoy as often as every other."""
     machines, names = ("servo", "axis"), _shuffled(DECOYS, rng)
     return [
         Plan(

@@ -84,12 +84,29 @@ def record(
     run = simulate({**values, "quantum": machine.quantum}, experiment.reference, jitter)
     command = run.new if logger.convention == "new" else run.held
     command = logger.scale * (command + logger.noise(machine.command_noise, rows, rng))
-    time = np.arange(rows) * SAMPLE * (1.0 + logger.skew)
+    time = np.asarray(np.arange(rows) * SAMPLE * (1.0 + logger.skew), dtype=float)
+    return csv_text(machine, experiment, time, run.reading, command)
+
+
+def csv_text(
+    machine: Machine, experiment: Experiment, time: Vector, position: Vector, command: Vector
+) -> str:
+    """Text of the CSV file that holds what was logged.
+
+    Parameters
+    ----------
+    machine : Machine
+        For names and units.
+    experiment : Experiment
+        Reference and gains.
+    time, position, command : ndarray, shape (rows,)
+        The logged columns [s], [position], [command].
+    """
     position_unit, command_unit, _ = machine.units
     columns = {"time [s]": time}
     if not machine.is_open_loop:
         columns[f"reference [{position_unit}]"] = experiment.reference
-    columns[f"position [{position_unit}]"] = run.reading
+    columns[f"position [{position_unit}]"] = position
     columns[f"{machine.command_name} [{command_unit}]"] = command
     head = [f"# {machine.gains[own]} = {value!r}" for own, value in experiment.gains.items()]
     table = np.column_stack(list(columns.values()))

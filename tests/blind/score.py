@@ -146,7 +146,7 @@ def score_case(
         "kind": answer["kind"],
         "machine": answer["machine"],
         "hidden": hidden,
-        "gain": _gain(answer),
+        "gain": case_gain(answer),
         "details": tuple(answer.get("details", {}).get("stress", ())),
         "within_reach": bool(answer["within_reach"]),
         "seconds": seconds,
@@ -247,7 +247,8 @@ def overlaps(said: Sequence[Sequence[Any]], true: Sequence[Sequence[Any]]) -> bo
     return len(said) > 0 and 2 * met >= len(said)
 
 
-def _gain(answer: Mapping[str, Any]) -> float:
+def case_gain(answer: Mapping[str, Any]) -> float:
+    """Oracle gain of a case; of a pair, what the smaller effect adds to the other."""
     if answer["kind"] == "pair":
         return min(float(e.get("added_gain", answer["oracle_gain"])) for e in answer["effects"])
     return float(answer["oracle_gain"])

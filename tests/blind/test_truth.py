@@ -10,7 +10,7 @@ import pytest
 from gmfbo import FmuTwin, Recording
 from tests.blind.hidden import EFFECTS
 from tests.blind.machines import MACHINES, Knowledge, twin_file, variation
-from tests.blind.outside import OUTSIDE
+from tests.blind.outside import LAWS_OUTSIDE
 from tests.blind.references import QUIET, SHAPES
 from tests.blind.truth import KINDS, SAMPLE, Diverged, parameter_names, simulate
 
@@ -186,7 +186,7 @@ def test_every_effect_of_size_zero_is_the_plant_without_it() -> None:
     reference = SHAPES["moves"](rng, 2000)
     plain = simulate(machine.truth, reference, preroll=0)
     setting = setting_of(machine, machine.truth, [plain])
-    for name, hidden in {**EFFECTS, **OUTSIDE}.items():
+    for name, hidden in {**EFFECTS, **LAWS_OUTSIDE}.items():
         shaped = hidden.make(setting, rng)
         assert set(shaped(hidden.high(setting))) <= set(parameter_names()), name
         big = simulate({**machine.truth, **shaped(hidden.high(setting))}, reference, preroll=0)

@@ -33,7 +33,9 @@
     X(drive_limit) X(supply_limit) X(supply_slope) X(drive_rate) X(drive_lag) X(delay)                    \
     X(sensor_time) X(sensor_eccentricity) X(sensor_phase) X(sensor_scale) X(sensor_zero) X(quantum)       \
     X(cubic_spring) X(friction_growth) X(uneven) X(coarse) X(bend) X(line_error) X(line_number) X(play)   \
-    X(start)
+    X(start) X(sample) /* [s] period of the controller and of a row; 0 is a millisecond */                  \
+    X(cubic_drag) X(rippled_drag) X(rippled_drag_number) X(drive_play)                                    \
+    X(sweep) X(sweep_frequency) X(sweep_rate) X(sweep_phase)
 
 typedef struct {
 #define FIELD(name) double name;
@@ -52,7 +54,7 @@ enum { Q, V, TORQUE, DRIVE, LOAD_Q, LOAD_V, BRISTLE, HEAT, SENSED, N_STATES };
 enum { SERVO_PD = 1, AXIS_PV, PID, CASCADE, PD };
 enum { READING, HELD, NEW, POSITION, VELOCITY, ACTIVE, COLUMNS };
 
-static const double SAMPLE = 1e-3, INNER = 2e-5, PI = 3.14159265358979323846;
+static const double MILLISECOND = 1e-3, INNER = 2e-5, PI = 3.14159265358979323846;
 
 typedef struct {
     Parameters p;
@@ -65,6 +67,7 @@ typedef struct {
     double due[QUEUE], waiting[QUEUE];
     long head, tail;
     double followed_by_sensor; /* position behind the play of its coupling */
+    double load; /* torque of this sample that is no part of the plant */
     double active; /* time of this sample in which something limited or stuck */
     /* controller */
     double y_1, y_2, target_1, rate, integral, u;
@@ -85,13 +88,13 @@ static double controller(World *w, double r, double y) {
         w->begun = 1;
     }
     /* T_f d' + d = x', x' by the backward difference */
-    double blend = p->filter_time / (p->filter_time + SAMPLE);
-    w->rate = blend * w->rate + (1.0 - blend) * (target - w->target_1) / SAMPLE;
+    double blend = p->filter_time / (p->filter_time + p->sample);
+    w->rate = blend * w->rate + (1.0 - blend) * (target - w->target_1) / p->sample;
     double wanted = 0.0, error = 0.0;
     if (p->kind == SERVO_PD || p->kind == PD) {
         wanted = p->kp * (r - y) + p->kd * w->rate;
     } else if (p->kind == AXIS_PV) {
-        wanted = p->kv * (p->kp * (r - y) - 0.5 * (y - w->y_2) / SAMPLE);
+        wanted = p->kv * (p->kp * (r - y) - 0.5 * (y - w->y_2) / p->sample);
     } else if (p->kind == PID) {
         error = r - y;
         wanted = p->kp * error + w->integral + p->kd * w->rate;
@@ -100,7 +103,7 @@ static double controller(World *w, double r, double y) {
         wanted = p->kv * error + w->integral;
     }
     double u = p->u_limit > 0.0 ? clip(wanted, p->u_limit) : wanted;
-    w->integral += SAMPLE * (p->ki * error + fmin(p->anti_windup, 1.0 / SAMPLE) * (u - wanted));
+    w->integral += p->sample * (p->ki * error + fmin(p->anti_windup, 1.0 / p->sample) * (u - wanted));
     w->y_2 = w->y_1;
     w->y_1 = y;
     w->target_1 = target;
@@ -167,8 +170,10 @@ static double element_forces(const World *w, double q, double *forces) {
 static double other_torques(const World *w, double t, const double *x) {
     const Parameters *p = &w->p;
     double q = x[Q], v = x[V];
-    double total = motor_torque(w, x) - p->viscous * v - shaft(w, x) + p->push;
+    double total = motor_torque(w, x) - p->viscous * v - shaft(w, x) + p->push + w->load;
     if (p->drag != 0.0) total -= p->drag * v * fabs(v);
+    if (p->cubic_drag != 0.0) total -= p->cubic_drag * v * v * v;
+    if (p->rippled_drag != 0.0) total -= p->rippled_drag * v * sin(p->rippled_drag_number * q);
     if (p->root_friction != 0.0) total -= p->root_friction * sign(v) * sqrt(fabs(v));
     if (p->position_times_velocity != 0.0) total -= p->position_times_velocity * q * v;
     if (p->bristle_level > 0.0) {
@@ -187,6 +192,10 @@ static double other_torques(const World *w, double t, const double *x) {
     }
     if (p->cubic_spring != 0.0) total -= p->cubic_spring * q * q * q;
     if (p->hum != 0.0) total += p->hum * sin(2.0 * PI * p->hum_frequency * t + p->hum_phase);
+    if (p->sweep != 0.0) {
+        double turns = p->sweep_frequency * t + 0.5 * p->sweep_rate * t * t;
+        total += p->sweep * sin(2.0 * PI * turns + p->sweep_phase);
+    }
     if (t >= p->pulse_start && t < p->pulse_start + p->pulse_duration) total += p->pulse;
     return total;
 }
@@ -300,12 +309,15 @@ static void note_activity(World *w, double t, double h) {
     if (limited) w->active += h;
 }
 
+/* A command arrives, behind the play of the drive where there is one. */
+static void take_command(World *w, double u) { w->arrived = u - clip(u - w->arrived, 0.5 * w->p.drive_play); }
+
 /* From t to end, cut at arrivals of commands. */
 static void advance(World *w, double t, double end) {
     const Parameters *p = &w->p;
     while (t < end - 1e-13) {
         while (w->head < w->tail && w->due[w->head % QUEUE] <= t + 1e-13)
-            w->arrived = w->waiting[w->head++ % QUEUE];
+            take_command(w, w->waiting[w->head++ % QUEUE]);
         double until = fmin(t + INNER, end);
         if (w->head < w->tail) until = fmin(until, w->due[w->head % QUEUE]);
         double followed = w->followed;
@@ -350,21 +362,23 @@ VISIBLE int truth_parameters(void) { return N_PARAMETERS; }
 VISIBLE const char *truth_name(int index) { return names[index]; }
 VISIBLE int truth_columns(void) { return COLUMNS; }
 
-/* Rows of READING..ACTIVE at t = k * SAMPLE, k = 0..rows-1. Before, `preroll` samples under the
+/* Rows of READING..ACTIVE at t = k * sample, k = 0..rows-1. Before, `preroll` samples under the
  * first reference bring the plant to rest. For kind 0 the reference is the command itself.
- * noise: [preroll + rows] added to the readings. Answers 0, or 1 where the plant has diverged. */
+ * noise, load: [preroll + rows] added to the readings, and held on the shaft over a sample. Answers 0, or 1 where the plant has diverged. */
 VISIBLE int truth_run(const double *parameters, long preroll, long rows, const double *reference,
-                      const double *noise, double *out) {
+                      const double *noise, const double *load, double *out) {
     World w;
     memset(&w, 0, sizeof w);
     memcpy(&w.p, parameters, sizeof w.p);
+    if (w.p.sample <= 0.0) w.p.sample = MILLISECOND;
+    const double sample = w.p.sample;
     w.x[Q] = w.x[LOAD_Q] = w.x[SENSED] = w.q_of_elements = w.followed_by_sensor = w.p.start;
     w.direction = has_friction(&w.p);
     int still = 0; /* samples in which nothing at all has changed */
     for (long k = -preroll; k < rows; ++k) {
         double was[N_STATES], u_was = w.u;
         memcpy(was, w.x, sizeof was);
-        double t = (double)k * SAMPLE, wanted = reference[k < 0 ? 0 : k];
+        double t = (double)k * sample, wanted = reference[k < 0 ? 0 : k];
         double y = reading(&w, noise[preroll + k]), before = w.u;
         w.u = w.p.kind < 0.5 ? wanted : controller(&w, wanted, y);
         w.due[w.tail % QUEUE] = t + w.p.delay;
@@ -378,9 +392,11 @@ VISIBLE int truth_run(const double *parameters, long preroll, long rows, const d
             row[VELOCITY] = w.x[V];
         }
         w.active = 0.0;
-        advance(&w, t, (double)(k + 1) * SAMPLE);
-        if (row) row[ACTIVE] = w.active / SAMPLE;
-        still = !memcmp(was, w.x, sizeof was) && w.u == u_was && noise[preroll + k] == 0.0 ? still + 1 : 0;
+        w.load = load[preroll + k];
+        advance(&w, t, (double)(k + 1) * sample);
+        if (row) row[ACTIVE] = w.active / sample;
+        int quiet = noise[preroll + k] == 0.0 && w.load == 0.0;
+        still = !memcmp(was, w.x, sizeof was) && w.u == u_was && quiet ? still + 1 : 0;
         if (still > 20 && k < -1) k = -2; /* longer than any delay: the rest of the wait is the same */
         if (!isfinite(w.x[Q]) || !isfinite(w.x[V])) return 1;
     }

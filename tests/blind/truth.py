@@ -80,7 +80,7 @@ def _library() -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
     library.truth_name.restype = ctypes.c_char_p
     table = np.ctypeslib.ndpointer(dtype=np.float64, flags="C")
-    library.truth_run.argtypes = [table, ctypes.c_long, ctypes.c_long, table, table, table]
+    library.truth_run.argtypes = [table, ctypes.c_long, ctypes.c_long, table, table, table, table]
     return library
 
 
@@ -96,6 +96,7 @@ def simulate(
     reference: Vector,
     noise: Vector | None = None,
     preroll: int = PREROLL,
+    load: Vector | None = None,
 ) -> TrueRun:
     """One recording's worth of truth.
 
@@ -109,6 +110,8 @@ def simulate(
         Added to the readings.
     preroll : int
         Samples under the first reference, not recorded.
+    load : ndarray, shape (preroll + rows,), optional
+        [torque] On the motor beside all that the plant has, held over each sample.
 
     Raises
     ------
@@ -124,10 +127,17 @@ def simulate(
     values = np.array([float(parameters.get(name, 0.0)) for name in names])
     rows = len(reference)
     out = np.empty((rows, library.truth_columns()))
-    added = np.zeros(preroll + rows) if noise is None else np.ascontiguousarray(noise, dtype=float)
-    if added.shape != (preroll + rows,):
-        raise ValueError(f"expected noise of shape ({preroll + rows},), got {added.shape}")
+    added, pushed = _of_each_sample(noise, preroll + rows), _of_each_sample(load, preroll + rows)
     wanted = np.ascontiguousarray(reference, dtype=float)
-    if library.truth_run(values, preroll, rows, wanted, added, out):
+    if library.truth_run(values, preroll, rows, wanted, added, pushed, out):
         raise Diverged("the true plant has diverged")
     return TrueRun(*(np.ascontiguousarray(column) for column in out.T))
+
+
+def _of_each_sample(given: Vector | None, samples: int) -> Vector:
+    """A noise as the library takes it; zeros where there is none."""
+    if given is None:
+        return np.zeros(samples)
+    if given.shape != (samples,):
+        raise ValueError(f"expected noise of shape ({samples},), got {given.shape}")
+    return np.ascontiguousarray(given, dtype=float)

@@ -1,0 +1,40 @@
+"""What was said of each case of a draw: a file with a line of JSON for each."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+
+def drop_cut_line(path: Path) -> None:
+    """Take off a last line without an end, so that the next one begins anew."""
+    content = path.read_bytes() if path.exists() else b""
+    if content and not content.endswith(b"\n"):
+        path.write_bytes(content[: content.rfind(b"\n") + 1])
+
+
+def read_outcomes(path: Path) -> list[dict[str, Any]]:
+    """Lines of a file of outcomes, the last one of each case; none where there is no file.
+
+    Parameters
+    ----------
+    path : Path
+        That `run` wrote. A last line that was cut short is left out; its case is run again.
+
+    Raises
+    ------
+    ValueError
+        A line before the last one is broken.
+    """
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    outcomes: dict[str, dict[str, Any]] = {}
+    for number, line in enumerate(lines, 1):
+        try:
+            outcome = json.loads(line)
+        except json.JSONDecodeError:
+            if number < len(lines):
+                raise
+            break
+        outcomes[outcome["case"]] = outcome
+    return list(outcomes.values())
