@@ -1,0 +1,100 @@
+"""What no law holds: a smooth torque over velocity and position, sent through the loop."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from gmfbo.diagnosis.comparison.evidence import Grams, log_evidences
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.problem import Problem
+
+Array = NDArray[np.float64]
+
+_BUMPS = 10  # over each of velocity and position
+_STEP = np.log(4.0)  # between sizes of an inadequacy
+_SIZES = np.exp(_STEP * np.arange(-5.0, 4.0))  # times the tolerance
+
+
+def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -> list[Array]:
+    """Signals that unit bumps of torque over velocity and over position cause, shape (c, m, n).
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    kernels : PortKernels
+        Answer of the signals to the torque port.
+    fitted : Fitted
+        Whose velocities and positions are taken.
+    """
+    if "torque" not in kernels.kernels:
+        return [np.zeros((0, len(s.names), s.time.size)) for s in problem.segments]
+    states = []
+    for record, run in zip(problem.simulations.records, fitted.runs, strict=True):
+        position = run.response.states["position"]
+        velocity = run.response.states.get("velocity")
+        if velocity is None:
+            velocity = np.gradient(position, record.plan.grid)
+        states.append((velocity, position))
+    speeds = np.concatenate([v for v, _ in states])
+    places = np.concatenate([q for _, q in states])
+    fast = float(np.quantile(np.abs(speeds), 0.998)) or 1.0
+    low, high = np.quantile(places, [0.002, 0.998])
+    made = []
+    for segment in problem.segments:
+        velocity, position = states[segment.record]
+        grid = problem.simulations.records[segment.record].plan.grid
+        # Finer where friction changes: about standstill.
+        over_speed = np.sign(velocity) * np.sqrt(np.abs(velocity) / fast)
+        bumps = [*_bumps(over_speed, -1.0, 1.0), *_bumps(position, float(low), float(high))]
+        columns = np.zeros((len(bumps), len(segment.names), segment.time.size))
+        for i, name in enumerate(segment.names):
+            answers = through(np.stack(bumps), kernels.kernels["torque"][name])
+            for c, answer in enumerate(answers):
+                columns[c, i] = np.interp(segment.time, grid, answer)
+        made.append(columns)
+    return made
+
+
+def _bumps(values: Array, low: float, high: float) -> list[Array]:
+    centres = np.linspace(low, high, _BUMPS)
+    width = max(centres[1] - centres[0], 1e-300)
+    return [np.exp(-0.5 * ((values - c) / width) ** 2) for c in centres]
+
+
+def with_inadequacy(
+    fitted: Fitted, inner: Grams, weights: Array, extra: int, tolerance: float
+) -> tuple[Array, Array]:
+    """Log evidence with the size of an inadequacy integrated out, and that size's mean.
+
+    Its prior is exponential about the tolerance (Simpson et al. 2017).
+
+    Parameters
+    ----------
+    fitted : Fitted
+        A hypothesis at its best values.
+    inner : Grams
+        Of its columns, then of `extra` bumps orthogonal to them.
+    weights : ndarray, shape (n_weightings, n_stretches)
+        Of the stretches.
+    extra : int
+        Number of bumps.
+    tolerance : float
+        [FMU's unit of the torque port] Mean of the prior of the size.
+
+    Returns
+    -------
+    tuple of ndarray, shape (n_weightings,)
+        [nats] and [FMU's unit of the torque port]
+    """
+    if not extra:
+        return log_evidences(fitted, inner, weights), np.zeros(len(weights))
+    sizes = tolerance * _SIZES
+    logs = np.stack([log_evidences(fitted, inner, weights, extra, float(s)) for s in sizes])
+    prior = np.log(_STEP * sizes / tolerance) - sizes / tolerance
+    joint = logs + prior[:, None]
+    total = logsumexp(joint, axis=0)
+    return total, np.exp(joint - total).T @ sizes

@@ -1,0 +1,234 @@
+"""Moves of the search: one element more, ranked by what a linear refit would gain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.sources.twin.uncertain import Uncertain
+
+Array = NDArray[np.float64]
+
+_FREED_START = 1.15  # times the value of a freed parameter
+_SHOWN = 1.0  # whitened square of a start that these recordings do not show
+_MOST = 1.6  # times the start: beyond it a straight line says little
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """What a move adds: an effect at a start, or a freed parameter.
+
+    Attributes
+    ----------
+    candidate : Candidate or None
+        An effect.
+    freed : Uncertain or None
+        A parameter that the twin file holds fixed.
+    """
+
+    candidate: Candidate | None = None
+    freed: Uncertain | None = None
+
+    @property
+    def name(self) -> str:
+        """As in a set: an effect, or `parameter:NAME`."""
+        if self.candidate is not None:
+            return self.candidate.effect
+        assert self.freed is not None
+        return f"parameter:{self.freed.name}"
+
+    def added_to(self, hypothesis: Hypothesis) -> Hypothesis:
+        """The hypothesis with it."""
+        if self.candidate is not None:
+            return replace(hypothesis, effects=(*hypothesis.effects, self.candidate))
+        assert self.freed is not None
+        setting = hypothesis.setting
+        return replace(
+            hypothesis, setting=replace(setting, uncertain=(*setting.uncertain, self.freed))
+        )
+
+    def start(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Values of the twin's parameters at its start."""
+        if self.freed is None:
+            return dict(parameters)
+        moved = self.freed.nominal * _FREED_START
+        return {**parameters, self.freed.name: min(max(moved, self.freed.low), self.freed.high)}
+
+    def sizes(self, hypothesis: Hypothesis) -> list[str]:
+        """Parameters of an effect that are sizes, at whose zero it is gone."""
+        if self.candidate is None:
+            return []
+        limits = self.candidate.law.bounds(hypothesis.setting.excitation)
+        return [
+            p.name for p in self.candidate.parameters if not p.hidden and limits[p.name][0] <= 0.0
+        ]
+
+    def moved(self, share: float, more: Mapping[str, float]) -> Element:
+        """The same with its sizes multiplied by a share, and something added to some of them."""
+        if self.candidate is None:
+            return self
+        values = {
+            name: value * share + more[name] if name in more else value
+            for name, value in self.candidate.values.items()
+        }
+        return replace(self, candidate=self.candidate.with_values(values))
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """An element, what it would gain, and its start there.
+
+    Attributes
+    ----------
+    element : Element
+        At its scaled start.
+    gain : float
+        [nats] Of the linear refit.
+    """
+
+    element: Element
+    gain: float
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Change of the signals by an element at its start.
+
+    Attributes
+    ----------
+    element : Element
+        At its start.
+    sizes : tuple of str
+        Those of its sizes that are moved by themselves, after the start.
+    steps : tuple of float
+        By which they are moved.
+    columns : list of ndarray, shape (1 + len(sizes), m, n)
+        By segment: of the start, and of each size beyond it.
+    is_signed : bool
+        Whether the start may be reversed.
+    """
+
+    element: Element
+    sizes: tuple[str, ...]
+    steps: tuple[float, ...]
+    columns: list[Array]
+    is_signed: bool
+
+
+def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> list[Response]:
+    """Change of the signals by each element; those that cannot be simulated are left out.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    base : Fitted
+        About which they are measured.
+    elements : sequence of Element
+        At their starts.
+    """
+    plans, points = [], []
+    for element in elements:
+        sizes = element.sizes(base.hypothesis)
+        more = sizes if len(sizes) > 1 else []
+        steps = [_step(element, base.hypothesis, name) for name in more]
+        tried = [element]
+        for name, step in zip(more, steps, strict=True):
+            assert element.candidate is not None
+            values = {**element.candidate.values, name: element.candidate.values[name] + step}
+            tried.append(replace(element, candidate=element.candidate.with_values(values)))
+        plans.append((element, sizes, more, steps, len(tried)))
+        for one in tried:
+            hypothesis = one.added_to(base.hypothesis)
+            x = hypothesis.start(one.start(base.parameters))
+            points.append(problem.point(hypothesis, x))
+    runs = iter(problem.simulations.run(points))
+    found = []
+    for element, sizes, more, steps, count in plans:
+        own = [next(runs) for _ in range(count)]
+        if not all(run.finite for one in own for run in one):
+            continue
+        seen = [problem.values(one) for one in own]
+        columns = [
+            np.stack([v[0] - b, *(w - v[0] for w in v[1:])])
+            for *v, b in zip(*seen, base.values, strict=True)
+        ]
+        found.append(
+            Response(element, tuple(more), tuple(steps), columns, _is_signed(element, base, sizes))
+        )
+    return found
+
+
+def _step(element: Element, hypothesis: Hypothesis, name: str) -> float:
+    assert element.candidate is not None
+    return float(0.5 * element.candidate.law.scales(hypothesis.setting.excitation)[name])
+
+
+def _is_signed(element: Element, base: Fitted, sizes: Sequence[str]) -> bool:
+    if element.candidate is None:
+        return True
+    limits = element.candidate.law.bounds(base.hypothesis.setting.excitation)
+    return bool(sizes) and all(limits[name][0] < 0.0 for name in sizes)
+
+
+def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> list[Move]:
+    """Best start of each element, those that gain most first.
+
+    Parameters
+    ----------
+    whitening : Whitening
+        By noise and the shared inadequacy.
+    about : Fitted
+        Hypothesis that the moves start from.
+    found : sequence of Response
+        Of the elements.
+    """
+    z = _flat([r[None] for r in whitening(about.residual)])[0]
+    j = _flat(whitening(about.columns))
+    inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
+    left = z - j.T @ (inverse @ (j @ z))
+    best: dict[str, Move] = {}
+    for response in found:
+        name = response.element.name
+        if name in about.elements:
+            continue
+        d = _flat(whitening(response.columns))
+        own = j @ d.T
+        square = d @ d.T - own.T @ inverse @ own
+        if np.diag(square).max() < _SHOWN:
+            continue
+        slope = d @ left
+        shares, gain = _within(square, slope, response.is_signed)
+        if name not in best or gain > best[name].gain:
+            element = response.element
+            sizes = dict.fromkeys(element.sizes(about.hypothesis), 0.0)
+            sizes |= {
+                n: float(c) * step
+                for n, c, step in zip(response.sizes, shares[1:], response.steps, strict=True)
+            }
+            kept = float(shares[0]) if response.is_signed or sizes else 1.0
+            best[name] = Move(element.moved(kept or 0.2, sizes), gain)
+    return sorted(best.values(), key=lambda move: -move.gain)
+
+
+def _within(square: Array, slope: Array, is_signed: bool) -> tuple[Array, float]:
+    """Best multiples of the columns, that of the start within what a straight line can tell."""
+    ridge = 1e-9 * np.diag(square) + 1e-12
+    shares: Array = np.linalg.solve(square + np.diag(ridge), slope).astype(np.float64)
+    first = float(np.clip(shares[0], -_MOST if is_signed else 0.0, _MOST))
+    if first != shares[0]:
+        rest = slope[1:] - first * square[1:, 0]
+        inner = square[1:, 1:] + np.diag(ridge[1:])
+        shares = np.concatenate([[first], np.linalg.solve(inner, rest)])
+    return shares, float(shares @ slope - 0.5 * shares @ square @ shares)
+
+
+def _flat(parts: Sequence[Array]) -> Array:
+    return np.concatenate([v.reshape(v.shape[0], -1) for v in parts], axis=1)

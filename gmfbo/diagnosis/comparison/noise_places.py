@@ -1,0 +1,359 @@
+"""Noise of three places: read by the controller, added by the logger, and a torque at the shaft.
+
+One level each for all recordings, by the Whittle likelihood (Whittle 1953) of what a fit leaves.
+What the controller reads goes round the loop and reaches all signals together, what the logger adds
+stays in its column: their levels follow from the covariance of the signals at each frequency.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from gmfbo.diagnosis.comparison.numbers import BAND, BLOCK_ROWS, FLOOR, TORQUE_TIME
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.segments import Segment
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Standard deviations of the noise, by place.
+
+    Attributes
+    ----------
+    ports : mapping of str to float
+        [FMU's unit] `sensor`: what the controller reads, white; `torque` and `command`: coloured,
+        with the correlation time of the table.
+    own : mapping of str to float
+        [SI] What the logger adds to each signal, white.
+    jitter : float
+        [s] Of the logger's clock, seen in the positions.
+    """
+
+    ports: Mapping[str, float]
+    own: Mapping[str, float]
+    jitter: float = 0.0
+
+    def with_ports(self, **levels: float) -> Levels:
+        """The same with other levels at some ports."""
+        return replace(self, ports={**self.ports, **levels})
+
+
+def covariance(
+    levels: Levels,
+    kernels: PortKernels,
+    names: tuple[str, ...],
+    frequencies: Array,
+    square_rates: Array,
+) -> Spectrum:
+    """Covariance of the signals' spectra a sample, shape (n_frequencies, m, m).
+
+    Parameters
+    ----------
+    levels : Levels
+        Of the noise.
+    kernels : PortKernels
+        Paths from the ports to the signals.
+    names : tuple of str
+        The m signals.
+    frequencies : ndarray, shape (n_frequencies,)
+        [Hz]
+    square_rates : ndarray, shape (m,)
+        [SI^2/s^2] Mean square rate of the signals that jitter shows in; 0 for others.
+    """
+    total = np.zeros((frequencies.size, len(names), len(names)), dtype=np.complex128)
+    for port, level in levels.ports.items():
+        if level <= 0.0 or port not in kernels.kernels:
+            continue
+        answer = kernels.spectra(port, names, frequencies).T
+        colour = 1.0 if port == "sensor" else _coloured(frequencies, kernels.step)
+        outer = answer[:, :, None] * answer[:, None, :].conj()
+        total += level**2 * np.reshape(colour * np.ones(frequencies.size), (-1, 1, 1)) * outer
+    own = np.array([levels.own[name] ** 2 for name in names]) + levels.jitter**2 * square_rates
+    diagonal = np.einsum("fii->fi", total)
+    diagonal += FLOOR * diagonal.real + own
+    return total
+
+
+def _coloured(frequencies: Array, step: float) -> Array:
+    """Spectrum a sample of an exponentially correlated signal of unit variance."""
+    return 2.0 * (TORQUE_TIME / step) / (1.0 + (2.0 * np.pi * frequencies * TORQUE_TIME) ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Periodograms:
+    """Spectra of short blocks, or of whole segments, of signals with the same names.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The m signals.
+    frequencies : ndarray, shape (n_frequencies,)
+        [Hz]
+    spectra : ndarray, shape (n_blocks, n_frequencies, m)
+        Scaled so that white noise of unit variance gives one.
+    square_rates : ndarray, shape (n_blocks, m)
+        As in `covariance`.
+    """
+
+    names: tuple[str, ...]
+    frequencies: Array
+    spectra: Spectrum
+    square_rates: Array
+
+    def deviances(self, levels: Levels, kernels: PortKernels) -> tuple[Array, Array]:
+        """Whitened squares and log determinants, summed over the frequencies, shape (n_blocks,)."""
+        squares, logs = np.empty(len(self.spectra)), np.empty(len(self.spectra))
+        for rows in self._alike(levels):
+            rates = self.square_rates[rows].mean(0)
+            s = covariance(levels, kernels, self.names, self.frequencies, rates)
+            factor = np.linalg.cholesky(s)
+            white = np.einsum("fij,bfj->bfi", np.linalg.inv(factor), self.spectra[rows])
+            squares[rows] = np.sum(white.real**2 + white.imag**2, axis=(1, 2))
+            logs[rows] = 2.0 * np.log(np.einsum("fii->fi", factor).real).sum()
+        return squares, logs
+
+    def _alike(self, levels: Levels) -> list[NDArray[np.intp]]:
+        """Blocks of about the same rate, in classes a factor of four apart."""
+        total = self.square_rates.sum(1)
+        if levels.jitter <= 0.0 or total.max() <= 0.0:
+            return [np.arange(total.size)]
+        classes = np.floor(np.log(np.maximum(total / total.max(), 4.0**-8)) / np.log(4.0))
+        return [np.flatnonzero(classes == c) for c in np.unique(classes)]
+
+
+def blocks_of(
+    segments: Sequence[Segment],
+    residuals: Sequence[Array],
+    rates: Sequence[Array],
+    band: float = BAND,
+    rows: int = BLOCK_ROWS,
+) -> list[Periodograms]:
+    """Periodograms of half overlapping blocks, those above a share of the Nyquist frequency."""
+    groups: dict[tuple[str, ...], list[tuple[float, Spectrum, Array]]] = {}
+    for segment, residual, rate in zip(segments, residuals, rates, strict=True):
+        length = min(rows, residual.shape[1]) if rows else residual.shape[1]
+        taper = np.hanning(length + 2)[1:-1] if rows else _flat(length)
+        taper = taper / np.sqrt(np.sum(taper**2))
+        keep = slice(max(1, int(np.ceil(band * (length // 2)))) if band else 0, (length + 1) // 2)
+        for start in range(0, residual.shape[1] - length + 1, max(1, length // 2)):
+            part = slice(start, start + length)
+            spectrum = np.fft.rfft(residual[:, part] * taper, axis=1)[:, keep].T
+            found = (segment.spacing * length, spectrum, (rate[:, part] ** 2).mean(1))
+            groups.setdefault((*segment.names, str(length)), []).append(found)
+    made = []
+    for (*names, length_), blocks in groups.items():
+        n = int(length_)
+        first = max(1, int(np.ceil(band * (n // 2)))) if band else 0
+        bins = np.arange(first, (n + 1) // 2) / blocks[0][0]
+        spectra = np.stack([b[1] for b in blocks])
+        made.append(Periodograms(tuple(names), bins, spectra, np.stack([b[2] for b in blocks])))
+    return made
+
+
+def _flat(length: int) -> Array:
+    ramp = max(1, length // 250)
+    taper = np.ones(length)
+    taper[:ramp] = np.linspace(0.0, 1.0, ramp + 1)[1:]
+    taper[-ramp:] = taper[:ramp][::-1]
+    return taper
+
+
+def estimated(
+    kernels: PortKernels,
+    periodograms: Sequence[Periodograms],
+    least: Levels,
+    free: Sequence[str],
+    near: Levels | None = None,
+) -> Levels:
+    """Levels of greatest likelihood: robust first, then without blocks that hold more than noise.
+
+    Parameters
+    ----------
+    kernels : PortKernels
+        Paths from the ports to the signals.
+    periodograms : sequence of Periodograms
+        Of what a fit leaves.
+    least : Levels
+        Below which no level is looked for.
+    free : sequence of str
+        What is estimated: `port:NAME`, `own:SIGNAL`, `jitter`; the others stay as in `least`.
+    near : Levels, optional
+        Where the search begins; without it several starts are tried.
+    """
+    low = np.log([_get(least, name) for name in free])
+
+    def at(x: Array) -> Levels:
+        levels = least
+        for name, value in zip(free, np.exp(x), strict=True):
+            levels = _with(levels, name, float(value))
+        return levels
+
+    def robust(x: Array) -> float:
+        total = 0.0
+        for group in periodograms:
+            squares, logs = group.deviances(at(x), kernels)
+            n = group.frequencies.size * len(group.names)
+            total += float(np.sum((1.0 + n) * np.log1p(squares) + logs))
+        return total
+
+    bounds = [(a, a + 25.0) for a in low]
+    if near is None:
+        starts = _starts(free, low, kernels, periodograms)
+        begin = min((np.array(c) for c in product(*starts)), key=robust)
+        x = minimize(robust, begin, method="L-BFGS-B", bounds=bounds).x
+    else:
+        x = np.log([_get(near, name) for name in free])
+    for most in (2.0, 1.6, 1.6) if near is None else (1.6, 1.6):
+        kept = [_quiet(group, at(x), kernels, most) for group in periodograms]
+
+        def nll(x: Array, kept: list[NDArray[np.bool_]] = kept) -> float:
+            total = 0.0
+            for group, rows in zip(periodograms, kept, strict=True):
+                squares, logs = group.deviances(at(x), kernels)
+                total += float(np.sum((squares + logs)[rows]))
+            return total
+
+        x = minimize(nll, x, method="L-BFGS-B", bounds=bounds).x
+    return at(x)
+
+
+def _starts(
+    free: Sequence[str], low: Array, kernels: PortKernels, periodograms: Sequence[Periodograms]
+) -> list[list[float]]:
+    """Two starts of each level: about all of a residual, and a twentieth of it."""
+    found = []
+    for name, least in zip(free, low, strict=True):
+        largest = float(np.log(_largest(name, kernels, periodograms)))
+        found.append([max(float(least), largest - step) for step in (0.7, 3.0)])
+    return found
+
+
+def _quiet(
+    group: Periodograms, levels: Levels, kernels: PortKernels, most: float
+) -> NDArray[np.bool_]:
+    squares, _ = group.deviances(levels, kernels)
+    kept: NDArray[np.bool_] = squares < most * np.median(squares)
+    return kept
+
+
+def _get(levels: Levels, name: str) -> float:
+    kind, _, which = name.partition(":")
+    if kind == "jitter":
+        return levels.jitter
+    return (levels.ports if kind == "port" else levels.own)[which]
+
+
+def _with(levels: Levels, name: str, value: float) -> Levels:
+    kind, _, which = name.partition(":")
+    if kind == "jitter":
+        return replace(levels, jitter=value)
+    if kind == "port":
+        return replace(levels, ports={**levels.ports, which: value})
+    return replace(levels, own={**levels.own, which: value})
+
+
+def _largest(name: str, kernels: PortKernels, periodograms: Sequence[Periodograms]) -> float:
+    """Level at which one place alone would make all of the residual of its best signal."""
+    found = []
+    kind, _, which = name.partition(":")
+    for group in periodograms:
+        power = np.median(np.abs(group.spectra) ** 2, axis=(0, 1)) / np.log(2.0)
+        if kind == "own" and which in group.names:
+            found.append(np.sqrt(power[group.names.index(which)]))
+        elif kind == "port":
+            answer = np.abs(kernels.spectra(which, group.names, group.frequencies)) ** 2
+            colour = 1.0 if which == "sensor" else _coloured(group.frequencies, kernels.step)
+            unit = np.mean(answer * colour, axis=1)
+            found.append(np.sqrt(np.min(power / np.maximum(unit, 1e-300))))
+        elif kind == "jitter":
+            rate = group.square_rates.mean(0)
+            shown = rate > 0.0
+            if shown.any():
+                found.append(np.sqrt(np.min(power[shown] / rate[shown])))
+    return float(max(found, default=1e-12)) or 1e-12
+
+
+def inadequate(
+    kernels: PortKernels,
+    segments: Sequence[Segment],
+    residuals: Sequence[Array],
+    rates: Sequence[Array],
+    levels: Levels,
+    least: Mapping[str, float],
+    near: Levels | None = None,
+) -> Levels:
+    """Levels at the torque and command ports that make the rest of a residual likely.
+
+    Parameters
+    ----------
+    kernels : PortKernels
+        Paths from the ports to the signals.
+    segments : sequence of Segment
+        Stretches that are compared.
+    residuals, rates : sequence of ndarray, shape (m, n)
+        [SI], [SI/s] By segment.
+    levels : Levels
+        Of the white noise.
+    least : mapping of str to float
+        [FMU's unit] By port, the level below which nobody cares.
+    """
+    if not any(port in kernels.kernels for port in least):
+        return levels
+    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, band=0.0, rows=0)]
+    ports = [port for port in least if port in kernels.kernels]
+
+    def nll(x: Array) -> float:
+        at = levels.with_ports(**dict(zip(ports, np.exp(x), strict=True)))
+        return sum(_deviance(group, at, kernels) for group in whole)
+
+    low = np.log([least[port] for port in ports])
+    steps = np.arange(0.0, 12.0, 2.0)
+    begin = min((low + c for c in product(steps, repeat=len(ports))), key=nll)
+    found = minimize(
+        nll, begin, method="Nelder-Mead", options={"maxiter": 80, "xatol": 0.03, "fatol": 0.05}
+    ).x
+    return levels.with_ports(**dict(zip(ports, np.exp(np.maximum(found, low)), strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Binned:
+    """Mean covariance of spectra within narrow bins, and how many lie in each."""
+
+    names: tuple[str, ...]
+    frequencies: Array
+    counts: Array
+    powers: Spectrum
+    square_rates: Array
+
+
+def _binned(group: Periodograms) -> _Binned:
+    """Bins a tenth wide: a spectrum changes little within them."""
+    place = np.floor(np.log(np.maximum(group.frequencies, 1e-12)) / 0.1)
+    place[group.frequencies <= 0.0] = -np.inf
+    _, which = np.unique(place, return_inverse=True)
+    size = int(which.max()) + 1
+    counts = np.bincount(which, minlength=size).astype(float)
+    middle = np.bincount(which, group.frequencies, size) / counts
+    m = len(group.names)
+    powers = np.zeros((size, m, m), dtype=np.complex128)
+    outer = np.einsum("bfi,bfj->fij", group.spectra, group.spectra.conj())
+    np.add.at(powers, which, outer)
+    powers /= (counts * len(group.spectra))[:, None, None]
+    counts = counts * len(group.spectra)
+    return _Binned(group.names, middle, counts, powers, group.square_rates.mean(0))
+
+
+def _deviance(group: _Binned, levels: Levels, kernels: PortKernels) -> float:
+    s = covariance(levels, kernels, group.names, group.frequencies, group.square_rates)
+    inverse = np.linalg.inv(s)
+    squares = np.einsum("fij,fji->f", inverse, group.powers).real
+    return float(np.sum(group.counts * (squares + np.linalg.slogdet(s)[1])))

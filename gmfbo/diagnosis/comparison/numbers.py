@@ -1,0 +1,60 @@
+"""The one table of numbers that take part in a decision."""
+
+from __future__ import annotations
+
+PRIOR_OF_COUNT = (0.45, 0.35, 0.15, 0.05)
+"""[1] Prior probability of no, one, two and three effects."""
+
+FIXED_SHARE = 0.2
+"""[1] Of the prior of one more element: that it is a freed fixed parameter."""
+
+SIZE_SHARE = 0.1
+"""[1] Scale of the Cauchy prior of a size, of its bound."""
+
+FIXED_SPREAD = 0.4
+"""[1] Standard deviation of the logarithm of a freed fixed parameter about its value."""
+
+SHIFT_SHARE = 0.1
+"""[rows] Prior of a column's shift."""
+
+SCALE_PRIOR, POSITION_SCALE_PRIOR = 0.02, 3e-4
+"""[1] Current sensors are within 1-3 %, encoders exact."""
+
+OFFSET_PRIOR = 5e-4
+"""[range of the signal] Zero error of a column that is no position."""
+
+CLOCK_PRIOR = 1e-4
+"""[1] Quartz clocks of two devices."""
+
+TORQUE_TIME = 0.02
+"""[s] Correlation time of torque noise and of what a model lacks (servo prototype)."""
+
+BAND = 0.2
+"""[Nyquist frequency] Noise levels are read above it."""
+
+BLOCK_ROWS = 128
+"""[rows] Of a block in the estimate of the noise levels."""
+
+FLOOR = 1e-4
+"""[1] Share of each variance by which a spectrum is uncertain."""
+
+TOLERANCE = 2e-5
+"""[largest torque] Torque noise below which nobody cares."""
+
+INADEQUACY_TOLERANCE = 6e-3
+"""[rms torque of the drive] Mean of the prior of an inadequacy's size (linear axis prototype)."""
+
+STRETCH_LOOP_TIMES = 5.0
+"""[loop times] Least length of a stretch."""
+
+BOOTSTRAP_DRAWS = 300
+"""[1] Weightings of the stretches (Huggins and Miller 2023)."""
+
+UNFITTED = 2.0
+"""[nats] Added to the linearised score of moves that were not fitted."""
+
+LEAST_GAIN = 6.0
+"""[nats] Linearised gain below which a move beside effects is not fitted."""
+
+NAMED = 0.95
+"""[1] Posterior inclusion of what is said."""

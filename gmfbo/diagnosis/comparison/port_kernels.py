@@ -1,0 +1,148 @@
+"""Answer of all signals to a push at each port: the paths of noise and of missing torque."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
+
+from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.diagnosis.runs.simulations import Simulations
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+_LONGEST_S = 1.0
+_PUSH = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class PortKernels:
+    """Impulse responses of the signals, by port.
+
+    Attributes
+    ----------
+    kernels : mapping of str to mapping of str to ndarray, shape (taps,)
+        [SI unit of the signal / FMU's unit of the port] By port, then by signal; the first tap is
+        of the row in which the push began.
+    step : float
+        [s] Between taps.
+    """
+
+    kernels: Mapping[str, Mapping[str, Array]]
+    step: float
+    _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
+
+    def spectra(self, port: str, names: tuple[str, ...], frequencies: Array) -> Spectrum:
+        """Frequency responses of some signals, shape (m, n_frequencies).
+
+        Parameters
+        ----------
+        port : str
+            Where the push acts.
+        names : tuple of str
+            The m signals.
+        frequencies : ndarray, shape (n_frequencies,)
+            [Hz]
+        """
+        key = port, names, frequencies.size, float(frequencies[0]), float(frequencies[-1])
+        if key not in self._known:
+            kernels = np.stack([self.kernels[port][name] for name in names])
+            turn = np.exp(
+                -2j * np.pi * self.step * np.outer(np.arange(kernels.shape[1]), frequencies)
+            )
+            self._known[key] = kernels @ turn
+        return self._known[key]
+
+
+def port_kernels(
+    simulations: Simulations,
+    point: Point,
+    sizes: Mapping[str, float],
+    position: str | None,
+    to_si: float,
+    command: str | None,
+) -> PortKernels:
+    """Push each port for one row in the middle of the longest recording.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Simulators of the twin.
+    point : Point
+        Values at which the twin runs.
+    sizes : mapping of str to float
+        [FMU's unit] By port, what counts as large there; the push is a small share of it.
+    position : str or None
+        Output that is the reading of the position: its noise is in the log as well.
+    to_si : float
+        [SI unit / FMU's unit] Of the position.
+    command : str or None
+        Output that is the controller's command: what is added to it is in the log as well.
+    """
+    k = int(np.argmax([r.plan.grid.size for r in simulations.records]))
+    grid = simulations.records[k].plan.grid
+    step = float(grid[1] - grid[0])
+    taps = int(min(round(_LONGEST_S / step), grid.size // 2))
+    first = grid.size - taps
+    base = simulations.run_one(point, k)
+    is_open = simulations.tracking is not None
+    ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
+
+    def one(port: str) -> dict[str, Array]:
+        push = np.zeros(grid.size)
+        push[first] = size = _PUSH * sizes[port]
+        if port == "sensor" and is_open:
+            run = simulations.run_one(point, k, measured_noise=push)
+        else:
+            run = simulations.run_one(point, k, excitation={port: push})
+        found = {}
+        for name in base.response.held:
+            source = "new" if name in simulations.new_rows else "held"
+            change = getattr(run.response, source)[name] - getattr(base.response, source)[name]
+            found[name] = change[first:] / size
+        if port == "sensor" and is_open:
+            # The twin follows the recorded position: what is left of its noise in the residual.
+            found = {name: -kernel for name, kernel in found.items()}
+            found[str(position)] = found[str(position)] + to_si * np.eye(1, taps)[0]
+        elif port == "sensor" and position in found:
+            found[position] = found[position] + _lacking(found[position], to_si)
+        return found
+
+    kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
+    if "command" in kernels and command in kernels["command"] and not is_open:
+        # What the controller commands otherwise is in the log as well.
+        logged = kernels["command"][command] + np.eye(1, taps)[0]
+        kernels["command"] = {**kernels["command"], command: logged}
+    return PortKernels(kernels, step)
+
+
+def through(columns: Array, kernel: Array) -> Array:
+    """Answer of a signal to columns at a port, shape (..., n).
+
+    Parameters
+    ----------
+    columns : ndarray, shape (..., n)
+        From row to row.
+    kernel : ndarray, shape (taps,)
+        Impulse response.
+    """
+    n = columns.shape[-1]
+    length = next_fast_len(n + kernel.size, real=True)
+    spectrum = rfft(columns, length, axis=-1) * rfft(kernel, length)
+    answer: Array = irfft(spectrum, length, axis=-1)[..., :n]
+    return answer
+
+
+def _lacking(kernel: Array, to_si: float) -> Array:
+    """What the logged reading has of its own noise and the simulated one has not, shape (taps,)."""
+    lacking = np.zeros_like(kernel)
+    at_once, later = abs(kernel[0]) > 0.5 * to_si, abs(kernel[1]) > 0.5 * to_si
+    if not at_once:
+        lacking[0] = to_si
+        if later:  # the reading at t_k is made before the inputs of t_k act
+            lacking[1] = -to_si
+    return lacking

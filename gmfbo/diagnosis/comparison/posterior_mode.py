@@ -1,0 +1,287 @@
+"""Best values of a hypothesis: a Levenberg-Marquardt search through the FMU with proper priors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.priors import Prior, priors_of
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.runs.simulated import Simulated
+
+Array = NDArray[np.float64]
+
+_SETTLED = 0.02  # nats of predicted gain below which a search has ended
+_LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A hypothesis at its best values.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        With its effects at these values.
+    freed : tuple of str
+        Fixed parameters that it frees.
+    priors : tuple of Prior
+        Of its p free quantities.
+    u : ndarray, shape (p,)
+        Free quantities, in the coordinates of their priors.
+    nuisances : ndarray, shape (q,)
+        [standard deviations]
+    runs : list of Simulated
+        The recordings there.
+    values : list of ndarray, shape (m, n)
+        [SI] Simulated signals of each segment.
+    residual : list of ndarray, shape (m, n)
+        [SI] Recorded less simulated, less the nuisances.
+    columns : list of ndarray, shape (p + q, m, n)
+        Change of the signals per unit of each free quantity and nuisance.
+    converged : bool
+        Whether the search ended by itself.
+    """
+
+    hypothesis: Hypothesis
+    freed: tuple[str, ...]
+    priors: tuple[Prior, ...]
+    u: Array
+    nuisances: Array
+    runs: list[Simulated]
+    values: list[Array]
+    residual: list[Array]
+    columns: list[Array]
+    converged: bool
+
+    @property
+    def x(self) -> Array:
+        """Values of the free quantities, shape (p,)."""
+        return np.array([p.to_value(u) for p, u in zip(self.priors, self.u, strict=True)])
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Of the twin."""
+        return self.hypothesis.parameters(self.x)
+
+    @property
+    def elements(self) -> frozenset[str]:
+        """What it adds to the twin: effects, and freed parameters as `parameter:NAME`."""
+        effects = {candidate.effect for candidate in self.hypothesis.effects}
+        return frozenset(effects | {f"parameter:{name}" for name in self.freed})
+
+    @property
+    def slopes(self) -> Array:
+        """Of the negative log prior in all p + q coordinates."""
+        own = [p.slope(u) for p, u in zip(self.priors, self.u, strict=True)]
+        return np.concatenate([own, self.nuisances])
+
+    @property
+    def curvatures(self) -> Array:
+        """Of the negative log prior in all p + q coordinates."""
+        own = [p.curvature(u) for p, u in zip(self.priors, self.u, strict=True)]
+        return np.concatenate([own, np.ones(self.nuisances.size)])
+
+    @property
+    def log_prior(self) -> float:
+        """[nats] Density of the values and nuisances."""
+        own = sum(p.log_density(u) for p, u in zip(self.priors, self.u, strict=True))
+        nu = self.nuisances
+        return float(own - 0.5 * nu @ nu - 0.5 * nu.size * np.log(2.0 * np.pi))
+
+
+class ModeSearch:
+    """Levenberg-Marquardt steps of one hypothesis under one whitening.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    whitening : Whitening
+        By noise and the inadequacy that all hypotheses share.
+    hypothesis : Hypothesis
+        Its effects' values are the start.
+    freed : sequence of str
+        Those of its parameters that the twin file holds fixed.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        whitening: Whitening,
+        hypothesis: Hypothesis,
+        freed: Sequence[str] = (),
+    ) -> None:
+        self._problem, self._whitening = problem, whitening
+        self._hypothesis, self._freed = hypothesis, tuple(freed)
+        self._priors = priors_of(hypothesis, freed)
+        self._known: list[Array] | None = None
+        self._normals: tuple[Array, Array] | None = None
+
+    def fitted(
+        self,
+        parameters: dict[str, float],
+        nuisances: Array | None = None,
+        iterations: int = 10,
+    ) -> Fitted | None:
+        """Search from these values of the twin's parameters; None where they cannot be simulated.
+
+        Parameters
+        ----------
+        parameters : dict of str to float
+            [FMU's unit] Of the twin; others start at their nominal values.
+        nuisances : ndarray, shape (q,), optional
+            [standard deviations] Start.
+        iterations : int
+            Most points with a Jacobian.
+        """
+        at = self._at(self._inside(self._start(parameters)), nuisances)
+        return None if at is None else self._searched(at, self._columns(at), iterations)
+
+    def again(self, row: Fitted, iterations: int = 10) -> Fitted:
+        """Search on from a fit under another whitening; nothing is simulated where it stays.
+
+        Parameters
+        ----------
+        row : Fitted
+            A fit of the same hypothesis.
+        iterations : int
+            Most points with a Jacobian.
+        """
+        return self._searched(row, row.columns, iterations)
+
+    def _searched(self, at: Fitted, columns: list[Array], iterations: int) -> Fitted:
+        damping = 1e-3
+        for _ in range(iterations):
+            step, gain = self._step(at, columns, damping)
+            if gain < _SETTLED:
+                return replace(at, columns=columns, converged=True)
+            moved = self._moved(at, step)
+            fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
+            while fall <= 0.0 and damping < 1e4:
+                damping *= 10.0
+                step, gain = self._step(at, columns, damping)
+                if gain < _SETTLED:
+                    return replace(at, columns=columns, converged=True)
+                moved = self._moved(at, step)
+                fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
+            if moved is None or fall <= 0.0:
+                return replace(at, columns=columns, converged=False)
+            at, damping = moved, max(0.1 * damping, 1e-7)
+            columns = self._columns(at)
+            if fall < _SETTLED:
+                return replace(at, columns=columns, converged=True)
+        return replace(at, columns=columns, converged=False)
+
+    def _start(self, parameters: dict[str, float]) -> Array:
+        x = self._hypothesis.start(parameters)
+        return np.array([p.to_u(v) for p, v in zip(self._priors, x, strict=True)])
+
+    def _inside(self, u: Array) -> Array:
+        ends = np.array([p.bounds for p in self._priors]).reshape(-1, 2)
+        margin = 1e-6 * (ends[:, 1] - ends[:, 0])
+        return np.clip(u, ends[:, 0] + margin, ends[:, 1] - margin)
+
+    def _point_values(self, u: Array) -> Array:
+        return np.array([p.to_value(v) for p, v in zip(self._priors, u, strict=True)])
+
+    def _at(self, u: Array, nuisances: Array | None) -> Fitted | None:
+        problem = self._problem
+        x = self._point_values(u)
+        runs = problem.simulations.run([problem.point(self._hypothesis, x)])[0]
+        if not all(run.finite for run in runs):
+            return None
+        nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
+        values = problem.values(runs)
+        residual = [
+            y - s - np.tensordot(nu, d, 1)
+            for y, s, d in zip(
+                problem.recorded, values, problem.nuisance_columns(values), strict=True
+            )
+        ]
+        return Fitted(
+            self._hypothesis.at(x),
+            self._freed,
+            self._priors,
+            u,
+            nu,
+            runs,
+            values,
+            residual,
+            [],
+            False,
+        )
+
+    def _cost(self, at: Fitted) -> float:
+        """[nats] Negative log density of the recordings and the values."""
+        white = self._whitening(at.residual)
+        return 0.5 * float(sum(np.sum(z**2) for z in white)) - at.log_prior
+
+    def _columns(self, at: Fitted) -> list[Array]:
+        problem, x = self._problem, at.x
+        sizes = self._hypothesis.difference_sizes(x)
+        moves, widths = [], []
+        for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
+            moved = x.copy()
+            moved[i] += size
+            if prior.logarithmic and moved[i] <= 0.0:
+                moved[i] = x[i] - size
+            moves.append(problem.point(self._hypothesis, moved))
+            widths.append(prior.to_u(moved[i]) - at.u[i])
+        found = []
+        for runs, width in zip(problem.simulations.run(moves), widths, strict=True):
+            if all(run.finite for run in runs):
+                change = zip(problem.values(runs), at.values, strict=True)
+                found.append([(after - before) / width for after, before in change])
+            else:
+                found.append([np.zeros_like(v) for v in at.values])
+        own = problem.nuisance_columns(at.values)
+        return [
+            np.concatenate([np.reshape([f[s] for f in found], (-1, *d.shape[1:])), d])
+            for s, d in enumerate(own)
+        ]
+
+    def _step(self, at: Fitted, columns: list[Array], damping: float) -> tuple[Array, float]:
+        """Step within the bounds, and the gain that the quadratic promises [nats]."""
+        a, g = self._normal(at, columns)
+        free = np.ones(g.size, dtype=bool)
+        ends = np.array([p.bounds for p in self._priors]).reshape(-1, 2)
+        p = at.u.size
+        near = 1e-5 * (ends[:, 1] - ends[:, 0])
+        free[:p] &= ~((at.u <= ends[:, 0] + near) & (g[:p] < 0.0))
+        free[:p] &= ~((at.u >= ends[:, 1] - near) & (g[:p] > 0.0))
+        step = np.zeros(g.size)
+        inner = a[np.ix_(free, free)]
+        step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), g[free])
+        logs = np.array([q.logarithmic for q in self._priors], dtype=bool)
+        step[:p][logs] = np.clip(step[:p][logs], -_LONGEST_STEP, _LONGEST_STEP)
+        step[:p] = self._inside(at.u + step[:p]) - at.u
+        gain = float(g @ step - 0.5 * step @ a @ step)
+        return step, gain
+
+    def _normal(self, at: Fitted, columns: list[Array]) -> tuple[Array, Array]:
+        if self._normals is None or self._known is not columns:
+            a = np.diag(
+                np.concatenate(
+                    [
+                        [p.curvature(u) for p, u in zip(at.priors, at.u, strict=True)],
+                        np.ones(at.nuisances.size),
+                    ]
+                )
+            )
+            g = -at.slopes
+            for z, j in zip(self._whitening(at.residual), self._whitening(columns), strict=True):
+                flat = j.reshape(j.shape[0], -1)
+                a += flat @ flat.T
+                g += flat @ z.ravel()
+            self._known, self._normals = columns, (a, g)
+        return self._normals
+
+    def _moved(self, at: Fitted, step: Array) -> Fitted | None:
+        p = at.u.size
+        return self._at(self._inside(at.u + step[:p]), at.nuisances + step[p:])

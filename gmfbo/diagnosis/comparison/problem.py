@@ -1,0 +1,130 @@
+"""What all hypotheses have in common: recordings, simulators, stretches and nuisances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.nuisance_columns import nuisance_columns
+from gmfbo.diagnosis.comparison.port_kernels import through
+from gmfbo.diagnosis.comparison.segments import Segment
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.scoring.nuisances import Alignment
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Recordings against an augmented twin.
+
+    Attributes
+    ----------
+    simulations : Simulations
+        Simulators of the twin.
+    segments : tuple of Segment
+        Stretches that are compared.
+    recorded : tuple of ndarray, shape (m, n)
+        [SI] By segment.
+    positions : frozenset of str
+        Signals in the position's unit.
+    alignments : mapping of str to Alignment
+        Priors of nuisances by signal.
+    nuisances : tuple of (str, str)
+        Kind and signal of each.
+    stretch_rows : int
+        Rows of a stretch, the unit that is weighted in the comparison.
+    followed : mapping of str to ndarray, shape (taps,), or None
+        Where a loop holds an open-loop twin on its recorded position: what an error of that
+        position leaves in the residual of each signal.
+    held_inertia : (str, float), or None
+        Parameter and value for which that loop was designed.
+    """
+
+    simulations: Simulations
+    segments: tuple[Segment, ...]
+    recorded: tuple[Array, ...]
+    positions: frozenset[str]
+    alignments: Mapping[str, Alignment]
+    nuisances: tuple[tuple[str, str], ...]
+    stretch_rows: int
+    followed: Mapping[str, Array] | None = None
+    held_inertia: tuple[str, float] | None = None
+
+    @property
+    def ranges(self) -> dict[str, float]:
+        """[SI] Of each recorded signal, over all segments."""
+        found: dict[str, float] = {}
+        for segment, values in zip(self.segments, self.recorded, strict=True):
+            for name, row in zip(segment.names, values, strict=True):
+                found[name] = max(found.get(name, 0.0), float(np.ptp(row)))
+        return found
+
+    def point(self, hypothesis: Hypothesis, x: Array) -> Point:
+        """Where the twin is run for these values of the free quantities, shape (p,).
+
+        A loop that holds an open-loop twin keeps its poles: else the least inertia would be held
+        best, and fit best.
+        """
+        point = hypothesis.point(x)
+        tracking = self.simulations.tracking
+        if tracking is None or self.held_inertia is None:
+            return point
+        name, designed = self.held_inertia
+        if name not in point.parameters:
+            return point
+        share = point.parameters[name] / designed
+        loop = {key: value * share for key, value in tracking.settings.items()}
+        return replace(point, physics={**point.physics, **loop})
+
+    def values(self, runs: Sequence[Simulated]) -> list[Array]:
+        """Signals of simulated recordings on the segments' rows, shape (m, n)."""
+        return [segment.read(runs[segment.record].signals) for segment in self.segments]
+
+    def nuisance_columns(self, values: Sequence[Array]) -> list[Array]:
+        """Change of the signals per standard deviation of each nuisance."""
+        made = nuisance_columns(
+            self.nuisances, self.segments, values, self.ranges, self.positions, self.alignments
+        )
+        return (
+            made
+            if self.followed is None
+            else [self._left(s, d) for s, d in zip(self.segments, made, strict=True)]
+        )
+
+    def _left(self, segment: Segment, columns: Array) -> Array:
+        """What errors of the recorded position leave, since the twin follows them in part."""
+        assert self.followed is not None
+        out = columns.copy()
+        place = next((i for i, n in enumerate(segment.names) if n in self.positions), None)
+        if place is None:
+            return out
+        out[:, place] = 0.0
+        for i, name in enumerate(segment.names):
+            out[:, i] += through(columns[:, place], self.followed[name])
+        return out
+
+    def rates(self, values: Sequence[Array]) -> list[Array]:
+        """[SI/s] Rates of the positions, 0 for other signals, shape (m, n)."""
+        made = []
+        for segment, columns in zip(self.segments, values, strict=True):
+            rate = np.gradient(columns, segment.spacing, axis=1)
+            shown = np.array([name in self.positions for name in segment.names])
+            made.append(rate * shown[:, None])
+        return made
+
+    def stretches(self) -> list[list[slice]]:
+        """Rows of the stretches of each segment; all of a segment but what is left at its end."""
+        found = []
+        for segment in self.segments:
+            n = segment.time.size
+            count = max(1, round(n / self.stretch_rows))
+            edges = np.linspace(0, n, count + 1).astype(int)
+            found.append([slice(a, b) for a, b in pairwise(edges)])
+        return found

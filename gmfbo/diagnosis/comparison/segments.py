@@ -1,0 +1,91 @@
+"""Segments: stretches of recordings whose signals lie on one grid and are compared as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.scoring.whitening import Window
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of a recording without a gap.
+
+    Attributes
+    ----------
+    record : int
+        Index of the recording.
+    names : tuple of str
+        Its m signals.
+    time : ndarray, shape (n,)
+        [s] Of the rows, those of the slowest signal.
+    times : tuple of ndarray
+        [s] Of each signal over the whole recording.
+    """
+
+    record: int
+    names: tuple[str, ...]
+    time: Array
+    times: tuple[Array, ...]
+
+    @property
+    def spacing(self) -> float:
+        """[s] Between rows."""
+        return float(self.time[-1] - self.time[0]) / (self.time.size - 1)
+
+    def read(self, columns: Sequence[Array]) -> Array:
+        """Signals on the segment's rows, shape (m, n).
+
+        Parameters
+        ----------
+        columns : sequence of ndarray
+            One a signal, over the whole recording.
+        """
+        return np.stack([_on(self.time, t, c) for t, c in zip(self.times, columns, strict=True)])
+
+
+def segments_of(records: Sequence[Record], windows: Sequence[Window]) -> tuple[Segment, ...]:
+    """Join the windows of each recording that follow one another.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Recordings that are compared.
+    windows : sequence of Window
+        Stretches that can be compared, in order.
+    """
+    found: list[Segment] = []
+    joined: list[tuple[int, list[slice]]] = []
+    for window in windows:
+        last = joined[-1] if joined else None
+        if last and last[0] == window.record and _follows(last[1], window.rows):
+            last[1][:] = [slice(a.start, b.stop) for a, b in zip(last[1], window.rows, strict=True)]
+        else:
+            joined.append((window.record, list(window.rows)))
+    for k, rows in joined:
+        signals = records[k].signals
+        slowest = int(np.argmax([s.spacing for s in signals]))
+        time = signals[slowest].time[rows[slowest]]
+        names = tuple(s.name for s in signals)
+        found.append(Segment(k, names, time, tuple(s.time for s in signals)))
+    return tuple(found)
+
+
+def _follows(before: Sequence[slice], after: Sequence[slice]) -> bool:
+    return all(a.stop == b.start for a, b in zip(before, after, strict=True))
+
+
+def _on(rows: Array, time: Array, column: Array) -> Array:
+    first = int(np.searchsorted(time, rows[0] - 1e-9))
+    if time.size >= first + rows.size and np.allclose(
+        time[first : first + rows.size], rows, rtol=0.0, atol=1e-6 * (rows[1] - rows[0])
+    ):
+        return column[first : first + rows.size]
+    return np.interp(rows, time, column)

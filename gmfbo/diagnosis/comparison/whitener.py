@@ -1,0 +1,126 @@
+"""Whitening of all signals together, row by row, so that stretches can be told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
+
+from gmfbo.diagnosis.comparison.noise_places import Levels, covariance
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.segments import Segment
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+_PADDED = 0.12  # of a segment
+_MASKED_ROWS = 20  # at each end, where a filter sees beyond it
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentWhitener:
+    """Filters of one segment, one a class of rows with about the same jitter.
+
+    Attributes
+    ----------
+    filters : tuple of ndarray, shape (n_frequencies, m, m)
+        Inverse Cholesky factors of the covariance.
+    log_determinants : ndarray, shape (n,)
+        Of the covariance, a row.
+    classes : ndarray of int, shape (n,)
+        Filter of each row.
+    length : int
+        Of the transforms.
+    """
+
+    filters: tuple[Spectrum, ...]
+    log_determinants: Array
+    classes: NDArray[np.intp]
+    length: int
+
+    def __call__(self, columns: Array) -> Array:
+        """Whitened columns, shape (..., m, n); nothing at the masked ends."""
+        n = columns.shape[-1]
+        spectrum = rfft(columns, self.length, axis=-1)
+        out = np.zeros(columns.shape)
+        for c, factor in enumerate(self.filters):
+            white = np.einsum("fij,...jf->...if", factor, spectrum, optimize=True)
+            rows = self.classes == c
+            out[..., rows] = irfft(white, self.length, axis=-1)[..., :n][..., rows]
+        out[..., :_MASKED_ROWS] = 0.0
+        out[..., n - _MASKED_ROWS :] = 0.0
+        return out
+
+
+def segment_whitener(
+    segment: Segment, kernels: PortKernels, levels: Levels, rates: Array
+) -> SegmentWhitener:
+    """Make the filters of a segment.
+
+    Parameters
+    ----------
+    segment : Segment
+        Stretch that is compared.
+    kernels : PortKernels
+        Paths of noise.
+    levels : Levels
+        Of the noise.
+    rates : ndarray, shape (m, n)
+        [SI/s] Of the signals that jitter shows in; 0 for others.
+    """
+    n = rates.shape[1]
+    length = next_fast_len(int(np.ceil(n * (1.0 + _PADDED))), real=True)
+    frequencies = np.arange(length // 2 + 1) / (length * segment.spacing)
+    squares = rates**2
+    shown = levels.jitter**2 * squares.sum(0)
+    quiet = sum(
+        levels.own[name] ** 2 for name, r in zip(segment.names, squares, strict=True) if r.any()
+    )
+    if shown.max() > 0.3 * quiet:
+        classes = np.digitize(shown / shown.max(), 4.0 ** np.arange(-7.0, 0.0))
+    else:
+        classes = np.zeros(n, dtype=np.intp)
+    filters: list[Spectrum] = []
+    logs = np.zeros(n)
+    weights = np.full(frequencies.size, 2.0)
+    weights[0] = 1.0
+    if length % 2 == 0:
+        weights[-1] = 1.0
+    numbers = np.unique(classes)
+    for number in numbers:
+        rows = classes == number
+        s = covariance(levels, kernels, segment.names, frequencies, squares[:, rows].mean(1))
+        factor = np.linalg.cholesky(s)
+        filters.append(np.linalg.inv(factor).astype(np.complex128))
+        log = 2.0 * np.log(np.einsum("fii->fi", factor).real).sum(1)
+        logs[rows] = float(weights @ log) / length
+    logs[:_MASKED_ROWS] = 0.0
+    logs[n - _MASKED_ROWS :] = 0.0
+    return SegmentWhitener(
+        tuple(filters), logs, np.searchsorted(numbers, classes).astype(np.intp), length
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Whitening:
+    """Whitening of all segments.
+
+    Attributes
+    ----------
+    parts : tuple of SegmentWhitener
+        One a segment.
+    """
+
+    parts: tuple[SegmentWhitener, ...]
+
+    def __call__(self, columns: Sequence[Array]) -> list[Array]:
+        """Whiten columns of each segment, shape (..., m, n)."""
+        return [part(c) for part, c in zip(self.parts, columns, strict=True)]
+
+    @property
+    def log_determinants(self) -> list[Array]:
+        """A row of each segment."""
+        return [part.log_determinants for part in self.parts]
