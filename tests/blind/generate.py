@@ -7,7 +7,7 @@ import hashlib
 import json
 import multiprocessing
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -47,14 +47,7 @@ def generate(
         The folder holds another benchmark, or an answer is not the one that was hashed.
     """
     chosen = range(start, cases if count is None else min(cases, start + count))
-    stamp = json.dumps({"cases": cases, "seed": seed})
-    stamped = out / "benchmark.json"
-    if stamped.exists() and stamped.read_text(encoding="utf-8") != stamp:
-        raise ValueError(f"{out} holds the benchmark {stamped.read_text(encoding='utf-8')}")
-    (out / "answers").mkdir(parents=True, exist_ok=True)
-    stamped.write_text(stamp, encoding="utf-8")
-    if (out / HASHES).exists():
-        check_hashes(out)
+    open_folder(out, "benchmark", {"cases": cases, "seed": seed})
     plans = make_plan(cases, seed)
     tasks = [
         (plans[index], seed, index, out) for index in chosen if not answer_path(out, index).exists()
@@ -71,6 +64,33 @@ def generate(
             write_hashes(out)
     write_hashes(out)
     return [case_folder(out, index) for index in chosen]
+
+
+def open_folder(out: Path, what: str, made_by: Mapping[str, object]) -> None:
+    """Begin a folder of cases, or go on with one.
+
+    Parameters
+    ----------
+    out : Path
+        The folder.
+    what : str
+        What it holds, for the message.
+    made_by : mapping of str to object
+        Decides its cases: size and seed.
+
+    Raises
+    ------
+    ValueError
+        The folder was made by something else, or an answer is not the one that was hashed.
+    """
+    stamp = json.dumps(dict(made_by))
+    stamped = out / "benchmark.json"
+    if stamped.exists() and stamped.read_text(encoding="utf-8") != stamp:
+        raise ValueError(f"{out} holds the {what} {stamped.read_text(encoding='utf-8')}")
+    (out / "answers").mkdir(parents=True, exist_ok=True)
+    stamped.write_text(stamp, encoding="utf-8")
+    if (out / HASHES).exists():
+        check_hashes(out)
 
 
 def case_folder(out: Path, index: int) -> Path:

@@ -59,8 +59,7 @@ class Comparison:
 
     def run(self) -> tuple[Ledger, Scored]:
         """Fit and score hypotheses."""
-        search, first = self.search, self.first
-        return search.searched(search.opened(first.hypothesis, first.parameters, first))
+        return self.search.searched(self.search.opened(self.first))
 
 
 def comparison_of(

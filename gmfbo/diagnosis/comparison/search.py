@@ -23,7 +23,6 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
-from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.physics import CATALOGUE
 
 Array = NDArray[np.float64]
@@ -114,13 +113,7 @@ class Search:
     kernels_at: Callable[[Fitted], PortKernels]
     log: Callable[[str], None] = field(default=lambda line: None)
 
-    def levels_at(
-        self,
-        fitted: Fitted,
-        kernels: PortKernels,
-        residual: Sequence[Array],
-        near: Levels | None = None,
-    ) -> Levels:
+    def levels_at(self, fitted: Fitted, kernels: PortKernels, near: Levels | None = None) -> Levels:
         """Levels of noise and inadequacy about a fit."""
         problem = self.problem
         rates = problem.rates(fitted.values)
@@ -128,9 +121,15 @@ class Search:
         free += [f"own:{name}" for name in self.least.own]
         if any(r.any() for r in rates):
             free.append("jitter")
-        blocks = blocks_of(problem.segments, residual, rates)
+        blocks = blocks_of(problem.segments, fitted.residual, rates)
         levels = estimated(kernels, blocks, self.least, free, near)
-        return inadequate(kernels, problem.segments, residual, rates, levels, self.cared)
+        return self._inadequacy_at(fitted, kernels, levels)
+
+    def _inadequacy_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Levels:
+        """These levels of noise, with those of the inadequacy that a fit leaves."""
+        problem = self.problem
+        rates = problem.rates(fitted.values)
+        return inadequate(kernels, problem.segments, fitted.residual, rates, levels, self.cared)
 
     def whitening_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Whitening:
         """Whitening by these levels."""
@@ -142,19 +141,19 @@ class Search:
             )
         )
 
-    def opened(self, hypothesis: Hypothesis, parameters: dict[str, float], first: Fitted) -> Ledger:
+    def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
         kernels = self.kernels_at(first)
         base, levels = first, None
         for _ in range(2):
-            levels = self.levels_at(base, kernels, base.residual, levels)
+            levels = self.levels_at(base, kernels, levels)
             whitening = self.whitening_at(base, kernels, levels)
-            search = ModeSearch(self.problem, whitening, hypothesis)
+            search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
             assert found is not None
             base = found
         kernels = self.kernels_at(base)
-        levels = self.levels_at(base, kernels, base.residual, levels)
+        levels = self.levels_at(base, kernels, levels)
         whitening = self.whitening_at(base, kernels, levels)
         self.log(f"base {base.parameters} {levels}")
         return Ledger({frozenset(): base}, kernels, levels, whitening)
@@ -170,7 +169,9 @@ class Search:
         ledger = self._fitted(ledger, base, [*effects, *freed])
         ledger, scored = self._settled(ledger)
         for _ in range(2 * len(PRIOR_OF_COUNT)):
-            before, plans = scored.best, self._next(ledger, scored, found)
+            before = scored.best
+            ledger = self._with_fewer(ledger, before)
+            plans = self._next(ledger, scored, found)
             if not plans:
                 break
             for about, chosen in plans:
@@ -187,12 +188,8 @@ class Search:
         best = ledger.rows[scored.best]
         plans = []
         origins = [best] if len(best.elements) < len(PRIOR_OF_COUNT) - 1 else []
-        for name in best.elements:
-            fewer = ledger.rows.get(best.elements - {name})
-            if fewer is None:
-                fewer = self._without(ledger, best, name)
-            if fewer is not None and fewer.elements:
-                origins.append(fewer)
+        fewer = [ledger.rows.get(best.elements - {name}) for name in best.elements]
+        origins += [row for row in fewer if row is not None and row.elements]
         for about in origins:
             moves = ranked(ledger.whitening, about, found)
             self.log(
@@ -209,6 +206,16 @@ class Search:
                 plans.append((about, chosen))
         return plans
 
+    def _with_fewer(self, ledger: Ledger, elements: frozenset[str]) -> Ledger:
+        """Rows that lack one element of a row, those that were not fitted before too."""
+        rows = dict(ledger.rows)
+        for name in elements:
+            if elements - {name} not in rows:
+                found = self._without(ledger, rows[elements], name)
+                if found is not None:
+                    rows[found.elements] = found
+        return replace(ledger, rows=rows)
+
     def _without(self, ledger: Ledger, row: Fitted, name: str) -> Fitted | None:
         """The row without one of its elements, fitted again."""
         effects = tuple(c for c in row.hypothesis.effects if c.effect != name)
@@ -220,10 +227,7 @@ class Search:
             setting = replace(setting, uncertain=kept)
         hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
         search = ModeSearch(self.problem, ledger.whitening, hypothesis, freed)
-        found = search.fitted(row.parameters, row.nuisances)
-        if found is not None:
-            ledger.rows[found.elements] = found
-        return found
+        return search.fitted(row.parameters, row.nuisances)
 
     def _fitted(self, ledger: Ledger, about: Fitted, moves: Sequence[Move]) -> Ledger:
         rows = dict(ledger.rows)
@@ -258,7 +262,7 @@ class Search:
             leading = self._leading(ledger)
             best = ledger.rows[leading]
             kernels = self.kernels_at(best)
-            levels = self.levels_at(best, kernels, best.residual, ledger.levels)
+            levels = self.levels_at(best, kernels, ledger.levels)
             whitening = self.whitening_at(best, kernels, levels)
             ledger = Ledger(dict(ledger.rows), kernels, levels, whitening)
             ledger, scored = self._current(ledger, {frozenset(), leading})
@@ -288,15 +292,7 @@ class Search:
         most, leading = -np.inf, frozenset[str]()
         for elements in dict.fromkeys([scored.elements[i] for i in order[:_COMPARED]]):
             row = ledger.rows[elements]
-            rates = self.problem.rates(row.values)
-            levels = inadequate(
-                ledger.kernels,
-                self.problem.segments,
-                row.residual,
-                rates,
-                ledger.levels,
-                self.cared,
-            )
+            levels = self._inadequacy_at(row, ledger.kernels, ledger.levels)
             own = replace(
                 ledger,
                 rows={elements: row},

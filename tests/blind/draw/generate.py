@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
 import os
 import time
@@ -20,7 +19,7 @@ from tests.blind.draw.plan import (
     DrawnCase,
     draw_plan,
 )
-from tests.blind.generate import HASHES, answer_path, case_folder, check_hashes, write_hashes
+from tests.blind.generate import answer_path, case_folder, open_folder, write_hashes
 
 
 def generate_draw(
@@ -59,14 +58,7 @@ def generate_draw(
     """
     cases = draw_plan(counts, seed)
     wanted = range(len(cases)) if chosen is None else chosen
-    stamp = json.dumps({"counts": dict(counts), "seed": seed})
-    stamped = out / "benchmark.json"
-    if stamped.exists() and stamped.read_text(encoding="utf-8") != stamp:
-        raise ValueError(f"{out} holds the draw {stamped.read_text(encoding='utf-8')}")
-    (out / "answers").mkdir(parents=True, exist_ok=True)
-    stamped.write_text(stamp, encoding="utf-8")
-    if (out / HASHES).exists():
-        check_hashes(out)
+    open_folder(out, "draw", {"counts": dict(counts), "seed": seed})
     tasks = [
         (cases[index], seed, index, out) for index in wanted if not answer_path(out, index).exists()
     ]
