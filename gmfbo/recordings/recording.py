@@ -87,6 +87,11 @@ class Recording:
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "signals", _frozen(self.signals, time.size))
         object.__setattr__(self, "schedules", _frozen(self.schedules, time.size))
+        # No text in HDF5 holds a NUL, which a vendor's message in a C buffer may end with.
+        for text in fields(self):
+            value = getattr(self, text.name)
+            if isinstance(value, str) and "\x00" in value:
+                object.__setattr__(self, text.name, value.replace("\x00", "\ufffd"))
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
 

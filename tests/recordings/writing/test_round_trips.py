@@ -89,6 +89,19 @@ def test_a_recording_comes_back_bit_by_bit(ending: str, recording: Recording) ->
         assert [p.name for p in Path(folder).iterdir()] == [path.name]
 
 
+@pytest.mark.parametrize("ending", [".csv", ".h5"])
+def test_a_message_with_a_nul_is_kept_without_it(tmp_path: Path, ending: str) -> None:
+    run = Trajectory(
+        time=np.array([0.0, 0.001]),
+        signals={"position": np.array([0.0, 1.0])},
+        status="failed",
+        message="solver failed\x00 at 3 s",
+    )
+    back = read_recording(write_recording(run, tmp_path / f"run{ending}"))
+    assert isinstance(back, Trajectory)
+    assert back.message == run.message == "solver failed\ufffd at 3 s"
+
+
 def test_our_csv_begins_with_the_version_and_the_gains(tmp_path: Path) -> None:
     run = Trajectory(
         time=np.array([0.0, 0.001]),
