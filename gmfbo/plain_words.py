@@ -16,8 +16,13 @@ _MOST_DIGITS = 7
 
 
 def words(name: str) -> str:
-    """Name of a signal or an effect as words: `torque_command` is "torque command"."""
-    return name.replace("_", " ")
+    """Name of a signal or an effect as words: `torque_command` is "torque command".
+
+    A parameter of the twin keeps its name: `parameter:plant.filter_time` is "parameter
+    plant.filter_time".
+    """
+    kind, _, own = name.partition("parameter:")
+    return f"{words(kind)}parameter {own}" if own else name.replace("_", " ")
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -104,6 +104,8 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
+# What follows was told by the earlier decision of version 0.1, and is to be looked at again.
+#
 # The friction that is found rises from about 12 N near standstill to about 22 N while sliding. Its
 # sliding level is the Coulomb friction: published are 20.4 N, from a model without that dependence.
 # With it goes a constant force, published as 3.2 N, and a ripple of 1 N, 400 to the metre.

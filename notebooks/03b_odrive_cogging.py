@@ -206,6 +206,8 @@ moving = sorted(round(found[name]) for name in found if name.startswith("wavenum
 print("lines of the turning motor:", moving)
 
 # %% [markdown]
+# What follows was told by the earlier decision of version 0.1, and is to be looked at again.
+#
 # Eight lines are one cogging: they were found one after the other and then fitted together. Those
 # of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them a constant
 # torque of about -0.018 N m is named, which "cannot be told from" hysteresis or presliding

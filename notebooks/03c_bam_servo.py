@@ -181,6 +181,8 @@ for law, (on_seen, on_unseen) in table.items():
 # %% [markdown]
 # ## What this says, and what it does not
 #
+# What follows was told by the earlier decision of version 0.1, and is to be looked at again.
+#
 # Coulomb and Stribeck friction gain three per cent or four on unseen gains, friction in proportion
 # to the motor's torque a quarter. The authors found the same on 240 runs: their `m5` has 0.29 times
 # the motor's torque and next to no constant friction. So has the diagnosis: the level without load

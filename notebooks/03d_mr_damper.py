@@ -113,6 +113,8 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 # %% [markdown]
 # ## What this says, and what it does not
 #
+# What follows was told by the earlier decision of version 0.1, and is to be looked at again.
+#
 # One effect is named, with two numbers: a force that closes its loop over about a millimetre.
 # Fits of a Bouc-Wen model with all of its coefficients free reached 80.8 % on these rows, a lag
 # and a stiffness besides Coulomb friction 54.4 %. The exponent here is fixed at 1 and the loop

@@ -1,4 +1,4 @@
-"""The table of effects in `notebooks/docs/diagnosis.md`, from the catalogue.
+"""The table of effects in `notebooks/docs/effects.md`, from the catalogue.
 
 `python -m tests.effect_table` writes it anew.
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from gmfbo.physics import CATALOGUE, Excitation, Units
 
-DOCUMENT = Path(__file__).parents[1] / "notebooks/docs/diagnosis.md"
+DOCUMENT = Path(__file__).parents[1] / "notebooks/docs/effects.md"
 BEGIN, END = "<!-- effects -->\n", "<!-- end of effects -->\n"
 
 EXAMPLE = Excitation(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gmfbo import diagnose
+from gmfbo.diagnosis.comparison import numbers
 from gmfbo.physics import Effect, States, Units
 from gmfbo.tuning.methods import METHODS
 from gmfbo.version import __version__
@@ -19,6 +20,38 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def test_documented_table_of_effects_is_that_of_the_catalogue() -> None:
     assert documented_table() == effect_table(), "run python -m tests.effect_table"
+
+
+def documented_numbers(page: str) -> dict[str, tuple[float, ...]]:
+    """Values in the table of a page, by name."""
+    table = page.partition("<!-- numbers -->\n")[2].partition("<!-- end of numbers -->")[0]
+    rows = re.findall(r"^\| `(\w+)` \| (\d[\d.]*(?:, \d[\d.]*)*)", table, re.MULTILINE)
+    return {name: tuple(map(float, values.split(", "))) for name, values in rows}
+
+
+def numbers_in_force() -> dict[str, tuple[float, ...]]:
+    return {
+        name: value if isinstance(value, tuple) else (float(value),)
+        for name, value in vars(numbers).items()
+        if name.isupper()
+    }
+
+
+def test_documented_numbers_are_those_that_decide() -> None:
+    page = (ROOT / "notebooks/docs/diagnosis_decision.md").read_text(encoding="utf-8")
+    assert documented_numbers(page) == numbers_in_force()
+
+
+def test_control_a_changed_number_is_noticed() -> None:
+    page = (ROOT / "notebooks/docs/diagnosis_decision.md").read_text(encoding="utf-8")
+    changed = page.replace("| `NAMED` | 0.95 |", "| `NAMED` | 0.9 |")
+    assert documented_numbers(changed) != numbers_in_force()
+
+
+@pytest.mark.parametrize(("name", "most"), [("diagnosis", 1500), ("diagnosis_decision", 3000)])
+def test_pages_of_the_diagnosis_stay_short(name: str, most: int) -> None:
+    page = (ROOT / f"notebooks/docs/{name}.md").read_text(encoding="utf-8")
+    assert len(page.split()) <= most
 
 
 def test_documented_effect_is_one() -> None:

@@ -1,7 +1,7 @@
 """Diagnose a digital twin: where it differs from recordings, and what it lacks.
 
-`diagnose` refits what is only roughly known, locates what is left, and names left-out physics
-where recordings that had no part in the fit confirm it; `Diagnosis` is what it found. `check`
+`diagnose` refits what is only roughly known, compares what could be missing by one score, and
+names what held-out recordings do not contradict; `Diagnosis` is what it found. `check`
 looks at recordings first, fits nothing, and gives a `Check`.
 """
 

@@ -9,16 +9,15 @@ from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
-from gmfbo.diagnosis.case.case import Case, is_more_than_noise
+from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
+from gmfbo.diagnosis.comparison.numbers import EXPLAINED, TOLD_APART
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
 from gmfbo.diagnosis.fitting.central_slopes import with_central_slopes
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated, spread_of
-from gmfbo.diagnosis.fitting.profile_intervals import widened_by_profile
+from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated
+from gmfbo.diagnosis.fitting.misfit import chi2
 from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
 from gmfbo.diagnosis.locating.parities import parities
 from gmfbo.diagnosis.naming.alignment_told import alignments
@@ -31,16 +30,7 @@ from gmfbo.diagnosis.naming.decision_told import (
     units_of,
 )
 from gmfbo.diagnosis.naming.open_explanations import predictions_of
-from gmfbo.diagnosis.naming.withdrawn_names import (
-    is_known,
-    parameters_matter,
-)
-from gmfbo.diagnosis.outside.beyond_library import (
-    Outside,
-    is_mismatch,
-    is_uneven,
-    unexplained,
-)
+from gmfbo.diagnosis.outside.free_function import Unnamed
 from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.result.reference_test import ResidualTest
@@ -48,7 +38,7 @@ from gmfbo.diagnosis.result.whereabouts import Location, Shape
 from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.reference_tests import residual_tests
 from gmfbo.diagnosis.validating.validation import Validated
-from gmfbo.physics import Units
+from gmfbo.physics import CATALOGUE, Units
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +53,10 @@ class Conclusion:
         Recordings that were only scored.
     decision : Decision
         The names that stand.
-    probabilities : dict of str to float
-        Of each name.
     reasons : dict of str to str
         Why an effect could not be tested.
-    outside : Outside or None
-        Free function that may explain more than the names; None where none was fitted.
+    free : Unnamed or None
+        Free function, where the laws leave most of what is missing.
     result : Validated
         Errors on recordings that were not fitted.
     """
@@ -76,9 +64,8 @@ class Conclusion:
     case: Case
     unseen: Case | None
     decision: Decision
-    probabilities: dict[str, float]
     reasons: dict[str, str]
-    outside: Outside | None
+    free: Unnamed | None
     result: Validated
 
     @cached_property
@@ -86,30 +73,24 @@ class Conclusion:
         """Units of the twin's ports and states."""
         return units_of(self.case)
 
-    def diagnosis(
-        self, seed: int, started: float, rng: np.random.Generator, progress: Progress
-    ) -> Diagnosis:
+    def diagnosis(self, seed: int, started: float, progress: Progress) -> Diagnosis:
         """Make the diagnosis.
 
         Parameters
         ----------
         seed, started
             As of `Search.diagnosis`.
-        rng : numpy Generator
-            Of the draws for intervals, and for what noise alone would leave.
         progress : callable (str, float)
             Called with the stage and the share done.
         """
         case, decision, result = self.case, self.decision, self.result
-        spread = self._spread(rng)
+        spread = Spread(*result.part.intervals())
         progress("aligning the columns", 0.93)
         alignment = alignments(case, result.augmented, self.reasons)
         progress("locating", 0.95)
-        named = named_effects(
-            case, decision, result.augmented, spread, self.probabilities, self.units
-        )
+        named = named_effects(decision, result.augmented, spread, self.units)
         tests = residual_tests(self.unseen or case, result.curves, result.scored)
-        verdict = self._verdict(tests, rng)
+        verdict = self._verdict(tests)
         location = self._location(verdict)
         progress("choosing the next experiment", 0.97)
         experiment, reference = self._next_experiment()
@@ -119,15 +100,21 @@ class Conclusion:
             evidence=self._sufficiency,
             effects=named,
             parameters=estimated(self._measured, spread, case.twin, stated_ranges(case.twin)),
-            combinations=combinations_of(self._measured, spread),
+            combinations=combinations_of(self._measured),
             alignment=alignment,
-            detectable=detectable_sizes(case, decision, [e.name for e in named], self.units),
+            detectable=detectable_sizes(
+                decision.shown,
+                TOLD_APART,
+                case.setting.excitation,
+                [e.name for e in named],
+                self.units,
+            ),
             location=location,
             fit=result.fit,
-            shape=self._shape if self.outside is not None and self.outside.is_better else None,
+            shape=self._shape,
             next_experiment=experiment,
             next_reference=reference,
-            not_testable=not_testable(case, self.reasons, decision),
+            not_testable=not_testable(self.reasons, decision),
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
             seed=seed,
             versions=_versions(),
@@ -145,16 +132,10 @@ class Conclusion:
         """The augmented twin with sensitivities that tell what these recordings cannot see."""
         return with_central_slopes(self.result.misfit, self.result.augmented)
 
-    def _spread(self, rng: np.random.Generator) -> Spread:
-        augmented = self._measured
-        of_effects = range(len(self.case.setting.uncertain), augmented.x.size)
-        spread = spread_of(augmented, rng)
-        return widened_by_profile(self.result.misfit, augmented, spread, of_effects)
-
     def _location(self, verdict: Verdict) -> Location:
         if verdict not in ("missing_physics", "outside_library"):
             return Location(None)
-        case, augmented, outside = self.case, self.result.augmented, self.outside
+        case, augmented = self.case, self.result.augmented
         effects = augmented.hypothesis.effects
         location = locate(
             case,
@@ -164,8 +145,8 @@ class Conclusion:
             augmented if effects else None,
             self.units,
         )
-        if verdict == "outside_library" and outside is not None and outside.is_better:
-            return located_at(location, outside.model.port)
+        if verdict == "outside_library" and self.free is not None:
+            return located_at(location, self.free.port)
         return location
 
     def _next_experiment(self) -> tuple[NextExperiment | None, str]:
@@ -176,7 +157,7 @@ class Conclusion:
             told = None
             if rivals is not None:
                 fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
-                told = propose(case, fits, decision.threshold, Path(folder))
+                told = propose(case, fits, TOLD_APART, Path(folder))
             elif self._sufficiency == "insufficient":
                 silent = [n for n, why in self.reasons.items() if why.startswith("not excited")]
                 told = propose_for(case, case.base, silent, Path(folder))
@@ -187,10 +168,10 @@ class Conclusion:
     @property
     def _shape(self) -> Shape | None:
         """Signal inferred by the free function; None where none was fitted."""
-        if self.outside is None:
+        if self.free is None:
             return None
         units = self.units
-        return self.outside.model.shape(
+        return self.free.shape(
             {
                 "torque": units.torque,
                 "sensor": units.position,
@@ -203,25 +184,39 @@ class Conclusion:
     @property
     def _latent(self) -> Shape | None:
         """The inferred signal beside named effects; None unless one acts at the torque port."""
-        at_torque = [r for r in self.decision.rounds if r.winner.effect.law.port == "torque"]
+        at_torque = [r for r in self.decision.rounds if CATALOGUE[r.winner.name].port == "torque"]
         return self._shape if at_torque else None
 
-    def _verdict(self, tests: Sequence[ResidualTest], rng: np.random.Generator) -> Verdict:
-        case, decision, outside = self.case, self.decision, self.outside
-        if outside is not None and outside.is_better and not is_known(decision):
+    def _verdict(self, tests: Sequence[ResidualTest]) -> Verdict:
+        decision = self.decision
+        if decision.is_outside or self._is_mismatch(tests):
             return "outside_library"
         if decision.rounds:
             return "missing_physics"
-        errors = {name: signal.parameters_only for name, signal in self.result.fit.signals.items()}
-        left = unexplained(case, case.base)
-        if not is_known(decision) and (
-            decision.contradicted
-            or (decision.disputed is not None and is_more_than_noise(case, case.base))
-            or is_mismatch(left, tests, errors)
-            or is_uneven(case, case.base, rng)
-        ):
-            return "outside_library"
-        return "parameters" if parameters_matter(case, decision) else "none"
+        return "parameters" if decision.freed or self._parameters_matter else "none"
+
+    def _is_mismatch(self, tests: Sequence[ResidualTest]) -> bool:
+        """Whether laws explain little of what is left, and most of that follows the reference.
+
+        Asked where no smooth torque can stand for what is missing, since the twin has no port.
+        """
+        compared = self.decision.compared
+        has_port = "torque" in compared.ledger.kernels.kernels
+        share, signals = self.decision.share, self.result.fit.signals
+        if has_port or share is None or share >= EXPLAINED:
+            return False
+        errors = {
+            name: one.augmented if self.decision.row.elements else one.parameters_only
+            for name, one in signals.items()
+        }
+        return any(t.follows > max(t.bound, EXPLAINED * errors[t.signal]) for t in tests)
+
+    @property
+    def _parameters_matter(self) -> bool:
+        """Whether refitting the uncertain parameters explains clearly more."""
+        case = self.case
+        nominal = chi2(case.plain.residual(case.nominal))
+        return nominal - case.base.measured_by(case.plain).chi2 > TOLD_APART
 
     @property
     def _sufficiency(self) -> Sufficiency:

@@ -86,7 +86,7 @@ def diagnose(
         if opened is not twin:
             closing.callback(opened.close)
         case, other = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
-        search = Search(case, np.random.default_rng(seed), assume, ruled_out.effects, told)
+        search = Search(case, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, other)
     return replace(found, cost=replace(found.cost, stages=told.seconds))
 

@@ -243,6 +243,9 @@ class Effect:
         Whether the values still fit the effect's name; else the fit is no evidence of it.
     fixed : callable (Excitation) -> mapping
         Parameters of `physics.fmu` that are set, not fitted.
+    own_nuisances : tuple of EffectParameter
+        Those of the fixed parameters that nobody asks for and that a comparison of hypotheses
+        estimates, so that no other law makes up for their value.
     fixed_otherwise : callable (Excitation) -> sequence of dict of str to float
         Other values of the fixed parameters, tried in this order after the fit as long as they
         explain more.
@@ -295,6 +298,7 @@ class Effect:
     source: str
     is_itself: Callable[[Values, Excitation], bool] = _of_any_values
     fixed: Callable[[Excitation], Values] = _nothing_fixed
+    own_nuisances: tuple[EffectParameter, ...] = ()
     fixed_otherwise: Callable[[Excitation], Sequence[Values]] = _nothing_else
     signal: Callable[[States, Values], Array] | None = None
     feature: Callable[[States], Array] | None = None
@@ -334,7 +338,8 @@ class Effect:
         excitation : Excitation
             Excitation by the recordings.
         """
-        return {p.name: (p.low(excitation), p.high(excitation)) for p in self.parameters}
+        free = (*self.parameters, *self.own_nuisances)
+        return {p.name: (p.low(excitation), p.high(excitation)) for p in free}
 
     def scales(self, excitation: Excitation) -> dict[str, float]:
         """Typical size of each fitted parameter, by name.
@@ -344,7 +349,8 @@ class Effect:
         excitation : Excitation
             Excitation by the recordings.
         """
-        return {p.name: p.scale(excitation) for p in self.parameters}
+        free = (*self.parameters, *self.own_nuisances)
+        return {p.name: p.scale(excitation) for p in free}
 
     def variables(self, parameters: Values, excitation: Excitation) -> dict[str, float]:
         """Variables of `physics.fmu` that switch the effect on with these parameters.

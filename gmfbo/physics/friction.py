@@ -17,6 +17,10 @@ FLOOR_SHARE = 1.5e-4
 _CONTACT_ANGLE = 0.015  # [rad]
 _CONTACT_SHARE = 0.004  # of a stroke in length
 
+# Times the deflection that plain friction is given: less is too stiff for the step to show, more
+# is presliding friction.
+_LEAST_UNSEEN, _MOST_UNSEEN = 1.0 / 30.0, 3.0
+
 Deflections = Callable[[Excitation], tuple[float, float]]
 
 
@@ -44,6 +48,19 @@ def _bristle_deflection(excitation: Excitation) -> float:
 def fixed_deflection(excitation: Excitation) -> Values:
     """Give the bristle of a plain friction law its deflection."""
     return {"deflection": _bristle_deflection(excitation)}
+
+
+def own_deflection() -> EffectParameter:
+    """Make the deflection of a plain friction law a nuisance: a contact has any, all too small."""
+    return EffectParameter(
+        "deflection",
+        "Deflection of the bristle",
+        "position",
+        low=lambda e: _LEAST_UNSEEN * _bristle_deflection(e),
+        high=lambda e: _MOST_UNSEEN * _bristle_deflection(e),
+        scale=_bristle_deflection,
+        hidden=True,
+    )
 
 
 def acts_at_reversals(states: States, parameters: Values) -> Mask:

@@ -26,7 +26,6 @@ MANUAL = Manual(
     see_also=(
         "gmfbo columns",
         "gmfbo diagnose",
-        "notebooks/docs/diagnosis.md",
         "notebooks/docs/recordings.md",
     ),
 )

@@ -22,7 +22,7 @@ MANUAL = Manual(
         ),
     },
     exits={2: "bad input, or nothing that was found can be cancelled"},
-    see_also=("gmfbo diagnose", "gmfbo experiment", "notebooks/docs/diagnosis.md"),
+    see_also=("gmfbo diagnose", "gmfbo experiment", "notebooks/docs/after_a_diagnosis.md"),
 )
 
 

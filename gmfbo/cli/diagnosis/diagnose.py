@@ -86,8 +86,8 @@ def diagnose(
 ) -> None:
     """Name the physics that the twin lacks, and model it.
 
-    Refits what is known only roughly, locates what is left, names effects where recordings
-    outside the fit confirm them, and gives the error on unseen recordings before and after.
+    Refits what is known only roughly, compares what could be missing, names what recordings
+    outside the fit do not contradict, and gives the error on unseen recordings before and after.
     Parameters are printed in SI with 95 % intervals.
     """
     _check_effects(twin, assume or [], exclude or [])

@@ -29,7 +29,7 @@ MANUAL = Manual(
             "gmfbo experiment axis.toml --diagnosis found --observed played.csv"
         ),
     },
-    see_also=("gmfbo diagnose", "gmfbo compensate", "notebooks/docs/diagnosis.md"),
+    see_also=("gmfbo diagnose", "gmfbo compensate", "notebooks/docs/after_a_diagnosis.md"),
 )
 
 

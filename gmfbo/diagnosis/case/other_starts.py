@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from gmfbo.diagnosis.case.case import Case, chi2_per_dof
-from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
+from gmfbo.diagnosis.case.case import chi2_per_dof
+from gmfbo.diagnosis.fitting.fit import Fitted, fit_to_the_end
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.runs.simulated import Simulated
 
@@ -24,36 +22,6 @@ _SPREAD = 0.3  # of a parameter's size: distance of starts on either side
 _FIRST_STEP = 0.05  # of a parameter's size
 _STEPS = 60  # points of the search that uses no slopes
 _MUCH_LESS = 0.9  # of the chi2 before: an improvement counts only below it
-
-
-def fitted_from_names(case: Case, named: Fitted) -> Fitted | None:
-    """Fit the twin without names from where the fit with them ended.
-
-    A fit of the parameters may stop at a saturated twin. Nearly any added effect frees it from
-    there, and then seems to explain what better parameters would.
-
-    Parameters
-    ----------
-    case : Case
-        With the fit that began at the nominal parameters.
-    named : Fitted
-        The twin with all named effects.
-
-    Returns
-    -------
-    Fitted or None
-        The better fit; None where there is none.
-    """
-    plain = case.plain
-    again = fit_to_the_end(plain, case.base.hypothesis, named.parameters, near=named)
-    before = case.base.measured_by(plain).chi2
-    return again if again is not None and again.chi2 < _MUCH_LESS * before else None
-
-
-def fitted_without_last(misfit: Misfit, fitted: Fitted) -> Fitted | None:
-    """Refit a model without its last effect, from the parameters fitted with that effect."""
-    hypothesis = replace(fitted.hypothesis, effects=fitted.hypothesis.effects[:-1])
-    return fit(misfit, hypothesis, fitted.parameters, near=fitted, parallel=True)
 
 
 def fitted_from_elsewhere(misfit: Misfit, base: Fitted) -> Fitted:

@@ -6,19 +6,19 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.checking.result import Showable
+from gmfbo.diagnosis.comparison.numbers import TOLD_APART, UNLIKE
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
-from gmfbo.diagnosis.naming.decision import Decision
-from gmfbo.diagnosis.naming.decision_told import detectable_sizes, units_of
-from gmfbo.diagnosis.naming.threshold import LEAST_THRESHOLD
+from gmfbo.diagnosis.naming.decision_told import units_of
 from gmfbo.diagnosis.result.named_effect import DetectableSize, NotTestable
-from gmfbo.diagnosis.screening.probes import Probe, probes, screen
+from gmfbo.diagnosis.screening.probes import Probe, Screened, probes, screen
 from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
 from gmfbo.physics import CATALOGUE
 
 _CHUNK = 6  # starts simulated between two reports of progress
-_LEAST_UNLIKE = 0.03  # share of an effect's change that no parameter can make; less is not testable
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,26 @@ def _sizes(
     alike = {
         name: "like [uncertain] parameters" if felt[name] > 0.0 else "changes nothing here"
         for name, share in most.items()
-        if share < _LEAST_UNLIKE
+        if share < UNLIKE
     }
-    seen = Decision(screened=screened, threshold=LEAST_THRESHOLD)
-    return detectable_sizes(case, seen, [], units_of(case)), alike
+    return _detectable(case, screened), alike
+
+
+def _detectable(case: Case, screened: Sequence[Screened]) -> dict[str, DetectableSize]:
+    """Smallest size of each effect that would be told."""
+    sizes: dict[str, DetectableSize] = {}
+    excitation, units = case.setting.excitation, units_of(case)
+    for entry in screened:
+        candidate = entry.probe.candidate
+        law = candidate.law
+        if entry.information <= 0.0 or candidate.searched > 1:
+            continue  # several lines together show at a smaller size than any of them
+        at_probe = entry.probe.scaled(np.ones(len(entry.probe.columns)))
+        smallest = law.size({**at_probe.more, **at_probe.values}, excitation)
+        if all(entry.probe.amplitudes):
+            smallest *= float(np.sqrt(TOLD_APART / entry.information))
+        # Else a limit, which shows whole or not at all.
+        smallest = max(smallest, law.floor(excitation))
+        if law.name not in sizes or smallest < sizes[law.name].size:
+            sizes[law.name] = DetectableSize(law.size_name, smallest, units.resolve(law.size_unit))
+    return {name: sizes[name] for name in CATALOGUE if name in sizes}

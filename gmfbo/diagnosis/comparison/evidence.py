@@ -57,7 +57,7 @@ def grams(
         (Plumlee 2017), so that its values are those that fit best.
     """
     residual, columns = whitening(fitted.residual), whitening(fitted.columns)
-    if len(bumps):
+    if len(bumps) and bumps[0].shape[0]:
         a = np.diag(fitted.curvatures)
         cross = np.zeros((len(a), bumps[0].shape[0]))
         for j, bump in zip(columns, bumps, strict=True):
@@ -121,7 +121,7 @@ def log_evidences(
     logs = 2.0 * np.log(np.einsum("bii->bi", factor)).sum(1) + np.log(curvature).sum()
     # Quantities that rest at a bound do not move.
     moves = np.ones(count, dtype=bool)
-    moves[: fitted.u.size] = ~_at_bounds(fitted)
+    moves[:p] = ~np.concatenate([_at_bounds(fitted), fitted.at_zero])
     if not moves.all():
         factor = np.linalg.cholesky(a[:, moves][:, :, moves])
     shift = np.linalg.solve(factor, (g * unit)[:, moves, None])[:, :, 0]

@@ -232,3 +232,56 @@ def _within(square: Array, slope: Array, is_signed: bool) -> tuple[Array, float]
 
 def _flat(parts: Sequence[Array]) -> Array:
     return np.concatenate([v.reshape(v.shape[0], -1) for v in parts], axis=1)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How well recordings show an element at its start.
+
+    Attributes
+    ----------
+    element : Element
+        At its start.
+    information : float
+        Whitened square of what it changes and no free quantity of a fit makes.
+    unlike : float
+        Share of the square of all it changes that no parameter makes; 0 where it changes nothing.
+    nearest : str
+        Free quantity whose change is most parallel to it.
+    """
+
+    element: Element
+    information: float
+    unlike: float
+    nearest: str
+
+
+def shown(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> list[Shown]:
+    """Tell how well recordings show each element, beside the free quantities of a fit.
+
+    Parameters
+    ----------
+    whitening : Whitening
+        By noise.
+    about : Fitted
+        The fit about which the responses were measured.
+    found : sequence of Response
+        Of the elements.
+    """
+    j = _flat(whitening(about.columns))
+    own = j[: about.u.size]
+    inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
+    among = np.linalg.pinv(own @ own.T, hermitian=True)
+    sizes = np.sqrt(np.maximum(np.sum(own**2, axis=1), 1e-300))
+    names = about.hypothesis.names
+    told = []
+    for response in found:
+        d = _flat(whitening([c[:1] for c in response.columns]))[0]
+        whole, cross = float(d @ d), j @ d
+        left = max(whole - float(cross @ inverse @ cross), 0.0)
+        alone = cross[: own.shape[0]]
+        unlike = max(1.0 - float(alone @ among @ alone) / whole, 0.0) if whole else 0.0
+        parallel = np.abs(cross[: own.shape[0]]) / sizes
+        nearest = names[int(np.argmax(parallel))] if parallel.size else ""
+        told.append(Shown(response.element, left, unlike, nearest))
+    return told

@@ -1,14 +1,21 @@
-"""Small errors of clocks, scales and zeros that every logger has, common to all recordings."""
+"""What every logger does to a column: clock, lateness, scale, zero and filter, for all recordings.
+
+Each has a standard normal coordinate. That of a filter bends upward, so that filters of several
+rows are unlikely, and no more than that.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from gmfbo.diagnosis.comparison.numbers import (
     CLOCK_PRIOR,
+    LOW_PASS_SHARE,
     OFFSET_PRIOR,
     POSITION_SCALE_PRIOR,
     SCALE_PRIOR,
@@ -20,71 +27,135 @@ from gmfbo.diagnosis.scoring.nuisances import Alignment
 Array = NDArray[np.float64]
 
 
-def nuisance_names(
-    segments: Sequence[Segment],
-    positions: frozenset[str],
-    alignments: Mapping[str, Alignment],
-) -> list[tuple[str, str]]:
-    """Each nuisance: its kind and its signal.
+@dataclass(frozen=True, eq=False)
+class Logging:
+    """Small errors of the logger, common to all recordings.
 
-    Parameters
+    Attributes
     ----------
-    segments : sequence of Segment
-        Stretches that are compared.
+    names : tuple of (str, str)
+        Kind and signal of each of the q errors.
+    ranges : mapping of str to float
+        [SI] Of each recorded signal.
+    resolutions : mapping of str to float
+        [SI] Steps in which it is rounded; 0 where it is not.
     positions : frozenset of str
-        Signals in the position's unit: their zero is the twin's own.
+        Signals in the position's unit.
     alignments : mapping of str to Alignment
         Priors by signal, as the twin file widens them.
     """
-    signals = list(dict.fromkeys(name for s in segments for name in s.names))
-    found = []
-    for name in signals:
-        found += [("shift", name), ("scale", name)]
-        if name not in positions or alignments[name].offset > OFFSET_PRIOR:
-            found.append(("offset", name))
-    return [*found, ("clock", "")]
+
+    names: tuple[tuple[str, str], ...]
+    ranges: Mapping[str, float]
+    resolutions: Mapping[str, float]
+    positions: frozenset[str]
+    alignments: Mapping[str, Alignment]
+
+    @property
+    def one_sided(self) -> NDArray[np.bool_]:
+        """Errors that have no sign: a filter's time constant, shape (q,)."""
+        return np.array([kind == "filter" for kind, _ in self.names], dtype=bool)
+
+    def seen(self, segment: Segment, values: Array, nuisances: Array) -> Array:
+        """Signals as the logger stores them, shape (m, n).
+
+        Parameters
+        ----------
+        segment : Segment
+            A stretch of a recording.
+        values : ndarray, shape (m, n)
+            [SI] As they are.
+        nuisances : ndarray, shape (q,)
+            [standard deviations]
+        """
+        total = values.copy()
+        for (kind, name), nu in zip(self.names, nuisances, strict=True):
+            if nu == 0.0 or (kind != "clock" and name not in segment.names):
+                continue
+            rows = [segment.names.index(name)] if name else list(range(len(values)))
+            for row in rows:
+                total[row] += self._change(kind, name, segment, values[row], float(nu))
+        return total
+
+    def slopes(self, segment: Segment, values: Array, nuisances: Array) -> Array:
+        """Change of the stored signals per unit of each error, shape (q, m, n).
+
+        Parameters
+        ----------
+        segment, values, nuisances
+            As of `seen`.
+        """
+        columns = np.zeros((len(self.names), *values.shape))
+        for i, ((kind, name), nu) in enumerate(zip(self.names, nuisances, strict=True)):
+            if kind != "clock" and name not in segment.names:
+                continue
+            rows = [segment.names.index(name)] if name else list(range(len(values)))
+            for row in rows:
+                columns[i, row] = self._slope(kind, name, segment, values[row], float(nu))
+        return columns
+
+    def _change(self, kind: str, name: str, segment: Segment, column: Array, nu: float) -> Array:
+        if kind == "filter":
+            time = LOW_PASS_SHARE * segment.spacing * np.expm1(nu)
+            return _filtered(column, time, segment.spacing) - column
+        return nu * self._slope(kind, name, segment, column, 0.0)
+
+    def _slope(self, kind: str, name: str, segment: Segment, column: Array, nu: float) -> Array:
+        if kind == "clock":
+            since = segment.time - segment.times[0][0]
+            drift: Array = CLOCK_PRIOR * since * np.gradient(column, segment.spacing)
+            return drift
+        if kind == "scale":
+            usual = POSITION_SCALE_PRIOR if name in self.positions else SCALE_PRIOR
+            return max(usual, self.alignments[name].scale) * column
+        if kind == "offset":
+            return np.full(column.size, self._offset(name))
+        rate: Array = np.gradient(column, segment.spacing)
+        if kind == "shift":
+            return (self.alignments[name].shift or SHIFT_SHARE * segment.spacing) * rate
+        size = LOW_PASS_SHARE * segment.spacing
+        time = size * np.expm1(nu)
+        twice = _filtered(_filtered(rate, time, segment.spacing), time, segment.spacing)
+        slope: Array = -size * np.exp(nu) * twice
+        return slope
+
+    def _offset(self, name: str) -> float:
+        """A position's zero is the twin's own, but for how its counts are rounded."""
+        stated = self.alignments[name].offset
+        if name in self.positions:
+            return max(0.5 * self.resolutions[name], stated)
+        return max(OFFSET_PRIOR * self.ranges[name], stated * self.ranges[name])
 
 
-def nuisance_columns(
-    names: Sequence[tuple[str, str]],
+def logging_of(
     segments: Sequence[Segment],
-    simulated: Sequence[Array],
     ranges: Mapping[str, float],
+    resolutions: Mapping[str, float],
     positions: frozenset[str],
     alignments: Mapping[str, Alignment],
-) -> list[Array]:
-    """Change of the signals per standard deviation of each nuisance, shape (n_nuisances, m, n).
+) -> Logging:
+    """State the errors that a logger may have made.
 
     Parameters
     ----------
-    names : sequence of (str, str)
-        As `nuisance_names` gives them.
     segments : sequence of Segment
         Stretches that are compared.
-    simulated : sequence of ndarray, shape (m, n)
-        [SI] By segment.
-    ranges : mapping of str to float
-        [SI] Of each recorded signal.
-    positions, alignments
-        As in `nuisance_names`.
+    ranges, resolutions, positions, alignments
+        As of `Logging`.
     """
-    made = []
-    for segment, values in zip(segments, simulated, strict=True):
-        rates = np.gradient(values, segment.spacing, axis=1)
-        columns = np.zeros((len(names), *values.shape))
-        for i, (kind, name) in enumerate(names):
-            if kind == "clock":
-                columns[i] = CLOCK_PRIOR * (segment.time - segment.times[0][0]) * rates
-                continue
-            if name not in segment.names:
-                continue
-            row, prior = segment.names.index(name), alignments[name]
-            if kind == "shift":
-                columns[i, row] = (prior.shift or SHIFT_SHARE * segment.spacing) * rates[row]
-            elif kind == "scale":
-                usual = POSITION_SCALE_PRIOR if name in positions else SCALE_PRIOR
-                columns[i, row] = max(usual, prior.scale) * values[row]
-            else:
-                columns[i, row] = max(OFFSET_PRIOR, prior.offset) * ranges[name]
-        made.append(columns)
-    return made
+    found: list[tuple[str, str]] = []
+    for name in dict.fromkeys(name for s in segments for name in s.names):
+        found += [("shift", name), ("filter", name), ("scale", name)]
+        has_zero = alignments[name].offset > OFFSET_PRIOR or resolutions[name] > 0.0
+        if name not in positions or has_zero:
+            found.append(("offset", name))
+    return Logging((*found, ("clock", "")), ranges, resolutions, positions, alignments)
+
+
+def _filtered(column: Array, time: float, spacing: float) -> Array:
+    """First-order low pass of a column, as a logger computes it from row to row."""
+    if time <= 0.0:
+        return column
+    share = -np.expm1(-spacing / time)
+    done: Array = lfilter([share], [1.0, share - 1.0], column - column[0]) + column[0]
+    return done

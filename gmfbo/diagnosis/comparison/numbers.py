@@ -17,6 +17,9 @@ FIXED_SPREAD = 0.4
 SHIFT_SHARE = 0.1
 """[rows] Prior of a column's shift."""
 
+LOW_PASS_SHARE = 0.2
+"""[rows] Time constant of a logger's filter, where its coordinate is small."""
+
 SCALE_PRIOR, POSITION_SCALE_PRIOR = 0.02, 3e-4
 """[1] Current sensors are within 1-3 %, encoders exact."""
 
@@ -50,11 +53,17 @@ STRETCH_LOOP_TIMES = 5.0
 BOOTSTRAP_DRAWS = 300
 """[1] Weightings of the stretches (Huggins and Miller 2023)."""
 
-UNFITTED = 2.0
-"""[nats] Added to the linearised score of moves that were not fitted."""
-
 LEAST_GAIN = 6.0
 """[nats] Linearised gain below which a move beside effects is not fitted."""
 
 NAMED = 0.95
 """[1] Posterior inclusion of what is said."""
+
+UNLIKE = 0.03
+"""[1] Share of an effect's change that no parameter makes, below which it is not testable."""
+
+EXPLAINED = 0.5
+"""[1] Share of what the refitted twin leaves beyond noise, below which laws do not explain it."""
+
+TOLD_APART = 30.0
+"""[1] Squared whitened distance that tells two predictions apart: noise alone gives 15."""

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
-from gmfbo.diagnosis.comparison.moves import Element
+from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
+from gmfbo.diagnosis.comparison.moves import Element, ranked, responses
 from gmfbo.diagnosis.comparison.noise_places import Levels
-from gmfbo.diagnosis.comparison.nuisance_columns import nuisance_names
+from gmfbo.diagnosis.comparison.nuisance_columns import logging_of
 from gmfbo.diagnosis.comparison.numbers import (
     INADEQUACY_TOLERANCE,
+    LEAST_GAIN,
     STRETCH_LOOP_TIMES,
     TOLERANCE,
     TORQUE_TIME,
@@ -22,11 +24,12 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.search import Ledger, Scored, Search
+from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.segments import segments_of
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
-from gmfbo.physics import CATALOGUE
+from gmfbo.diagnosis.scoring.whitening import Window
+from gmfbo.diagnosis.screening.testable_effects import candidates
+from gmfbo.sources.binding.name_patterns import matching
 from gmfbo.sources.twin.uncertain import Uncertain
 
 _MOST_STRETCHES = 200
@@ -36,9 +39,12 @@ _LINEAR = frozenset({"timing", "gain", "inertia", "sensor"})
 _FREED_RANGE = 4.0
 """Times the value of a freed parameter, either way: three standard deviations and a half."""
 
-_LEAST_OWN, _LEAST_OWN_POSITION = 5e-5, 2e-6  # of a signal's range
+_LEAST_OWN, _LEAST_OWN_POSITION = 5e-4, 1e-5  # of a signal's range
 _LEAST_ROUNDING = 0.1  # of a resolution: a reading may be rounded before the controller reads it
 _LEAST_JITTER_S = 1e-7
+_FOLLOWED = 0.02  # of a position's least noise, where the twin follows it
+_FAINT = 1e-3  # of a position's least noise, that the controller reads of it
+_LEAST_SI = 1e-12  # [SI] of a column that never changes
 _COMMAND_SHARE = 0.3  # rms of a command, of its largest value, where none is simulated
 
 
@@ -59,12 +65,40 @@ class Comparison:
 
     def run(self) -> tuple[Ledger, Scored]:
         """Fit and score hypotheses."""
-        return self.search.searched(self.search.opened(self.first))
+        ledger = self.search.opened(self.first)
+        self._begin(ledger)
+        return self.search.searched(ledger)
+
+    def _begin(self, ledger: Ledger) -> None:
+        """Let the recordings begin in the way in which forces at rest explain more of them.
+
+        A recording of a real axis begins where axis and controller have come to rest under all
+        that acts. A simulated one may begin with the twin's own start, and a force then sets the
+        axis in motion. Taken the wrong way, a force leaves a start-up that never was.
+        """
+        simulations = self.search.problem.simulations
+        pushing = [
+            e
+            for e in self.search.elements
+            if e.candidate is not None and e.candidate.law.acts_at_rest
+        ]
+        if not simulations.rest or not pushing:
+            return
+        base, gains = ledger.rows[frozenset()], {}
+        for at_rest in (True, False):
+            simulations.begins_at_rest = at_rest
+            found = responses(self.search.problem, base, pushing)
+            moves = ranked(ledger.whitening, base, found)
+            gains[at_rest] = moves[0].gain if moves else 0.0
+        simulations.begins_at_rest = gains[False] <= gains[True] + LEAST_GAIN
 
 
 def comparison_of(
     case: Case,
+    effects: Collection[str],
     passing: Sequence[Candidate] = (),
+    *,
+    held: Collection[str] = (),
     log: Callable[[str], None] = lambda line: None,
 ) -> Comparison:
     """State the comparison of a case.
@@ -73,21 +107,46 @@ def comparison_of(
     ----------
     case : Case
         Twin and recordings; its setting knows the lines to look for, its simulators stay open.
+    effects : collection of str
+        Of the catalogue, those that compete.
     passing : sequence of Candidate
         Disturbances that passed once, as a search found them.
+    held : collection of str
+        FMU parameters that nobody may doubt, beside those under `[fixed]`.
     log : callable (str)
         Told what happens.
     """
-    problem = _problem(case)
-    own = {name: _least_own(case, problem, name) for name in problem.ranges}
-    simulations, rig = case.simulations, case.rig
-    excitation = case.setting.excitation
-    is_open = simulations.tracking is not None
+    problem = problem_on(case, case.budget.windows)
+    excitation, rig = case.setting.excitation, case.rig
+    is_open = case.simulations.tracking is not None
     sizes = {
         "sensor": excitation.stroke,
         "torque": excitation.torque,
         "command": excitation.command,
     }
+    kernels_at = _kernels_of(case, problem, sizes)
+    first = _first(case, problem)
+    ports = set(first.runs[0].response.ports) | ({"sensor"} if is_open else set())
+    if is_open and rig.position is not None:
+        problem = _followed(case, problem, kernels_at(first))
+    cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
+    search = Search(
+        problem,
+        _elements(case, effects, passing, held),
+        _least_levels(case, problem, ports),
+        cared,
+        INADEQUACY_TOLERANCE * _usual_torque(case),
+        kernels_at,
+        log,
+    )
+    return Comparison(search, first)
+
+
+def _kernels_of(
+    case: Case, problem: Problem, sizes: Mapping[str, float]
+) -> Callable[[Fitted], PortKernels]:
+    """Measure the paths of noise about a fit, of whose effects only linear ones stay."""
+    rig = case.rig
 
     def kernels_at(fitted: Fitted) -> PortKernels:
         linear = tuple(
@@ -98,42 +157,53 @@ def comparison_of(
         hypothesis = Hypothesis(fitted.hypothesis.setting, linear)
         point = problem.point(hypothesis, hypothesis.start(fitted.parameters))
         command = command_of(case)
-        return port_kernels(simulations, point, sizes, rig.position, rig.position_to_si, command)
+        return port_kernels(
+            case.simulations, point, sizes, rig.position, rig.position_to_si, command
+        )
 
-    first = _first(case, problem)
-    ports = set(first.runs[0].response.ports) | ({"sensor"} if is_open else set())
-    if is_open and rig.position is not None:
-        problem = _followed(case, problem, kernels_at(first))
-        first = replace(first, nuisances=np.zeros(len(problem.nuisances)))
-        own[rig.position] *= 0.02  # its noise is at the port: the twin follows it
+    return kernels_at
+
+
+def _least_levels(case: Case, problem: Problem, ports: Collection[str]) -> Levels:
+    """Levels of noise below which none is looked for."""
+    own = {name: _least_own(problem, name) for name in problem.ranges}
+    position = case.rig.position
+    is_open = case.simulations.tracking is not None
     sensor = {}
-    if "sensor" in ports and rig.position is not None:
-        share = 1.0 if is_open else 1e-3
-        sensor["sensor"] = share * own[rig.position] / rig.position_to_si
-    cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
-    search = Search(
-        problem,
-        _elements(case, passing),
-        Levels(sensor, own, _LEAST_JITTER_S),
-        cared,
-        INADEQUACY_TOLERANCE * _usual_torque(case),
-        kernels_at,
-        log,
-    )
-    return Comparison(search, first)
+    if is_open and position is not None:
+        own[position] *= _FOLLOWED  # its noise is at the port: the twin follows it
+    if "sensor" in ports and position is not None:
+        share = 1.0 if is_open else _FAINT
+        sensor["sensor"] = share * own[position] / case.rig.position_to_si
+    return Levels(sensor, own, _LEAST_JITTER_S)
 
 
-def _problem(case: Case) -> Problem:
+def problem_on(case: Case, windows: Sequence[Window]) -> Problem:
+    """State what is compared in some windows of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    windows : sequence of Window
+        In order.
+    """
     records, rig = case.simulations.records, case.rig
-    segments = segments_of(records, case.budget.windows)
+    segments = segments_of(records, windows)
     recorded = tuple(s.read([q.values for q in records[s.record].signals]) for s in segments)
-    nuisances = tuple(nuisance_names(segments, rig.positions, rig.alignments))
+    ranges: dict[str, float] = {}
+    for segment, values in zip(segments, recorded, strict=True):
+        for name, row in zip(segment.names, values, strict=True):
+            ranges[name] = max(ranges.get(name, 0.0), float(np.ptp(row)))
+    resolutions = {
+        name: max(s.resolution for r in records for s in r.signals if s.name == name)
+        for name in ranges
+    }
+    logging = logging_of(segments, ranges, resolutions, rig.positions, rig.alignments)
     shortest = STRETCH_LOOP_TIMES * max(case.setting.excitation.loop_time, TORQUE_TIME)
     rows = sum(s.time.size for s in segments)
     stretch = max(64, int(shortest / segments[0].spacing), rows // _MOST_STRETCHES)
-    return Problem(
-        case.simulations, segments, recorded, rig.positions, rig.alignments, nuisances, stretch
-    )
+    return Problem(case.simulations, segments, recorded, logging, stretch)
 
 
 def _followed(case: Case, problem: Problem, kernels: PortKernels) -> Problem:
@@ -157,16 +227,16 @@ def _first(case: Case, problem: Problem) -> Fitted:
         [y - v for y, v in zip(problem.recorded, values, strict=True)],
         [],
         False,
+        problem.logging.one_sided,
     )
 
 
-def _least_own(case: Case, problem: Problem, name: str) -> float:
+def _least_own(problem: Problem, name: str) -> float:
     """[SI] Noise of a column below which none is looked for."""
-    rounding = max(
-        s.resolution for r in case.simulations.records for s in r.signals if s.name == name
-    )
+    rounding = problem.logging.resolutions[name]
     share = _LEAST_OWN_POSITION if name in problem.positions else _LEAST_OWN
-    return float(max(_LEAST_ROUNDING * rounding / np.sqrt(12.0), share * problem.ranges[name]))
+    least = max(_LEAST_ROUNDING * rounding / np.sqrt(12.0), share * problem.ranges[name])
+    return float(max(least, _LEAST_SI))
 
 
 def _usual_torque(case: Case) -> float:
@@ -176,24 +246,20 @@ def _usual_torque(case: Case) -> float:
     return excitation.torque * excitation.effective_current / excitation.current
 
 
-def _elements(case: Case, passing: Sequence[Candidate]) -> tuple[Element, ...]:
+def _elements(
+    case: Case, effects: Collection[str], passing: Sequence[Candidate], held: Collection[str]
+) -> tuple[Element, ...]:
     excitation = case.setting.excitation
-    reasons = untestable(
-        case.twin.file,
-        excitation,
-        has_inertia=case.setting.inertia is not None,
-        is_open=case.simulations.tracking is not None,
-    )
-    testable = [name for name in CATALOGUE if name not in reasons]
-    found = [*candidates(testable, excitation), *(c for c in passing if c.effect in testable)]
-    effects = [Element(candidate=c) for c in found]
-    return (*effects, *(Element(freed=u) for u in _fixed_parameters(case)))
+    found = [*candidates(effects, excitation), *(c for c in passing if c.effect in effects)]
+    added = [Element(candidate=c.with_nuisances(excitation)) for c in found]
+    return (*added, *(Element(freed=u) for u in _fixed_parameters(case, held)))
 
 
-def _fixed_parameters(case: Case) -> list[Uncertain]:
+def _fixed_parameters(case: Case, held: Collection[str]) -> list[Uncertain]:
     """Real parameters that the twin file holds fixed, and that a small factor may change."""
     file, binding = case.twin.file, case.twin.binding
-    stated = {*file.uncertain, *file.initial, *file.gains}
+    certain = [n for p in file.fixed.names for n in matching(p, binding.parameters)]
+    stated = {*file.uncertain, *file.initial, *file.gains, *certain, *held}
     found = []
     for name, bound in binding.parameters.items():
         variable, value = bound.variable, binding.nominal(name)

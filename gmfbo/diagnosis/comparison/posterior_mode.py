@@ -17,6 +17,7 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 _SETTLED = 0.02  # nats of predicted gain below which a search has ended
+_POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
 
 
@@ -46,6 +47,8 @@ class Fitted:
         Change of the signals per unit of each free quantity and nuisance.
     converged : bool
         Whether the search ended by itself.
+    one_sided : ndarray of bool, shape (q,)
+        Nuisances without a sign.
     """
 
     hypothesis: Hypothesis
@@ -58,6 +61,7 @@ class Fitted:
     residual: list[Array]
     columns: list[Array]
     converged: bool
+    one_sided: NDArray[np.bool_]
 
     @property
     def x(self) -> Array:
@@ -74,6 +78,12 @@ class Fitted:
         """What it adds to the twin: effects, and freed parameters as `parameter:NAME`."""
         effects = {candidate.effect for candidate in self.hypothesis.effects}
         return frozenset(effects | {f"parameter:{name}" for name in self.freed})
+
+    @property
+    def at_zero(self) -> NDArray[np.bool_]:
+        """Nuisances that rest at zero, which is a bound of those without a sign."""
+        at_rest: NDArray[np.bool_] = self.nuisances == 0.0
+        return at_rest & self.one_sided
 
     @property
     def slopes(self) -> Array:
@@ -198,12 +208,7 @@ class ModeSearch:
             return None
         nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
         values = problem.values(runs)
-        residual = [
-            y - s - np.tensordot(nu, d, 1)
-            for y, s, d in zip(
-                problem.recorded, values, problem.nuisance_columns(values), strict=True
-            )
-        ]
+        residual = problem.residual(values, nu)
         return Fitted(
             self._hypothesis.at(x),
             self._freed,
@@ -215,6 +220,7 @@ class ModeSearch:
             residual,
             [],
             False,
+            problem.logging.one_sided,
         )
 
     def _cost(self, at: Fitted) -> float:
@@ -240,7 +246,7 @@ class ModeSearch:
                 found.append([(after - before) / width for after, before in change])
             else:
                 found.append([np.zeros_like(v) for v in at.values])
-        own = problem.nuisance_columns(at.values)
+        own = problem.nuisance_columns(at.values, at.nuisances)
         return [
             np.concatenate([np.reshape([f[s] for f in found], (-1, *d.shape[1:])), d])
             for s, d in enumerate(own)
@@ -255,12 +261,26 @@ class ModeSearch:
         near = 1e-5 * (ends[:, 1] - ends[:, 0])
         free[:p] &= ~((at.u <= ends[:, 0] + near) & (g[:p] < 0.0))
         free[:p] &= ~((at.u >= ends[:, 1] - near) & (g[:p] > 0.0))
+        free[p:] &= ~(at.at_zero & (g[p:] < 0.0))
         step = np.zeros(g.size)
-        inner = a[np.ix_(free, free)]
-        step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), g[free])
-        logs = np.array([q.logarithmic for q in self._priors], dtype=bool)
-        step[:p][logs] = np.clip(step[:p][logs], -_LONGEST_STEP, _LONGEST_STEP)
-        step[:p] = self._inside(at.u + step[:p]) - at.u
+        lowest = np.full(g.size, -np.inf)
+        highest = np.full(g.size, np.inf)
+        lowest[:p], highest[:p] = self._inside(ends[:, 0]) - at.u, self._inside(ends[:, 1]) - at.u
+        lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
+        for _ in range(g.size):
+            inner = a[np.ix_(free, free)]
+            rest = g[free] - a[np.ix_(free, ~free)] @ step[~free]
+            step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), rest)
+            beyond = free & ((step < lowest) | (step > highest))
+            if not beyond.any():
+                break
+            # What meets a bound stops there, and the others make the best of it.
+            step[beyond] = np.clip(step, lowest, highest)[beyond]
+            free &= ~beyond
+        step = np.clip(step, lowest, highest)
+        bent = np.concatenate([[q.logarithmic for q in self._priors], np.ones(at.nuisances.size)])
+        longest = float(np.max(np.abs(step) * bent, initial=0.0))
+        step *= min(1.0, _LONGEST_STEP / longest) if longest else 1.0
         gain = float(g @ step - 0.5 * step @ a @ step)
         return step, gain
 
@@ -284,4 +304,34 @@ class ModeSearch:
 
     def _moved(self, at: Fitted, step: Array) -> Fitted | None:
         p = at.u.size
-        return self._at(self._inside(at.u + step[:p]), at.nuisances + step[p:])
+        nuisances = at.nuisances + step[p:]
+        one_sided = self._problem.logging.one_sided
+        nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
+        moved = self._at(self._inside(at.u + step[:p]), nuisances)
+        return None if moved is None else self._polished(moved)
+
+    def _polished(self, at: Fitted) -> Fitted:
+        """Let the nuisances follow, which asks for no simulation."""
+        problem, one_sided = self._problem, self._problem.logging.one_sided
+        cost = self._cost(at)
+        for _ in range(_POLISHED):
+            a, g = np.eye(at.nuisances.size), -at.nuisances
+            own = problem.nuisance_columns(at.values, at.nuisances)
+            for z, j in zip(self._whitening(at.residual), self._whitening(own), strict=True):
+                flat = j.reshape(j.shape[0], -1)
+                a = a + flat @ flat.T
+                g = g + flat @ z.ravel()
+            free = ~(at.at_zero & (g < 0.0))
+            step = np.zeros(g.size)
+            step[free] = np.linalg.solve(a[np.ix_(free, free)], g[free])
+            nuisances = at.nuisances + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
+            nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
+            residual = problem.residual(at.values, nuisances)
+            tried = replace(at, nuisances=nuisances, residual=residual)
+            after = self._cost(tried)
+            if after >= cost:
+                break
+            gained, at, cost = cost - after, tried, after
+            if gained < _SETTLED:
+                break
+        return at

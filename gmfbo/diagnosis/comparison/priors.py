@@ -113,12 +113,18 @@ def priors_of(hypothesis: Hypothesis, freed: Sequence[str]) -> tuple[Prior, ...]
         limits = candidate.law.bounds(hypothesis.setting.excitation)
         for parameter in candidate.parameters:
             low, high = map(float, limits[parameter.name])
-            made.append(_of_law(low, high))
+            is_line = parameter.name.startswith("wavenumber")
+            made.append(
+                Prior(low, high, False, "uniform", 0.0, 0.0) if is_line else _of_law(low, high)
+            )
     return tuple(made)
 
 
 def _of_law(low: float, high: float) -> Prior:
-    """Sizes are half-Cauchy or Cauchy about zero, times and stiffnesses log-uniform."""
+    """Sizes are half-Cauchy or Cauchy about zero, times and stiffnesses log-uniform.
+
+    Lines are uniform over all that an encoder shows: a search has looked at all of them.
+    """
     if low > 0.0:
         return Prior(low, high, high > _WIDE * low, "uniform", 0.0, 0.0)
     return Prior(low, high, False, "cauchy", 0.0, SIZE_SHARE * max(high, -low))

@@ -9,13 +9,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.nuisance_columns import nuisance_columns
+from gmfbo.diagnosis.comparison.nuisance_columns import Logging
 from gmfbo.diagnosis.comparison.port_kernels import through
 from gmfbo.diagnosis.comparison.segments import Segment
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
-from gmfbo.diagnosis.scoring.nuisances import Alignment
 
 Array = NDArray[np.float64]
 
@@ -32,12 +31,8 @@ class Problem:
         Stretches that are compared.
     recorded : tuple of ndarray, shape (m, n)
         [SI] By segment.
-    positions : frozenset of str
-        Signals in the position's unit.
-    alignments : mapping of str to Alignment
-        Priors of nuisances by signal.
-    nuisances : tuple of (str, str)
-        Kind and signal of each.
+    logging : Logging
+        Errors that the logger may have made.
     stretch_rows : int
         Rows of a stretch, the unit that is weighted in the comparison.
     followed : mapping of str to ndarray, shape (taps,), or None
@@ -50,21 +45,25 @@ class Problem:
     simulations: Simulations
     segments: tuple[Segment, ...]
     recorded: tuple[Array, ...]
-    positions: frozenset[str]
-    alignments: Mapping[str, Alignment]
-    nuisances: tuple[tuple[str, str], ...]
+    logging: Logging
     stretch_rows: int
     followed: Mapping[str, Array] | None = None
     held_inertia: tuple[str, float] | None = None
 
     @property
-    def ranges(self) -> dict[str, float]:
+    def ranges(self) -> Mapping[str, float]:
         """[SI] Of each recorded signal, over all segments."""
-        found: dict[str, float] = {}
-        for segment, values in zip(self.segments, self.recorded, strict=True):
-            for name, row in zip(segment.names, values, strict=True):
-                found[name] = max(found.get(name, 0.0), float(np.ptp(row)))
-        return found
+        return self.logging.ranges
+
+    @property
+    def positions(self) -> frozenset[str]:
+        """Signals in the position's unit."""
+        return self.logging.positions
+
+    @property
+    def nuisances(self) -> tuple[tuple[str, str], ...]:
+        """Kind and signal of each error of the logger."""
+        return self.logging.names
 
     def point(self, hypothesis: Hypothesis, x: Array) -> Point:
         """Where the twin is run for these values of the free quantities, shape (p,).
@@ -87,16 +86,25 @@ class Problem:
         """Signals of simulated recordings on the segments' rows, shape (m, n)."""
         return [segment.read(runs[segment.record].signals) for segment in self.segments]
 
-    def nuisance_columns(self, values: Sequence[Array]) -> list[Array]:
-        """Change of the signals per standard deviation of each nuisance."""
-        made = nuisance_columns(
-            self.nuisances, self.segments, values, self.ranges, self.positions, self.alignments
-        )
-        return (
-            made
-            if self.followed is None
-            else [self._left(s, d) for s, d in zip(self.segments, made, strict=True)]
-        )
+    def residual(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
+        """[SI] Recorded less simulated, as the logger stores it, by segment."""
+        left = []
+        for segment, y, own in zip(self.segments, self.recorded, values, strict=True):
+            change = self.logging.seen(segment, own, nuisances) - own
+            if self.followed is not None:
+                change = self._left(segment, change[None])[0]
+            left.append(y - own - change)
+        return left
+
+    def nuisance_columns(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
+        """Change of the signals per standard deviation of each nuisance, shape (q, m, n)."""
+        made = [
+            self.logging.slopes(segment, own, nuisances)
+            for segment, own in zip(self.segments, values, strict=True)
+        ]
+        if self.followed is None:
+            return made
+        return [self._left(s, d) for s, d in zip(self.segments, made, strict=True)]
 
     def _left(self, segment: Segment, columns: Array) -> Array:
         """What errors of the recorded position leave, since the twin follows them in part."""

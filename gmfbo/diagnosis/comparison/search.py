@@ -12,6 +12,7 @@ from scipy.special import softmax
 
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
+from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
 from gmfbo.diagnosis.comparison.noise_places import Levels, blocks_of, estimated, inadequate
 from gmfbo.diagnosis.comparison.numbers import (
@@ -27,60 +28,14 @@ from gmfbo.physics import CATALOGUE
 
 Array = NDArray[np.float64]
 
-_FIRST_FITS, _LATER_FITS, _FREED_FITS = 6, 3, 4
+_FIRST_FITS, _LATER_FITS, _FREED_FITS, _QUIET_FITS = 6, 3, 4, 3
+_MUCH = 3.0  # times the level about which nobody cares
 _SHARES = (1.0, 0.3, 0.05)  # of a start: a smaller size is nearer to the row without it
 _NO_WORSE = 20.0  # of chi2: what priors may ask for
+_WITHOUT = 4  # points of a fit without one of the best elements: most are far worse
+_LEVELS = 4  # most rounds of levels and rows
 _KEPT = 5  # best rows that are fitted again under new levels
 _COMPARED = 8  # best rows of which each is seen under its own inadequacy
-
-
-@dataclass(frozen=True, eq=False)
-class Ledger:
-    """Fitted hypotheses and the noise under which they compete.
-
-    Attributes
-    ----------
-    rows : mapping of frozenset to Fitted
-        By what they add to the twin.
-    kernels : PortKernels
-        Paths from the ports to the signals.
-    levels : Levels
-        Of noise, and of the inadequacy that all rows share.
-    whitening : Whitening
-        By these levels.
-    """
-
-    rows: dict[frozenset[str], Fitted]
-    kernels: PortKernels
-    levels: Levels
-    whitening: Whitening
-
-
-@dataclass(frozen=True, eq=False)
-class Scored:
-    """Beliefs in the rows of a ledger.
-
-    Attributes
-    ----------
-    elements : tuple of frozenset
-        Of each row.
-    log_evidences : ndarray, shape (n_rows, n_weightings)
-        With the prior of the hypothesis.
-    beliefs : ndarray, shape (n_rows,)
-        Mean over the weightings.
-    sizes : ndarray, shape (n_rows,)
-        [FMU's unit of the torque port] Of the inadequacy beside each row.
-    """
-
-    elements: tuple[frozenset[str], ...]
-    log_evidences: Array
-    beliefs: Array
-    sizes: Array
-
-    @property
-    def best(self) -> frozenset[str]:
-        """Row of the largest belief."""
-        return self.elements[int(np.argmax(self.log_evidences.mean(1)))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,30 +111,54 @@ class Search:
         levels = self.levels_at(base, kernels, levels)
         whitening = self.whitening_at(base, kernels, levels)
         self.log(f"base {base.parameters} {levels}")
-        return Ledger({frozenset(): base}, kernels, levels, whitening)
+        return Ledger({frozenset(): base}, kernels, levels, whitening, levels)
 
     def searched(self, ledger: Ledger) -> tuple[Ledger, Scored]:
         """Best first, until nothing gains."""
         base = ledger.rows[frozenset()]
         found = responses(self.problem, base, self.elements)
+        ledger = replace(ledger, responses=tuple(found))
         moves = ranked(ledger.whitening, base, found)
         self.log("moves " + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:10]))
         effects = [m for m in moves if m.element.candidate is not None][:_FIRST_FITS]
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
         ledger = self._fitted(ledger, base, [*effects, *freed])
         ledger, scored = self._settled(ledger)
+        if self._is_inadequate(ledger):
+            ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
         for _ in range(2 * len(PRIOR_OF_COUNT)):
             before = scored.best
             ledger = self._with_fewer(ledger, before)
             plans = self._next(ledger, scored, found)
             if not plans:
                 break
+            best = ledger.rows[before]
             for about, chosen in plans:
-                ledger = self._fitted(ledger, about, chosen)
+                ledger = self._fitted(ledger, about, chosen, best)
             ledger, scored = self._settled(ledger)
             if scored.best == before:
                 break
         return ledger, self.scored(ledger)
+
+    def _by_noise_alone(self, ledger: Ledger, base: Fitted, found: Sequence[Response]) -> Ledger:
+        """Add the moves that gain most where nothing but noise is forgiven.
+
+        What the twin lacks is first taken for an inadequacy, beside which a law may hardly show.
+        """
+        quiet = ledger.levels.with_ports(**self.cared)
+        alone = replace(ledger, whitening=self.whitening_at(base, ledger.kernels, quiet))
+        moves = ranked(alone.whitening, base, found)[:_QUIET_FITS]
+        rows = dict(ledger.rows)
+        for elements, row in self._fitted(replace(alone, rows={}), base, moves).rows.items():
+            left = _chi(row, alone.whitening)
+            if elements not in rows or left < _chi(rows[elements], alone.whitening):
+                rows[elements] = row
+        return replace(ledger, rows=rows)
+
+    def _is_inadequate(self, ledger: Ledger) -> bool:
+        """Whether the best row leaves more than anybody cares about."""
+        level = ledger.levels.ports.get("torque", 0.0)
+        return "torque" in self.cared and level > self.tolerance
 
     def _next(
         self, ledger: Ledger, scored: Scored, found: Sequence[Response]
@@ -202,9 +181,18 @@ class Search:
             limits = {n for e in best.elements if e in CATALOGUE for n in CATALOGUE[e].contains}
             chosen += [m for m in fitting if m.element.name in limits and m not in chosen]
             chosen = [m for m in chosen if about.elements | {m.element.name} not in ledger.rows]
+            if about is not best:
+                chosen = [self._as_fitted_alone(ledger, m) for m in chosen]
             if chosen:
                 plans.append((about, chosen))
         return plans
+
+    def _as_fitted_alone(self, ledger: Ledger, move: Move) -> Move:
+        """The move from where its effect alone fits best, where that is known."""
+        row = ledger.rows.get(frozenset({move.element.name}))
+        if row is None or not row.hypothesis.effects:
+            return move
+        return replace(move, element=replace(move.element, candidate=row.hypothesis.effects[0]))
 
     def _with_fewer(self, ledger: Ledger, elements: frozenset[str]) -> Ledger:
         """Rows that lack one element of a row, those that were not fitted before too."""
@@ -227,24 +215,36 @@ class Search:
             setting = replace(setting, uncertain=kept)
         hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
         search = ModeSearch(self.problem, ledger.whitening, hypothesis, freed)
-        return search.fitted(row.parameters, row.nuisances)
+        return search.fitted(row.parameters, row.nuisances, iterations=_WITHOUT)
 
-    def _fitted(self, ledger: Ledger, about: Fitted, moves: Sequence[Move]) -> Ledger:
+    def _fitted(
+        self,
+        ledger: Ledger,
+        about: Fitted,
+        moves: Sequence[Move],
+        best: Fitted | None = None,
+    ) -> Ledger:
+        """Fit moves from a row; what it shares with the best one starts at the values there."""
         rows = dict(ledger.rows)
         for move in moves:
             freed = about.freed
             if move.element.freed is not None:
                 freed = (*freed, move.element.freed.name)
-            found = self._no_worse(ledger, about, move.element, freed)
+            near = about if best is None else _with_values_of(about, best)
+            found = self._no_worse(ledger, near, move.element, freed, _chi(about, ledger.whitening))
             if found is not None:
                 rows[found.elements] = found
         return replace(ledger, rows=rows)
 
     def _no_worse(
-        self, ledger: Ledger, about: Fitted, element: Element, freed: tuple[str, ...]
+        self,
+        ledger: Ledger,
+        about: Fitted,
+        element: Element,
+        freed: tuple[str, ...],
+        before: float,
     ) -> Fitted | None:
         """Fit of one element more that leaves no more than the row without it; else None."""
-        before = _chi(about, ledger.whitening)
         for share in _SHARES:
             tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
             hypothesis = tried.added_to(about.hypothesis)
@@ -258,17 +258,31 @@ class Search:
 
     def _settled(self, ledger: Ledger) -> tuple[Ledger, Scored]:
         """Levels at the best row, the best rows fitted again under them."""
-        for _ in range(2):
+        for _ in range(_LEVELS):
             leading = self._leading(ledger)
-            best = ledger.rows[leading]
-            kernels = self.kernels_at(best)
-            levels = self.levels_at(best, kernels, ledger.levels)
-            whitening = self.whitening_at(best, kernels, levels)
-            ledger = Ledger(dict(ledger.rows), kernels, levels, whitening)
-            ledger, scored = self._current(ledger, {frozenset(), leading})
+            ledger = self._levelled(ledger, leading)
+            ledger, scored = self._current(ledger, {leading})
             if scored.best == leading:
                 break
         return ledger, scored
+
+    def _levelled(self, ledger: Ledger, leading: frozenset[str]) -> Ledger:
+        """Levels and one row, fitted in turn until the levels stay.
+
+        What a law leaves is taken for an inadequacy at first, under which it is fitted loosely.
+        """
+        row, kernels = ledger.rows[leading], self.kernels_at(ledger.rows[leading])
+        for _ in range(_LEVELS):
+            before = ledger.levels
+            levels = self.levels_at(row, kernels, before)
+            whitening = self.whitening_at(row, kernels, levels)
+            ledger = replace(ledger, kernels=kernels, levels=levels, whitening=whitening)
+            row = ModeSearch(self.problem, whitening, row.hypothesis, row.freed).again(row)
+            ledger = replace(ledger, rows={**ledger.rows, leading: row})
+            fallen = [before.ports[p] / levels.ports[p] for p in self.cared if p in levels.ports]
+            if max(fallen, default=1.0) < _MUCH:
+                break
+        return ledger
 
     def _current(self, ledger: Ledger, asked: set[frozenset[str]]) -> tuple[Ledger, Scored]:
         """Fit rows again under the ledger's whitening until the best of them all are."""
@@ -317,13 +331,14 @@ class Search:
                 n = len(inner.squares)
                 weights = weightings(n) if weighted else np.ones((1, n))
             own, size = with_inadequacy(row, inner, weights, bumps[0].shape[0], self.tolerance)
-            logs.append(own + self._prior(row.elements))
+            logs.append(own + self.log_prior(row.elements))
             sizes.append(float(size.mean()))
         table = np.stack(logs)
         beliefs = softmax(table, axis=0).mean(1)
         return Scored(tuple(ledger.rows), table, beliefs, np.array(sizes))
 
-    def _prior(self, elements: frozenset[str]) -> float:
+    def log_prior(self, elements: frozenset[str]) -> float:
+        """[nats] Of a hypothesis, by what it adds to the twin."""
         effects = len({e.name for e in self.elements if e.candidate is not None})
         fixed = len({e.name for e in self.elements if e.freed is not None})
         total = log(PRIOR_OF_COUNT[len(elements)]) + log(factorial(len(elements)))
@@ -333,6 +348,18 @@ class Search:
             else:
                 total += log((1.0 - (FIXED_SHARE if fixed else 0.0)) / effects)
         return total
+
+
+def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
+    """A row with its effects, parameters and nuisances at the values of a larger one."""
+    known = {c.effect: c for c in best.hypothesis.effects}
+    effects = tuple(known.get(c.effect, c) for c in row.hypothesis.effects)
+    hypothesis = replace(row.hypothesis, effects=effects)
+    x = hypothesis.start({**row.parameters, **best.parameters})
+    if not x.size:
+        return row
+    u = np.array([p.to_u(float(v)) for p, v in zip(row.priors, x, strict=True)])
+    return replace(row, hypothesis=hypothesis, u=u, nuisances=best.nuisances)
 
 
 def _one_holds_the_other(name: str, elements: frozenset[str]) -> bool:

@@ -15,7 +15,7 @@ from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.twin import FmuTwin
-from gmfbo.sources.twin.uncertain import uncertain_of
+from gmfbo.sources.twin.uncertain import Uncertain, uncertain_of
 
 
 def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -> Fitted:
@@ -41,7 +41,16 @@ def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -
         for name in explanation.effects
         if any(key.startswith(f"{name}.") for key in explanation.physics)
     )
-    hypothesis = Hypothesis(replace(setting, uncertain=uncertain_of(twin)), effects)
+    uncertain = uncertain_of(twin)
+    known = {u.name for u in uncertain}
+    freed = [
+        Uncertain(
+            name, twin.nominal(name), min(value, twin.nominal(name)), max(value, twin.nominal(name))
+        )
+        for name, value in explanation.parameters.items()
+        if name not in known
+    ]
+    hypothesis = Hypothesis(replace(setting, uncertain=(*uncertain, *freed)), effects)
     values = [explanation.parameters.get(u.name, u.nominal) for u in hypothesis.setting.uncertain]
     for candidate in effects:
         values += [candidate.values[p.name] for p in candidate.parameters]
@@ -57,10 +66,10 @@ def check_known(explanation: Explanation, twin: FmuTwin) -> None:
         A parameter or an effect is unknown here.
     """
     for name in explanation.parameters:
-        if name not in twin.file.uncertain:
+        if name not in twin.binding.parameters:
             raise InputError(
-                f"the diagnosis is of another twin than {twin.name}: expected '{name}' under "
-                "[uncertain]; give the twin file that was diagnosed"
+                f"the diagnosis is of another twin than {twin.name}: expected a parameter "
+                f"'{name}'; give the twin file that was diagnosed"
             )
     for name in explanation.effects:
         if name not in CATALOGUE:

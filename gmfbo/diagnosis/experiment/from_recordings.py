@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
@@ -22,6 +22,7 @@ from gmfbo.diagnosis.experiment.menu_runs import (
 )
 from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
 from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.naming.open_explanations import name_of
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
 from gmfbo.physics import CATALOGUE, Excitation, States
@@ -56,7 +57,7 @@ def propose(
     if reference is None or len(rivals) < 2:
         return None
     menu = make_menu(case, rivals[0], reference)
-    names = rival_names(rivals)
+    names = rival_names(rivals, {u.name for u in case.setting.uncertain})
     with playing(case, menu):
         played = [play(case, rival) for rival in rivals] if menu.entries else []
         runs = {n: p for n, p in zip(names, played, strict=False) if p is not None}
@@ -118,12 +119,19 @@ def propose_for(
     return NextExperiment(_write(menu, best, folder), tuple(shown[best]), 0.0, 0.0, {}, why)
 
 
-def rival_names(rivals: Sequence[Fitted]) -> list[str]:
-    """Name of each rival: its effects, or `parameters` where it has none; each name once."""
+def rival_names(rivals: Sequence[Fitted], uncertain: Collection[str]) -> list[str]:
+    """Name of each rival: what it adds to the refitted twin, or `parameters`; each name once.
+
+    Parameters
+    ----------
+    rivals : sequence of Fitted
+        Fits to the same recordings.
+    uncertain : collection of str
+        Parameters that all of them refit.
+    """
     names: list[str] = []
     for rival in rivals:
-        effects = [candidate.effect for candidate in rival.hypothesis.effects]
-        name = " + ".join(effects) or "parameters"
+        name = name_of(rival, uncertain)
         alike = sum(other.partition(" (")[0] == name for other in names)
         names.append(f"{name} ({alike + 1})" if alike else name)
     return names

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
 from gmfbo.diagnosis.checking.showable_sizes import Excited, showable_sizes
+from gmfbo.diagnosis.comparison.numbers import TOLD_APART
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.explained_twin import fitted_as_saved, points_of
 from gmfbo.diagnosis.experiment.menu_runs import Menu, Played, play, playing, whitener_of
@@ -23,7 +24,6 @@ from gmfbo.diagnosis.experiment.played_input import played_input
 from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
 from gmfbo.diagnosis.experiment.reference_menu import MenuEntry
 from gmfbo.diagnosis.experiment.safe_player import Peaks, SafePlayer
-from gmfbo.diagnosis.naming.threshold import LEAST_THRESHOLD
 from gmfbo.diagnosis.result.named_effect import DetectableSize
 from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation
 from gmfbo.diagnosis.runs.scored_record import scored_record
@@ -199,7 +199,7 @@ class _Choice:
         self.progress = progress
         named = [e for e in explanations if e.name != PARAMETERS_ONLY]
         self.rivals = tuple(named) if len(named) > 1 else ()
-        self.threshold = LEAST_THRESHOLD
+        self.threshold = TOLD_APART
         if diagnosis is not None and diagnosis.predictions is not None:
             self.threshold = max(self.threshold, diagnosis.predictions.threshold)
         self.excited = showable_sizes(

@@ -52,7 +52,8 @@ class Candidate:
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:
         """Fitted parameters; of an effect with several lines, those of the lines it starts with."""
-        return tuple(p for p in self.law.parameters if p.name in self.values)
+        law = self.law
+        return tuple(p for p in (*law.parameters, *law.own_nuisances) if p.name in self.values)
 
     @property
     def searched(self) -> int:
@@ -60,6 +61,12 @@ class Candidate:
         return max(
             sum(p.name.startswith("wavenumber_") for p in self.parameters), self.law.is_searched
         )
+
+    def with_nuisances(self, excitation: Excitation) -> Candidate:
+        """Return the same effect with its own nuisances among its values, at their usual ones."""
+        usual = self.law.fixed(excitation)
+        own = {p.name: usual[p.name] for p in self.law.own_nuisances}
+        return replace(self, values={**own, **self.values})
 
     def with_values(self, values: Mapping[str, float]) -> Candidate:
         """Return the same effect at other values."""

@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.fitting.linear_left_out import normal_equations
 from gmfbo.diagnosis.fitting.range_ends import ends_reached
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.sources.twin.twin import FmuTwin
 
-_DRAWS = 400
 _SEEN = 0.15  # of a parameter's scale: a smaller standard deviation counts as identifiable
 _UNSEEN_DIRECTION = 1e-6  # of the largest squared singular value
 _UNEVEN = 0.1  # by which two powers of a combination may differ
@@ -37,30 +35,6 @@ class Spread:
     high: NDArray[np.float64]
 
 
-def spread_of(fitted: Fitted, rng: np.random.Generator) -> Spread:
-    """Intervals by a bootstrap over the windows, no narrower than the noise allows."""
-    groups = list(range(len(fitted.residual)))
-    normal = normal_equations(fitted.residual, fitted.sensitivity, groups, fitted.prior)
-    n, count = fitted.x.size, len(groups)
-    if not n:
-        empty = np.zeros(0)
-        return Spread(empty, empty, empty)
-    whole = normal.matrix.sum(axis=0) + np.diag(fitted.prior)
-    spread = max(1.0, float(normal.square.sum()) / max(1, sum(r.size for r in fitted.residual)))
-    deviation = np.sqrt(np.diag(np.linalg.pinv(whole, hermitian=True)) * spread)
-    changes = []
-    for _ in range(_DRAWS if count > 2 else 0):
-        drawn = rng.integers(0, count, count)
-        matrix = normal.matrix[drawn].sum(axis=0) + np.diag(fitted.prior)
-        changes.append(np.linalg.solve(matrix, normal.vector[drawn].sum(axis=0)))
-    half = 1.96 * deviation
-    if changes:
-        # About the fit itself: resampling moves the estimate, not the truth.
-        ends = np.quantile(np.abs(np.array(changes) - np.mean(changes, axis=0)), 0.95, axis=0)
-        half = np.maximum(half, ends)
-    return Spread(np.maximum(deviation, half / 1.96), fitted.x - half, fitted.x + half)
-
-
 def estimated(
     fitted: Fitted, spread: Spread, twin: FmuTwin, ranges: Mapping[str, tuple[float, float]]
 ) -> dict[str, EstimatedParameter]:
@@ -80,18 +54,20 @@ def estimated(
     found = {}
     ends, hidden = ends_reached(fitted, ranges), _hidden_in_combinations(fitted)
     for i, uncertain in enumerate(fitted.hypothesis.setting.uncertain):
+        if uncertain.name not in ranges:
+            found[uncertain.name] = _freed(fitted, spread, twin, i)
+            continue
         name, width = uncertain.name, uncertain.high - uncertain.low
         size = max(abs(uncertain.nominal), 0.3 * width)
         seen = name not in hidden and bool(spread.deviation[i] < _SEEN * size)
         value = float(fitted.x[i]) if seen else uncertain.nominal
-        half = float(spread.high[i] - fitted.x[i])
         at = ends.get(name) if seen else None
         found[name] = EstimatedParameter(
             nominal=uncertain.nominal,
             value=value,
             unit=twin.binding.variables[name].variable.si_unit or "1",
-            low=max(uncertain.low, value - half) if seen else uncertain.low,
-            high=min(uncertain.high, value + half) if seen else uncertain.high,
+            low=max(uncertain.low, float(spread.low[i])) if seen else uncertain.low,
+            high=min(uncertain.high, float(spread.high[i])) if seen else uncertain.high,
             identifiable=seen,
             at_bound=at,
             bound=np.nan if at is None else ranges[name][at == "high"],
@@ -100,7 +76,21 @@ def estimated(
     return found
 
 
-def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
+def _freed(fitted: Fitted, spread: Spread, twin: FmuTwin, place: int) -> EstimatedParameter:
+    """Estimate of a parameter that the twin file holds fixed."""
+    name = fitted.hypothesis.setting.uncertain[place].name
+    return EstimatedParameter(
+        nominal=twin.nominal(name),
+        value=float(fitted.x[place]),
+        unit=twin.binding.variables[name].variable.si_unit or "1",
+        low=float(spread.low[place]),
+        high=float(spread.high[place]),
+        stated=twin.place_of("parameters", name),
+        fixed=True,
+    )
+
+
+def combinations_of(fitted: Fitted) -> tuple[Combination, ...]:
     """Identifiable ratios of parameters that trade off against each other.
 
     Along an unseen direction n of the logarithms, ln p_i / n_i - ln p_k / n_k stays the same:
@@ -110,8 +100,6 @@ def combinations_of(fitted: Fitted, spread: Spread) -> tuple[Combination, ...]:
     ----------
     fitted : Fitted
         Best model.
-    spread : Spread
-        Of the same fit.
     """
     uncertain = fitted.hypothesis.setting.uncertain
     found = []

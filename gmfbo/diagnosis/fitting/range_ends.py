@@ -27,6 +27,8 @@ def ends_reached(fitted: Fitted, ranges: Mapping[str, tuple[float, float]]) -> d
     """
     found: dict[str, Side] = {}
     for i, uncertain in enumerate(fitted.hypothesis.setting.uncertain):
+        if uncertain.name not in ranges:
+            continue  # freed by a hypothesis
         low, high = ranges[uncertain.name]
         step = _own_step(fitted, i)
         for side, outside, outward in (

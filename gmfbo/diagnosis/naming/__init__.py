@@ -1,6 +1,5 @@
-"""Name the missing effects, each confirmed on stretches left out of its fit.
+"""Name the missing effects by what the comparison of hypotheses says.
 
-`forward_selection.decide` makes the `decision.Decision`, `probability.probability` tells how far
-it can be trusted, and `withdrawn_names` takes back names that later evidence contradicts.
-`decision_told.named_effects` and `open_explanations.predictions_of` put it into the result.
+`decided_by_score.decide` makes the `decision.Decision`. `decision_told.named_effects`,
+`alignment_told.alignments` and `open_explanations.predictions_of` put it into the result.
 """

@@ -16,9 +16,9 @@ from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.result.estimated import Alignment
 from gmfbo.diagnosis.runs.scored_record import ScoredSignal
 from gmfbo.diagnosis.scoring.covariances import whiteners
+from gmfbo.diagnosis.scoring.long_run_covariance import long_run_covariance
 from gmfbo.diagnosis.scoring.nuisances import OFFSET, SHIFT_SHARE, Direction
 from gmfbo.diagnosis.screening.testable_effects import candidates
-from gmfbo.diagnosis.validating.reference_tests import long_run_covariance
 
 Array = NDArray[np.float64]
 

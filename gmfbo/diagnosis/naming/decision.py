@@ -2,186 +2,130 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
+from gmfbo.diagnosis.comparison.moves import Shown
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
+from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
-from gmfbo.diagnosis.fitting.misfit import Misfit
-from gmfbo.diagnosis.screening.probes import Probe, Screened
+from gmfbo.diagnosis.result.named_effect import RivalShare
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """An effect that was fitted, and what it gains on what the fit has not seen.
+    """One of the explanations that share a place.
 
     Attributes
     ----------
+    name : str
+        An effect, or `parameter:NAME`.
     fitted : Fitted
-        The model with the effect as its last.
-    gains : ndarray, shape (n_groups,)
-        Fall of chi2 in each group that was left out.
-    signature : ndarray, shape (n_groups,)
-        Square of the change that the effect makes in each group.
-    chi2 : float
-        Of the fit to all.
+        The twin with it, and with all else that was decided.
     """
 
+    name: str
     fitted: Fitted
-    gains: NDArray[np.float64]
-    signature: NDArray[np.float64]
-    chi2: float
 
     @property
     def effect(self) -> Candidate:
-        """The effect, at its fitted values."""
-        return self.fitted.hypothesis.effects[-1]
-
-    @property
-    def name(self) -> str:
-        """Its name in the catalogue."""
-        return self.effect.effect
-
-    @property
-    def gain(self) -> float:
-        """Fall of chi2 on what was left out, over all groups."""
-        return float(self.gains.sum())
-
-    def measured_by(self, misfit: Misfit) -> Evidence:
-        """Return the same with its fit measured by another budget; its gain stays."""
-        fitted = self.fitted.measured_by(misfit)
-        return replace(self, fitted=fitted, chi2=fitted.chi2)
+        """The effect at its fitted values; a parameter has none."""
+        return next(c for c in self.fitted.hypothesis.effects if c.effect == self.name)
 
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One effect accepted, and what competed with it.
+    """One effect accepted, and what cannot be told from it.
 
     Attributes
     ----------
     winner : Evidence
-        What was accepted.
+        What is believed most.
     rivals : tuple of Evidence
-        Effects that explain the recordings as well.
-    fitted : tuple of Evidence
-        All effects that were fitted in this round.
-    needed : float
-        Gain that was asked for.
-    margin : float
-        Gain that a law has to have over its limit.
+        What explains the recordings as well.
+    probability : float
+        That one of them is at work.
+    shares : tuple of RivalShare
+        The parts of that, where there are rivals.
+    gain : float
+        [nats] Log odds against the best hypothesis without any of them.
+    per_recording : mapping of str to float
+        What of the whitened square falls in each recording.
     """
 
     winner: Evidence
     rivals: tuple[Evidence, ...]
-    fitted: tuple[Evidence, ...]
-    needed: float
-    margin: float
+    probability: float
+    shares: tuple[RivalShare, ...]
+    gain: float
+    per_recording: Mapping[str, float]
 
-    def measured_by(self, misfit: Misfit) -> Round:
-        """Return the same with all fits measured by another budget."""
-        return replace(
-            self,
-            winner=self.winner.measured_by(misfit),
-            rivals=tuple(entry.measured_by(misfit) for entry in self.rivals),
-            fitted=tuple(entry.measured_by(misfit) for entry in self.fitted),
-        )
-
-
-def model_after(rounds: Sequence[Round], base: Fitted) -> Fitted:
-    """The twin with what was accepted in some rounds.
-
-    Parameters
-    ----------
-    rounds : sequence of Round
-        In the order of their discovery.
-    base : Fitted
-        The twin without effects.
-    """
-    return rounds[-1].winner.fitted if rounds else base
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The set, the most believed first."""
+        return (self.winner.name, *(rival.name for rival in self.rivals))
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
-    """A first effect judged again, beside what was found after it.
-
-    Alone, what is missing beside it speaks against it.
+class Compared:
+    """The comparison that a decision rests on.
 
     Attributes
     ----------
-    without : Fitted
-        The twin with all effects but this one.
-    entry : Round
-        The effect, and the laws of its family that were fitted in its place.
+    search : Search
+        The problem, and what competed.
+    ledger : Ledger
+        Fitted hypotheses.
+    scored : Scored
+        Their beliefs.
     """
 
-    without: Fitted
-    entry: Round
-
-    def measured_by(self, misfit: Misfit) -> Beside:
-        """Return the same with all fits measured by another budget."""
-        return Beside(self.without.measured_by(misfit), self.entry.measured_by(misfit))
+    search: Search
+    ledger: Ledger
+    scored: Scored
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Decision:
-    """What was accepted, in the order of its discovery.
+    """What was accepted.
 
     Attributes
     ----------
-    rounds : list of Round
-        One for each accepted effect.
+    rounds : tuple of Round
+        One for each accepted effect, those with the largest gain first.
+    freed : mapping of str to float
+        Fixed parameters of the twin that the recordings contradict, and the probability of each.
     model : Fitted
-        The twin with all accepted effects.
-    tried : list of Probe
-        The whole library and its grids.
-    like_parameters : dict of str to str
-        Effects that were left out, and why: mostly a parameter of the twin does the same.
-    screened : list of Screened
-        What each probe explains of what the parameters leave.
+        The twin with all of this.
+    row : Row
+        The same in the comparison.
+    base : Row
+        The twin with its uncertain parameters refitted.
     threshold : float
-        Gain that chance gives once in a hundred times.
-    groups : tuple of int
-        Group of each window; whole groups are left out together.
-    refused : list of Evidence
-        Effects of the last round, of which none was accepted.
-    dispersion : float
-        chi2 per degree of freedom that the best model left by the budget alone, at least 1.
-    left : float
-        The same as it was: below 1 where the budget of noise is generous.
-    silent : frozenset of str
-        Effects that were not excited and cannot be named.
-    in_doubt : Evidence or None
-        One of them that explains as much as the best that could have been named.
-    too_small : Evidence or None
-        An effect below its floor that explains more than any that could have been named.
-    unsettled : Evidence or None
-        What passed in the first moments and explains more than any that could have been named.
-    disputed : Evidence or None
-        An effect against which some recordings speak, and which yet gains far more than any that
-        could have been named: something acts that is like it, and is not it.
-    beside_rest : Beside or None
-        The first effect and its family, judged beside what was found after it.
-    contradicted : bool
-        Names that were beyond doubt in the fitted recordings failed on the held-out ones.
+        [nats] Log odds of what is believed at 0.95.
+    shown : tuple of Shown
+        How well each effect at its start would have been seen.
+    like_parameters : mapping of str to str
+        Effects that cannot be told, and why: mostly a parameter of the twin does the same.
+    share : float or None
+        Of what the refitted twin leaves beyond noise, explained; None where it leaves no more.
+    is_outside : bool
+        Something acts that no law of the library explains for the most part.
+    notes : tuple of str
+        Why what explains the recordings is not named.
     """
 
-    rounds: list[Round] = field(default_factory=list)
-    model: Fitted | None = None
-    tried: list[Probe] = field(default_factory=list)
-    like_parameters: dict[str, str] = field(default_factory=dict)
-    screened: list[Screened] = field(default_factory=list)
-    threshold: float = np.inf
-    groups: tuple[int, ...] = ()
-    refused: list[Evidence] = field(default_factory=list)
-    dispersion: float = 1.0
-    left: float = np.inf
-    silent: frozenset[str] = frozenset()
-    in_doubt: Evidence | None = None
-    too_small: Evidence | None = None
-    unsettled: Evidence | None = None
-    disputed: Evidence | None = None
-    beside_rest: Beside | None = None
-    contradicted: bool = False
+    rounds: tuple[Round, ...]
+    freed: Mapping[str, float]
+    model: Fitted
+    row: Row
+    base: Row
+    threshold: float
+    shown: tuple[Shown, ...]
+    like_parameters: Mapping[str, str]
+    share: float | None
+    is_outside: bool
+    compared: Compared
+    notes: tuple[str, ...] = field(default=())

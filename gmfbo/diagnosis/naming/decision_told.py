@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.comparison.moves import Shown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.intervals import Spread
-from gmfbo.diagnosis.naming.decision import Decision, Round
+from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.diagnosis.result.certainty import statement_of
 from gmfbo.diagnosis.result.named_effect import (
@@ -19,9 +20,8 @@ from gmfbo.diagnosis.result.named_effect import (
     IdentifiedValue,
     NamedEffect,
     NotTestable,
-    RivalShare,
 )
-from gmfbo.physics import CATALOGUE, Units
+from gmfbo.physics import CATALOGUE, Excitation, Units
 from gmfbo.sources.binding.augmented_binding import PORT_OUTPUTS
 
 if TYPE_CHECKING:
@@ -51,113 +51,101 @@ def units_of(case: Case) -> Units:
 
 
 def named_effects(
-    case: Case,
-    decision: Decision,
-    augmented: Fitted,
-    spread: Spread,
-    probabilities: Mapping[str, float],
-    units: Units,
+    decision: Decision, augmented: Fitted, spread: Spread, units: Units
 ) -> tuple[NamedEffect, ...]:
     """Accepted effects at the values that the held-out recordings were scored with.
 
     Parameters
     ----------
-    case : Case
-        Twin and recordings.
     decision : Decision
         What was accepted.
     augmented : Fitted
         Fit to the recordings that were not held out.
     spread : Spread
         Of that fit.
-    probabilities : mapping of str to float
-        By effect.
     units : Units
         Of the twin.
     """
-    rounds = {r.winner.name: r for r in decision.rounds}
-    named = []
-    place = len(case.setting.uncertain)
+    place = len(augmented.hypothesis.setting.uncertain)
+    identified: dict[str, dict[str, IdentifiedValue]] = {}
     for candidate in augmented.hypothesis.effects:
-        law, found = candidate.law, rounds[candidate.effect]
-        values = {**candidate.more, **candidate.values}
-        identified = {}
+        own = identified.setdefault(candidate.effect, {})
         for i, parameter in enumerate(candidate.parameters, start=place):
-            identified[parameter.name] = IdentifiedValue(
-                float(augmented.x[i]),
-                units.resolve(parameter.unit),
-                float(spread.low[i]),
-                float(spread.high[i]),
-            )
+            if parameter not in candidate.law.own_nuisances:
+                own[parameter.name] = IdentifiedValue(
+                    float(augmented.x[i]),
+                    units.resolve(parameter.unit),
+                    float(spread.low[i]),
+                    float(spread.high[i]),
+                )
         place += len(candidate.parameters)
-        rivals, probability = tuple(r.name for r in found.rivals), probabilities[law.name]
+    at = {c.effect: {**c.more, **c.values} for c in augmented.hypothesis.effects}
+    named = []
+    for found in decision.rounds:
+        name, law = found.winner.name, CATALOGUE[found.winner.name]
+        fact = law.statement(at[name], units, units.place)
         named.append(
             NamedEffect(
-                name=law.name,
+                name=name,
                 port=law.port,
-                probability=probability,
-                statement=statement_of(
-                    law.statement(values, units, units.place), (law.name, *rivals), probability
-                ),
+                probability=found.probability,
+                statement=statement_of(fact, found.names, found.probability),
                 equation=law.equation,
-                parameters=identified,
-                evidence=found.winner.gain,
-                threshold=found.needed,
-                evidence_per_recording=_per_recording(case, found),
-                indistinguishable_from=rivals,
-                rivals=_rival_shares(found, probability),
+                parameters=identified[name],
+                evidence=found.gain,
+                threshold=decision.threshold,
+                evidence_per_recording=found.per_recording,
+                indistinguishable_from=found.names[1:],
+                rivals=found.shares,
             )
         )
-    return tuple(sorted(named, key=lambda effect: -effect.evidence))
-
-
-def _rival_shares(found: Round, probability: float) -> tuple[RivalShare, ...]:
-    """Divide a probability among its sharers, by Akaike weights (Burnham, Anderson 2002)."""
-    if not found.rivals:
-        return ()
-    alike = (found.winner, *found.rivals)
-    criterion = np.array([e.chi2 + 2.0 * e.fitted.x.size for e in alike])
-    weights = np.exp(-0.5 * (criterion - criterion.min()))
-    shares = probability * weights / weights.sum()
-    return tuple(RivalShare(e.name, float(p)) for e, p in zip(alike, shares, strict=True))
-
-
-def _per_recording(case: Case, found: Round) -> dict[str, float]:
-    total: dict[str, float] = {}
-    for window, gain in zip(case.budget.windows, found.winner.gains, strict=True):
-        name = case.simulations.records[window.record].name
-        total[name] = total.get(name, 0.0) + float(gain)
-    return total
+    return tuple(named)
 
 
 def detectable_sizes(
-    case: Case, decision: Decision, named: Sequence[str], units: Units
+    shown: Sequence[Shown],
+    threshold: float,
+    excitation: Excitation,
+    named: Collection[str],
+    units: Units,
 ) -> dict[str, DetectableSize]:
-    """Smallest size of each effect not named that would have gained the threshold."""
+    """Smallest size of each effect not named that would have gained the threshold.
+
+    Parameters
+    ----------
+    shown : sequence of Shown
+        How well each effect at its start is seen.
+    threshold : float
+        Whitened square from which an effect is named.
+    excitation : Excitation
+        By the recordings.
+    named : collection of str
+        Effects that are left out.
+    units : Units
+        Of the twin.
+    """
     sizes: dict[str, DetectableSize] = {}
-    excitation = case.setting.excitation
-    for entry in decision.screened:
-        candidate = entry.probe.candidate
-        law = candidate.law
-        if law.name in named or entry.information <= 0.0 or candidate.searched > 1:
+    for entry in shown:
+        candidate = entry.element.candidate
+        if candidate is None or candidate.effect in named or entry.information <= 0.0:
+            continue
+        if candidate.searched > 1:
             continue  # several lines together show at a smaller size than any of them
-        at_probe = entry.probe.scaled(np.ones(len(entry.probe.columns)))
-        size = law.size({**at_probe.more, **at_probe.values}, excitation)
-        smallest = size * float(np.sqrt(decision.threshold / entry.information))
-        if not all(entry.probe.amplitudes):
-            smallest = size  # a limit shows whole or not at all
+        law = candidate.law
+        smallest = law.size({**candidate.more, **candidate.values}, excitation)
+        if any(low <= 0.0 for low, _ in law.bounds(excitation).values()):
+            smallest *= float(np.sqrt(threshold / entry.information))
+        # Else a limit, which shows whole or not at all.
         smallest = max(smallest, law.floor(excitation))
         if law.name not in sizes or smallest < sizes[law.name].size:
             sizes[law.name] = DetectableSize(law.size_name, smallest, units.resolve(law.size_unit))
     return {name: sizes[name] for name in CATALOGUE if name in sizes}
 
 
-def not_testable(
-    case: Case, reasons: Mapping[str, str], decision: Decision
-) -> tuple[NotTestable, ...]:
+def not_testable(reasons: Mapping[str, str], decision: Decision) -> tuple[NotTestable, ...]:
     """Effects on which nothing can be said, in the catalogue's order."""
     entries = []
-    named = {entry.winner.name for entry in decision.rounds}
+    named = {name for entry in decision.rounds for name in entry.names}
     for name in CATALOGUE:
         if name in named:
             continue
@@ -218,5 +206,5 @@ def _exposed(
             f"{parameter.words}: {law.equation}",
         )
         for parameter in candidate.parameters
-        if law.port in PORT_OUTPUTS
+        if law.port in PORT_OUTPUTS and parameter not in law.own_nuisances
     ]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case, chi2_per_dof
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.comparison.numbers import TOLD_APART
+from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation, Predictions, Span
@@ -31,45 +31,38 @@ def predictions_of(case: Case, decision: Decision, augmented: Fitted, units: Uni
         Of the twin.
     """
     plain = case.plain
+    certain = {u.name for u in case.setting.uncertain}
     fits = {}
-    if augmented.hypothesis.effects:
-        fits[_name(augmented)] = augmented
-    for rival in _rivals(case, decision):
-        fits.setdefault(_name(rival), rival)
+    if augmented.hypothesis.effects or decision.freed:
+        fits[name_of(augmented, certain)] = augmented
+    for rival in (rival for entry in decision.rounds for rival in entry.rivals):
+        fits.setdefault(name_of(rival.fitted, certain), rival.fitted)
     fits.setdefault(PARAMETERS_ONLY, case.base)
     return Predictions(
         explanations=tuple(
             _explanation(name, fitted, chi2_per_dof(fitted.measured_by(plain), plain))
             for name, fitted in fits.items()
         ),
-        threshold=float(decision.threshold),
+        threshold=TOLD_APART,
         noise={name: level.total for name, level in case.noise.items()},
         spans=_spans(case, units),
         new_rows=tuple(sorted(case.simulations.new_rows)),
     )
 
 
-def _name(fitted: Fitted) -> str:
-    return " + ".join(c.effect for c in fitted.hypothesis.effects) or PARAMETERS_ONLY
+def name_of(fitted: Fitted, uncertain: Collection[str]) -> str:
+    """Effects and freed parameters of a fit, joined by " + ".
 
-
-def _rivals(case: Case, decision: Decision) -> list[Fitted]:
-    """Fits in which a rival stands in the place of the effect that was named."""
-    found = []
-    for place, entry in enumerate(decision.rounds):
-        for rival in entry.rivals:
-            if place == len(decision.rounds) - 1:
-                found.append(rival.fitted)
-                continue
-            # What was named later was fitted beside the winner; beside the rival it is fitted here.
-            assert decision.model is not None
-            effects = list(decision.model.hypothesis.effects)
-            effects[place] = rival.effect
-            hypothesis = replace(decision.model.hypothesis, effects=tuple(effects))
-            fitted = fit(case.misfit, hypothesis, rival.fitted.parameters, parallel=True)
-            if fitted is not None:
-                found.append(fitted)
-    return found
+    Parameters
+    ----------
+    fitted : Fitted
+        An explanation.
+    uncertain : collection of str
+        Parameters that every explanation refits.
+    """
+    hypothesis = fitted.hypothesis
+    freed = [f"parameter:{u.name}" for u in hypothesis.setting.uncertain if u.name not in uncertain]
+    return " + ".join([*(c.effect for c in hypothesis.effects), *freed]) or PARAMETERS_ONLY
 
 
 def _explanation(name: str, fitted: Fitted, misfit: float) -> Explanation:

@@ -1,5 +1,4 @@
-"""Ask whether something is missing that the library of effects does not hold.
+"""Show what is missing that the library of effects does not hold.
 
-`beyond_library.look_outside` compares the named effects with a free function of one state, and
-`beyond_library.unexplained` tells whether a mismatch remains that no name explains.
+`free_function.unnamed` infers it as a function of one state, at one port of the twin.
 """

@@ -64,15 +64,6 @@ def families(states: Sequence[States]) -> list[Family]:
     return [*(family for family in found if family is not None), _of_time(states)]
 
 
-def families_with_ways(states: Sequence[States]) -> list[Family]:
-    """Those families, and torques over the position that differ between forth and back.
-
-    The last holds two of the others, and no one curve shows it: it is there to judge names by.
-    """
-    each_way = _of_position_each_way(states)
-    return families(states) + ([] if each_way is None else [each_way])
-
-
 def hats(values: Array, knots: Array) -> Array:
     """Triangles that are one at their knot and zero at the next, shape (n_knots, n_values).
 

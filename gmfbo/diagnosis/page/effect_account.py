@@ -40,7 +40,8 @@ def effect_account(place: int, diagnosis: Findings) -> str:
     threshold = marked_number((*own, "threshold"), effect.threshold)
     sure = (
         f"<p>Probability <b>{marked_probability((*own, 'probability'), effect.probability)}</b>. "
-        f"Evidence {evidence}, named from {threshold}. It acts at the "
+        f"Log odds {evidence} against the best explanation without it ({threshold} is a "
+        "probability of 0.95). It acts at the "
         f"{escape(words(effect.port))} port.</p>"
     )
     return "".join(

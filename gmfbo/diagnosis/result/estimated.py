@@ -13,7 +13,7 @@ Side = Literal["low", "high"]
 
 @dataclass(frozen=True)
 class EstimatedParameter:
-    """An uncertain parameter of the twin, refitted, with its 95 % interval.
+    """An uncertain or freed parameter of the twin, refitted, with its 95 % interval.
 
     Attributes
     ----------
@@ -32,7 +32,9 @@ class EstimatedParameter:
     bound : float
         [unit] That end; NaN where it is at none.
     stated : str
-        Where the range stands: twin file and line.
+        Where the range stands, or the value of a fixed parameter: twin file and line.
+    fixed : bool
+        Whether the twin file holds it fixed, and the recordings contradict that.
     """
 
     nominal: float
@@ -44,6 +46,7 @@ class EstimatedParameter:
     at_bound: Side | None = None
     bound: float = math.nan
     stated: str = ""
+    fixed: bool = False
 
     @property
     def is_beyond(self) -> bool:

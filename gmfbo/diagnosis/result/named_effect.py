@@ -53,7 +53,7 @@ class NamedEffect:
     port : str
         Where it acts: `torque`, `command` or `sensor`.
     probability : float
-        Calibrated probability that this effect, or one it cannot be told from, is at work.
+        Probability that this effect, or one it cannot be told from, is at work; not calibrated.
     statement : str
         One sentence in plain words, ending in a full stop. Below a probability of 0.8 its verb is
         "may"; of a set it names all members.
@@ -62,13 +62,15 @@ class NamedEffect:
     parameters : mapping of str to IdentifiedValue
         Identified values by parameter name.
     evidence : float
-        Gain in held-out chi2 over the refitted twin without it, dimensionless.
+        [nats] Log odds against the best hypothesis without it and without what cannot be told
+        from it.
     threshold : float
-        Gain above which an effect is named, for this twin and these recordings.
+        [nats] Log odds of what is believed at 0.95.
     evidence_per_recording : mapping of str to float
-        The gain by recording.
+        Fall of the whitened square in each recording, dimensionless.
     indistinguishable_from : tuple of str
-        Effects that explain these recordings equally well.
+        Effects that explain these recordings equally well; a parameter of the twin is
+        `parameter:NAME`.
     rivals : tuple of RivalShare
         The effect and these, each with its part of the probability; none without rivals.
     """

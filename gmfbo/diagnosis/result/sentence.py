@@ -11,6 +11,7 @@ from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, still_follows
 from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
 
 if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.estimated import EstimatedParameter
     from gmfbo.diagnosis.result.findings import Findings
     from gmfbo.diagnosis.result.named_effect import NamedEffect
     from gmfbo.diagnosis.result.next_experiment import NextExperiment
@@ -55,7 +56,7 @@ def _parameters(diagnosis: Findings) -> str:
     }
     values = ", ".join(
         f"{name} is {quantity(parameter.value, parameter.unit)} instead of "
-        f"{quantity(parameter.nominal, '')}"
+        f"{quantity(parameter.nominal, '')}{_fixed_at(parameter)}"
         for name, parameter in list(moved.items())[:3]
     )
     more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
@@ -68,7 +69,13 @@ def _parameters(diagnosis: Findings) -> str:
         )
     if too_narrow_ranges(diagnosis):
         return f"With such values the twin explains the difference{told}; no physics is missing."
-    return f"The twin's uncertain values explain the difference{told}; no physics is missing."
+    whose = "" if any(one.fixed for one in moved.values()) else "uncertain "
+    return f"The twin's {whose}values explain the difference{told}; no physics is missing."
+
+
+def _fixed_at(parameter: EstimatedParameter) -> str:
+    """Words for where a fixed value stands; empty for an uncertain one."""
+    return f" (fixed in {parameter.stated})" if parameter.fixed else ""
 
 
 def _physics(diagnosis: Findings) -> str:

@@ -255,11 +255,6 @@ class Simulations:
         """Apply work that uses `run_here` or `run_one`, several tasks at a time."""
         return list(self._threads.map(work, tasks))
 
-    def map_outer(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
-        """Apply work that simulates its runs one by one, as many tasks at a time as simulators."""
-        with ThreadPoolExecutor(len(self._all)) as threads:
-            return list(threads.map(work, tasks))
-
     def _logged(self, response: Response) -> Response:
         """Add the signal at the sensor port to a reading that does not contain it."""
         if self.reading is None:

@@ -1,7 +1,7 @@
-"""Screen all effects cheaply by the response of the loop to what a port could add.
+"""Screen effects cheaply by the response of the loop to what a port could add.
 
 `port_response.measure_port_response` measures that response once. `probes.screen` ranks the
-`testable_effects.candidates` by the chi2 that each would remove, and `trials.trials_of` gives
-their start values; `limit_scan.scan_limits` and `repeating_and_passing.find_lines` do so for
-limits, periodic disturbances and pulses. `searched_lines.SearchedLines` keeps what was found last.
+`testable_effects.candidates` by the chi2 that each would remove, and
+`repeating_and_passing.find_lines` does so for periodic disturbances and pulses.
+`searched_lines.SearchedLines` keeps what was found last.
 """

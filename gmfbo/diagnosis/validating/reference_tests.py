@@ -16,6 +16,7 @@ from scipy.special import gammaincinv
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.reference_test import ResidualTest
+from gmfbo.diagnosis.scoring.long_run_covariance import long_run_covariance
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
 
 Array = NDArray[np.float64]
@@ -138,23 +139,6 @@ def following_part(columns: Array, left: Array) -> tuple[float, Array]:
     centred = left - left.mean()
     made = np.linalg.lstsq(columns.T, centred, rcond=None)[0] @ columns
     return float(np.sqrt(np.mean(made**2))), centred - made
-
-
-def long_run_covariance(score: Array) -> Array:
-    """Covariance of the sum of correlated rows (Newey, West 1987), shape (n, n).
-
-    Parameters
-    ----------
-    score : ndarray, shape (n, rows)
-        Terms of n sums, each of mean zero.
-    """
-    rows = score.shape[1]
-    lags = round(np.sqrt(rows))
-    covariance: Array = score @ score.T
-    for lag in range(1, min(lags, rows - 1) + 1):
-        shifted = score[:, lag:] @ score[:, :-lag].T
-        covariance += (1.0 - lag / (lags + 1.0)) * (shifted + shifted.T)
-    return covariance
 
 
 def chance_bound(columns: Array, rest: Array) -> float:

@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
-from gmfbo.diagnosis.fitting.fit import Fitted, fit, fit_to_the_end
+from gmfbo.diagnosis.comparison.held_out_fit import Part, gains_on, part_of, seen_on
+from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
-from gmfbo.diagnosis.noise.replayed_noise import under_noise, without_noise
+from gmfbo.diagnosis.naming.decided_by_score import measured
+from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.curve import Curve
-from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit, contradicts_names
+from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
 from gmfbo.diagnosis.runs.simulated import Simulated
 
-_CLEARLY = 15.0  # fall of chi2 that absent physics does not reach; 8 in one sound twin
+_STANDARD_ERRORS = 2.0  # by which held-out stretches have to speak against names
+_ONE_NAT = 1.0  # of log density: less says nothing, however even
 _DIFFERENT = 4.0  # squared distance of two models, whitened: two standard deviations of noise
 
 
@@ -37,10 +40,11 @@ class Validated:
         The twin with its parameters refitted, without and with the named physics; the same where
         nothing was named.
     misfit : Misfit
-        Misfit by which both were fitted.
+        Of the windows that were fitted.
+    part : Part
+        The augmented twin in the comparison, on the same windows.
     contradicts_names : bool
-        Whether held-out recordings contradict the named physics, with replayed noise where that
-        matters to the model.
+        Whether held-out recordings contradict the named physics.
     """
 
     fit: Fit
@@ -49,15 +53,15 @@ class Validated:
     parameters_only: Fitted
     augmented: Fitted
     misfit: Misfit
+    part: Part
     contradicts_names: bool
 
 
 def validate(
     case: Case,
-    model: Fitted,
+    decision: Decision,
     split: Split,
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
-    least: float = np.inf,
 ) -> Validated:
     """Refit on the fitted windows alone, and score on the others.
 
@@ -65,25 +69,31 @@ def validate(
     ----------
     case : Case
         Twin and recordings.
-    model : Fitted
-        The twin with all named physics, where the refit starts.
+    decision : Decision
+        What was accepted.
     split : Split
         Which windows are fitted.
     unnamed : sequence of sequences of ndarray, optional
         Change of each recording's signals by a model without a name.
-    least : float
-        chi2 per degree of freedom with the whole library fitted: an upper bound of the noise floor
-        of the removed share, since error budgets are generous.
     """
     chosen = split.fitted or tuple(range(len(case.budget.windows)))
-    misfit = restricted(case.misfit, chosen)
-    plain = _refitted(misfit, case.base)
-    augmented = _refitted(misfit, model) if model.hypothesis.effects else plain
+    search, ledger = decision.compared.search, decision.compared.ledger
+    # Beside what it lacks, the twin alone is fitted under the inadequacy that it leaves.
+    opened = replace(ledger, levels=ledger.opened) if decision.row.elements else ledger
+    before = part_of(case, search, opened, decision.base, chosen)
+    after = before
+    if decision.row.elements:
+        after = part_of(case, search, ledger, decision.row, chosen)
     scored = split.held_out or chosen
-    return _scored(case, misfit, scored, plain, augmented, model, split, unnamed, least)
+    seen = [seen_on(case, search, ledger, part.fitted, scored) for part in (before, after)]
+    misfit = restricted(case.misfit, chosen)
+    plain = measured(misfit, before.fitted)
+    augmented = plain if after is before else measured(misfit, after.fitted)
+    told = _Told(case, misfit, scored, plain, augmented, split, unnamed)
+    return _scored(told, after, gains_on(*seen), _distance(*seen))
 
 
-def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.inf) -> Validated:
+def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     """Score models of some recordings on others that had no part in any fit.
 
     Parameters
@@ -92,10 +102,8 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         Twin and the recordings that were fitted.
     unseen : Case
         The same twin and the other recordings.
-    model : Fitted
-        The twin with all named physics.
-    least : float
-        As of `validate`.
+    decision : Decision
+        What was accepted.
     """
     split = Split(
         tuple(range(len(case.budget.windows))),
@@ -103,63 +111,76 @@ def validate_unseen(case: Case, unseen: Case, model: Fitted, least: float = np.i
         tuple(record.name for record in case.simulations.records),
         tuple(record.name for record in unseen.simulations.records),
     )
-    if not model.converged:
-        model = _refitted(case.misfit, model)
     # Found while the effects were decided, after these recordings had been opened.
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
-    there = [
-        _measured(unseen.misfit, replace(fitted, hypothesis=fitted.hypothesis.quiet))
-        for fitted in (case.base, model)
-    ]
-    if model.hypothesis.noise is not None:
-        noisy = under_noise(unseen.misfit, there[1])
-        if noisy is not None:
-            shaken = replace(there[1], hypothesis=noisy)
-            there[1] = _measured(unseen.misfit, shaken)
-    held_out = split.held_out
-    result = _scored(
-        unseen, case.misfit, held_out, there[0], there[1], there[1], split, None, least
+    search, ledger = decision.compared.search, decision.compared.ledger
+    whole = part_of(case, search, ledger, decision.row, split.fitted)
+    there = []
+    for row in (decision.base, whole.fitted):
+        runs = unseen.simulations.run([search.problem.point(row.hypothesis, row.x)])[0]
+        there.append(seen_on(unseen, search, ledger, replace(row, runs=runs), split.held_out))
+    plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
+    told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
+    found = _scored(told, whole, gains_on(*there), _distance(*there))
+    return replace(
+        found,
+        parameters_only=measured(case.misfit, decision.base),
+        augmented=measured(case.misfit, whole.fitted),
     )
-    return replace(result, parameters_only=case.base, augmented=model)
 
 
-def _scored(
-    case: Case,
-    fitted_by: Misfit,
-    scored: Sequence[int],
-    plain: Fitted,
-    augmented: Fitted,
-    best: Fitted,
-    split: Split,
-    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
-    least: float,
-) -> Validated:
-    fall, distance = _change(case, scored, plain, augmented)
-    differs = distance > _DIFFERENT
+@dataclass(frozen=True, eq=False)
+class _Told:
+    """Models, and the recordings on which they are scored."""
+
+    case: Case
+    misfit: Misfit
+    scored: Sequence[int]
+    plain: Fitted
+    augmented: Fitted
+    split: Split
+    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None
+
+
+def _scored(told: _Told, part: Part, gains: NDArray[np.float64], distance: float) -> Validated:
+    case, augmented = told.case, told.augmented
+    signals = _table(case, told.scored, case.base, told.plain, augmented, told.unnamed)
     removed = None
-    if differs:
-        removed = _removed(case, scored, plain, augmented, best, least)
-    shown = [without_noise(case.simulations, model) for model in (case.base, plain, augmented)]
-    signals = _table(case, scored, shown[0], shown[1], shown[2], unnamed)
-    table = Fit(split.names_fitted, split.names_held_out, signals, removed)
-    curves = _curves(case, shown[1], shown[2])
-    judged = table
-    if augmented.hypothesis.noise is not None:
-        # Without noise an axis may stick where the real one moves: no sign of a wrong law.
-        judged = replace(table, signals=_table(case, scored, case.base, plain, augmented, unnamed))
-    stretches = _stretches(case, scored)
-    contradicts = contradicts_names(judged, falls=fall > _CLEARLY, differs=differs)
-    return Validated(table, curves, stretches, plain, augmented, fitted_by, contradicts)
+    if distance > _DIFFERENT:
+        removed = _removed(case, told.scored, told.plain, augmented)
+    table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
+    return Validated(
+        table,
+        _curves(case, told.plain, augmented),
+        _stretches(case, told.scored),
+        told.plain,
+        augmented,
+        told.misfit,
+        part,
+        contradicts_names(gains, distance),
+    )
 
 
-def _change(
-    case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted
-) -> tuple[float, float]:
-    """Fall of the whitened squared error by the physics, and squared distance of both models."""
-    misfit = restricted(case.plain, scored)
-    before, after = (misfit.residual(fitted.simulated) for fitted in (plain, augmented))
-    distance = tuple(a - b for a, b in zip(before, after, strict=True))
-    return chi2(before) - chi2(after), chi2(distance)
+def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:
+    """Whether held-out stretches speak against a model that differs from the refitted twin there.
+
+    Parameters
+    ----------
+    gains : ndarray, shape (n_stretches,)
+        [nats] Log density of the model, less that of the refitted twin.
+    distance : float
+        Squared whitened distance of the two.
+    """
+    if distance <= _DIFFERENT:
+        return False
+    error = float(np.std(gains)) * np.sqrt(gains.size)
+    return bool(gains.sum() < -max(_STANDARD_ERRORS * error, _ONE_NAT))
+
+
+def _distance(before: Part, after: Part) -> float:
+    """Squared whitened distance of two models."""
+    change = [a - b for a, b in zip(after.fitted.residual, before.fitted.residual, strict=True)]
+    return float(sum(np.sum(z**2) for z in before.whitening(change)))
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:
@@ -174,19 +195,6 @@ def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, floa
             time = record.signals[0].time
             stretches[record.name] = (float(time[rows[0]]), float(time[rows[-1]]))
     return stretches
-
-
-def _refitted(misfit: Misfit, model: Fitted) -> Fitted:
-    again = fit_to_the_end(misfit, model.hypothesis, model.parameters)
-    assert again is not None, "it was simulated at these values before"
-    return again
-
-
-def _measured(misfit: Misfit, model: Fitted) -> Fitted:
-    """Measure a model by other recordings, at values that no fit has adapted to them."""
-    again = fit(misfit, model.hypothesis, model.parameters, parallel=True, iterations=1)
-    assert again is not None, "it was simulated at these values before"
-    return again
 
 
 def _table(
@@ -263,27 +271,15 @@ def _floor(case: Case, scored: Sequence[int], name: str) -> float:
     return float(np.sqrt(np.mean(squares)) / extent) if extent > 0.0 else float("nan")
 
 
-def _removed(
-    case: Case,
-    scored: Sequence[int],
-    plain: Fitted,
-    augmented: Fitted,
-    best: Fitted,
-    least: float,
-) -> float | None:
+def _removed(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted) -> float | None:
     """Share of the explainable whitened error that is gone; None where there is none.
 
-    The noise floor has three upper bounds: the error budget, the residual of the whole library in
-    all recordings, and that of the augmented twin here when fitted to all recordings.
+    The noise floor has two upper bounds: the error budget, and what the augmented twin leaves.
     """
-    whole = case.plain
-    misfit = restricted(whole, scored)
-    before, after, fitted_to_all = (
-        chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented, best)
-    )
-    size = sum(w.n_residuals for w in misfit.whiteners)
+    misfit = restricted(case.plain, scored)
+    before, after = (chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented))
     noise = float(sum(case.budget.noise_squares[w] for w in scored))
-    floor = min(noise, least * size, fitted_to_all)
+    floor = min(noise, after)
     if before - floor < 2.0 * np.sqrt(2.0 * floor):
         return None
     return min(float((before - after) / (before - floor)), 1.0)

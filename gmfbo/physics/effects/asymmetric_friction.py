@@ -30,6 +30,7 @@ asymmetric_friction = Effect(
         ),
     ),
     fixed=friction.fixed_deflection,
+    own_nuisances=(friction.own_deflection(),),
     starts=lambda e: [
         {
             "level_positive": 0.08 * e.torque,

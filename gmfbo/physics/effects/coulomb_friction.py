@@ -16,6 +16,7 @@ coulomb_friction = Effect(
     signal_path="plant",
     parameters=(friction.level("Coulomb level"),),
     fixed=friction.fixed_deflection,
+    own_nuisances=(friction.own_deflection(),),
     starts=lambda e: [{"level": 0.07 * e.torque}],
     size=lambda p, e: p["level"],
     size_name="level",

@@ -34,6 +34,7 @@ load_dependent_friction = Effect(
         friction.level("Friction without load"),
     ),
     fixed=friction.fixed_deflection,
+    own_nuisances=(friction.own_deflection(),),
     starts=lambda e: [{"level": 0.03 * e.torque, "coefficient": 0.07 * e.torque / e.load_range}],
     size=lambda p, e: p["level"] + p["coefficient"] * e.load_range,
     size_name="level",

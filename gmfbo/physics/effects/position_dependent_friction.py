@@ -58,6 +58,7 @@ position_dependent_friction = Effect(
         harmonic.wavenumber(low=_low),
     ),
     fixed=friction.fixed_deflection,
+    own_nuisances=(friction.own_deflection(),),
     starts=_starts,
     size=lambda p, e: p["level"] + harmonic.amplitude(p),
     size_name="level",

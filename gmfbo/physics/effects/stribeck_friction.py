@@ -78,6 +78,7 @@ stribeck_friction = Effect(
     ),
     is_itself=_is_itself,
     fixed=friction.fixed_deflection,
+    own_nuisances=(friction.own_deflection(),),
     starts=_starts,
     size=lambda p, e: max(p["level"], p["breakaway"]),
     size_name="breakaway",

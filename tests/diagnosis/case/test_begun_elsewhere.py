@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case import open_case
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.case.other_starts import fitted_from_names
-from gmfbo.diagnosis.fitting.fit import Fitted, fit
+from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from tests.diagnosis.short_recordings import Axis, moves, multisine, open_small, triangle
 
@@ -60,21 +59,3 @@ def test_where_the_first_fit_is_right_nothing_is_tried(monkeypatch: pytest.Monke
     monkeypatch.setattr(open_case, "fitted_from_elsewhere", as_it_was)
     with closing((case := opened(free)).simulations):
         assert case.simulations.runs == runs
-
-
-def test_names_that_led_out_from_behind_a_limit_are_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Any effect does for the parameters what they can do by themselves from where it ended."""
-    monkeypatch.setattr(open_case, "fitted_from_elsewhere", as_it_was)
-    with closing((case := opened()).simulations):
-        near = {name: 1.02 * value for name, value in TRUTH.items()}
-        named = fit(case.misfit, case.base.hypothesis, near, iterations=1)
-        assert named is not None
-        found = fitted_from_names(case, named)
-    assert found is not None
-    assert found.parameters["mass"] == pytest.approx(TRUTH["mass"], rel=5e-3)
-
-
-@pytest.mark.slow
-def test_names_beside_parameters_that_are_right_stand() -> None:
-    with closing((case := opened()).simulations):
-        assert fitted_from_names(case, case.base) is None

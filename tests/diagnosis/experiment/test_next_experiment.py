@@ -234,4 +234,8 @@ def test_open_loop_twin_has_no_reference_to_play() -> None:
 
 
 def test_rivals_of_one_name_are_numbered(right_case: Case) -> None:
-    assert rival_names([right_case.base, right_case.base]) == ["parameters", "parameters (2)"]
+    certain = {one.name for one in right_case.setting.uncertain}
+    assert rival_names([right_case.base, right_case.base], certain) == [
+        "parameters",
+        "parameters (2)",
+    ]

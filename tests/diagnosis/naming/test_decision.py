@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
+from gmfbo.diagnosis.naming.decided_by_score import decide
 from gmfbo.diagnosis.naming.decision import Decision
-from gmfbo.diagnosis.naming.forward_selection import MOST_EFFECTS, decide
-from gmfbo.diagnosis.naming.selection_round import with_limits
-from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, Reference, climb, moves, multisine, open_small
 
@@ -38,9 +33,8 @@ def decision_on(
     """Decide on short recordings whether some effects are missing, parts of them unheard."""
     case = open_small(SERVO.twin(), SERVO.recordings(physics, references, seed=seed))
     try:
-        library = candidates(names, case.setting.excitation)
-        rng = np.random.default_rng(0)
-        return decide(case, library, rng, lambda stage, share: None, silent=silent)
+        testable = [name for name in names if name not in silent]
+        return decide(case, testable, (), lambda stage, share: None, silent=silent)
     finally:
         case.simulations.close()
 
@@ -54,9 +48,9 @@ def winners(decision: Decision) -> list[str]:
 )
 def test_where_nothing_is_missing_nothing_is_named(seed: int) -> None:
     decision = decision_on({}, seed=seed)
-    assert decision.rounds == []
-    assert decision.in_doubt is None
-    assert decision.model is not None
+    assert decision.rounds == ()
+    assert decision.freed == {}
+    assert decision.notes == ()
     assert decision.model.hypothesis.effects == ()
     assert decision.like_parameters == {"viscous_friction": "is parameter viscous"}
 
@@ -66,8 +60,7 @@ def test_coulomb_friction_is_named_at_its_level_and_not_once_more_by_a_larger_la
     assert winners(decision) == ["coulomb_friction"]
     (found,) = decision.rounds
     assert found.winner.effect.values["level"] == pytest.approx(0.25, rel=0.02)
-    assert found.winner.gain > 1000.0 * found.needed
-    assert decision.model is found.winner.fitted
+    assert found.gain > 100.0 * decision.threshold
     assert not {rival.name for rival in found.rivals} & LAWS
 
 
@@ -82,8 +75,7 @@ def test_a_transport_delay_is_named_at_its_time() -> None:
 def test_friction_and_a_delay_are_named_one_after_the_other_the_stronger_first() -> None:
     decision = decision_on({**FRICTION, "transport_delay.delay": 2e-3})
     assert winners(decision) == ["coulomb_friction", "transport_delay"]
-    assert decision.rounds[0].winner.gain > decision.rounds[1].winner.gain
-    assert len(decision.rounds) <= MOST_EFFECTS
+    assert decision.rounds[0].gain > decision.rounds[1].gain
 
 
 @pytest.mark.parametrize("claimable", [("constant_torque_offset",), ()])
@@ -91,37 +83,12 @@ def test_friction_on_a_ramp_one_way_puts_all_names_in_doubt(claimable: tuple[str
     """A constant torque would do the same there: to name it would be a guess."""
     names = ("coulomb_friction", "transport_delay", *claimable)
     decision = decision_on(FRICTION, (climb, climb), names=names, silent=["coulomb_friction"])
-    assert decision.in_doubt is not None
-    assert decision.in_doubt.name == "coulomb_friction"
-    assert decision.in_doubt.gain > decision.threshold
-    assert decision.rounds == []
-    assert decision.model is not None
+    assert any("no reversal" in note for note in decision.notes)
+    assert decision.rounds == ()
     assert decision.model.hypothesis.effects == ()
 
 
 def test_a_silent_effect_that_explains_less_than_the_best_casts_no_doubt() -> None:
     decision = decision_on(FRICTION, silent=["constant_torque_offset", "sensor_lag"])
     assert winners(decision) == ["coulomb_friction"]
-    assert decision.in_doubt is None
-
-
-@given(st.sampled_from(sorted(CATALOGUE)))
-def test_a_named_law_takes_its_limits_and_all_laws_that_share_one(name: str) -> None:
-    taken = with_limits({name})
-    own = {name, *CATALOGUE[name].contains}
-    assert own <= taken
-    for other, law in CATALOGUE.items():
-        assert (other in taken) == (other in own or bool(set(law.contains) & own))
-
-
-@pytest.mark.parametrize("name", ["coulomb_friction", *sorted(LAWS)])
-def test_one_named_friction_law_takes_all_others_and_nothing_else(name: str) -> None:
-    assert with_limits({name}) == {"coulomb_friction", *LAWS}
-
-
-def test_effects_without_a_common_limit_leave_each_other_free() -> None:
-    assert with_limits({"transport_delay", "viscous_friction"}) == {
-        "transport_delay",
-        "viscous_friction",
-    }
-    assert with_limits(set()) == set()
+    assert decision.notes == ()

@@ -36,7 +36,7 @@ def test_heating_is_found_where_the_peaks_are_16_times_the_effective_command(
         decision = decided(case, ("thermal_derating", "actuator_saturation", "magnetic_saturation"))
         scale = case.setting.excitation.effective_current
     if not is_there:  # the negative control
-        assert decision.rounds == []
+        assert decision.rounds == ()
         return
     (named,) = decision.rounds
     found = named.winner.effect.values

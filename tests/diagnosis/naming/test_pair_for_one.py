@@ -37,10 +37,6 @@ def test_friction_and_a_weak_spring_are_no_friction_that_differs_by_direction() 
     first, second = decision.rounds
     assert first.winner.name == "coulomb_friction"
     assert second.winner.name == "elastic_return"
-    # Alone, the law of two levels does the most of all, and hides the spring behind it.
-    alone = {e.name: e.gain for e in first.fitted}
-    assert alone["asymmetric_friction"] > alone["coulomb_friction"] + 100.0
-    assert decision.model is second.winner.fitted
 
 
 @pytest.mark.slow
@@ -54,4 +50,3 @@ def test_friction_that_differs_by_direction_stays_one() -> None:
     )
     (only,) = decision.rounds
     assert only.winner.name == "asymmetric_friction"
-    assert decision.model is only.winner.fitted

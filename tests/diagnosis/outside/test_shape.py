@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.fitting.fit import fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.outside.free_function import Unnamed, unnamed
-from gmfbo.diagnosis.outside.state_features import families_with_ways, hats, hinges
+from gmfbo.diagnosis.outside.state_features import hats, hinges
 from gmfbo.diagnosis.result.whereabouts import Shape
-from gmfbo.diagnosis.screening.port_response import between_points
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 Array = NDArray[np.float64]
@@ -183,16 +182,3 @@ def test_hinges_without_bends_are_straight_lines() -> None:
     turn = hinges(knots)
     np.testing.assert_allclose(turn @ [2.0, 3.0, 0.0, 0.0], 2.0 + 3.0 * knots / 6.0)
     assert abs(np.linalg.det(turn)) > 0.0
-
-
-def test_what_acts_over_the_position_one_way_alone_is_a_family(servo: PortCase) -> None:
-    left = {}
-    for family in families_with_ways(servo.states):
-        if family.shared:
-            torques = [0.5 * (1.0 + s.direction) * s.position for s in servo.states]
-            truth = np.concatenate([between_points(torque) for torque in torques])
-            columns = np.concatenate(family.columns, axis=1)
-            weights = np.linalg.lstsq(columns.T, truth, rcond=None)[0]
-            left[family.name] = np.std(truth - weights @ columns) / np.std(truth)
-    assert left.pop("each_way") < 1e-9
-    assert min(left.values()) > 0.1

@@ -135,7 +135,7 @@ diagnoses = st.builds(
 )
 
 
-OF_RANGES = ("at_bound", "bound", "stated")
+OF_RANGES = ("at_bound", "bound", "stated", "fixed")
 EXTENSIONS = (
     "notes",
     "predictions",
@@ -191,7 +191,7 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     (column,) = again["alignment"].values()
     assert (column.pop("rival"), column.pop("beyond_prior")) == (None, {})
     ends = [[one.pop(name) for name in OF_RANGES] for one in again["parameters"].values()]
-    assert ends == [[None, None, ""]]
+    assert ends == [[None, None, "", False]]
     assert again == PUBLISHED
     assert list(again) == list(PUBLISHED)
 

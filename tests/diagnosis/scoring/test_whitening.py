@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.fitting.dispersion import dispersion_of
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.scoring.noise_levels import power_beside, white_covariance
@@ -108,34 +107,6 @@ def fitted_with(residual: NDArray[np.float64]) -> Fitted:
     setting = Setting((), TYPICAL)
     empty = np.zeros((0, residual.size))
     return Fitted(Hypothesis(setting), np.zeros(0), [], (residual,), (empty,), [])
-
-
-def test_dispersion_is_the_mean_square_of_each_half_octave_and_signal() -> None:
-    window, rng = window_of(), np.random.default_rng(5)
-    whitener = Whitener(window, correlated(window))
-    size = np.ones(window.seen.shape)
-    between = (window.frequencies >= 44.8) & (window.frequencies < 63.35)
-    size[between, 1] = 3.0
-    n, m = window.frequencies.size, window.n_signals
-    white = rng.standard_normal((n, m)) + 1j * rng.standard_normal((n, m))
-    residual = whitener.flatten(size * white / np.sqrt(2.0))
-    found = dispersion_of(fitted_with(residual), [whitener])[0]
-    np.testing.assert_allclose(found[between, 1], 9.0, rtol=0.2)
-    many = ~between & (window.frequencies > 20.0)  # bands of enough bins to be near their mean
-    np.testing.assert_allclose(found[many], 1.0, atol=0.5)
-    assert np.all(found >= 1.0)
-    assert np.unique(found[between, 1]).size == 1
-
-
-def test_residuals_measured_by_their_own_dispersion_have_a_chi2_of_at_most_one() -> None:
-    window, rng = window_of(), np.random.default_rng(6)
-    whitener = Whitener(window, correlated(window))
-    residual = 2.0 * whitener.whiten([c[0] for c in coloured(window, rng, 1)])
-    spread = dispersion_of(fitted_with(residual), [whitener])[0]
-    wider = Whitener(window, correlated(window), dispersion=spread)
-    columns = [2.0 * c[0] for c in coloured(window, np.random.default_rng(6), 1)]
-    chi2 = float(np.sum(wider.whiten(columns) ** 2)) / wider.n_residuals
-    assert chi2 == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.parametrize("own", [0.02, 0.1, 0.5])

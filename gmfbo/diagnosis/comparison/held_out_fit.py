@@ -1,0 +1,149 @@
+"""A chosen hypothesis fitted to some stretches alone, and what it foretells on others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.comparison.evidence import grams, weightings
+from gmfbo.diagnosis.comparison.ledger import Ledger
+from gmfbo.diagnosis.comparison.opened_comparison import problem_on
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.search import Search
+from gmfbo.diagnosis.comparison.whitener import Whitening
+
+Array = NDArray[np.float64]
+
+_LEAST_STRETCHES = 3  # of which a bootstrap tells a spread
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A hypothesis on some windows of a case.
+
+    Attributes
+    ----------
+    problem : Problem
+        These windows.
+    whitening : Whitening
+        By the levels of the whole comparison.
+    fitted : Fitted
+        The hypothesis there.
+    """
+
+    problem: Problem
+    whitening: Whitening
+    fitted: Fitted
+
+    def intervals(self) -> tuple[Array, Array, Array]:
+        """Standard deviations and ends of 95 % intervals of the free quantities.
+
+        The larger of two: of the posterior's parabola, and of a Bayesian bootstrap over stretches
+        (Huggins and Miller 2023), which holds where the remainder is more than noise.
+
+        Returns
+        -------
+        tuple of ndarray, shape (p,)
+            [unit of each quantity]
+        """
+        fitted = self.fitted
+        p = fitted.u.size
+        if not p:
+            empty = np.zeros(0)
+            return empty, empty, empty
+        inner = grams(self.problem, self.whitening, fitted)
+        a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
+        half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
+        if len(inner.squares) >= _LEAST_STRETCHES:
+            weights = weightings(len(inner.squares))
+            tilted = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
+            slopes = weights @ inner.products - fitted.slopes
+            moves = np.linalg.solve(tilted, slopes[:, :, None])[:, :p, 0]
+            ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
+            half = np.maximum(half, ends)
+        limits = np.array([q.bounds for q in fitted.priors]).reshape(-1, 2)
+        low = np.clip(fitted.u - half, limits[:, 0], limits[:, 1])
+        high = np.clip(fitted.u + half, limits[:, 0], limits[:, 1])
+        x, low_x, high_x = (
+            np.array([q.to_value(float(v)) for q, v in zip(fitted.priors, u, strict=True)])
+            for u in (fitted.u, low, high)
+        )
+        slope = np.array(
+            [v if q.logarithmic else 1.0 for q, v in zip(fitted.priors, x, strict=True)]
+        )
+        return np.abs(slope) * half / 1.96, low_x, high_x
+
+
+def part_of(
+    case: Case, search: Search, ledger: Ledger, row: Fitted, windows: Sequence[int]
+) -> Part:
+    """Fit a hypothesis to some windows alone.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    search : Search
+        Whose problem it is.
+    ledger : Ledger
+        Levels of noise and paths.
+    row : Fitted
+        The hypothesis, fitted to all windows.
+    windows : sequence of int
+        Those that are fitted, in order.
+    """
+    part = seen_on(case, search, ledger, row, windows)
+    found = ModeSearch(part.problem, part.whitening, row.hypothesis, row.freed).fitted(
+        row.parameters, row.nuisances, iterations=20
+    )
+    return part if found is None else replace(part, fitted=found)
+
+
+def seen_on(
+    case: Case, search: Search, ledger: Ledger, row: Fitted, windows: Sequence[int]
+) -> Part:
+    """State a fit on other windows, at its values.
+
+    Parameters
+    ----------
+    case, search, ledger, row, windows
+        As of `part_of`.
+    """
+    chosen = [case.budget.windows[i] for i in windows]
+    problem = replace(
+        problem_on(case, chosen),
+        logging=search.problem.logging,
+        followed=search.problem.followed,
+        held_inertia=search.problem.held_inertia,
+    )
+    values = problem.values(row.runs)
+    residual = problem.residual(values, row.nuisances)
+    there = replace(row, values=values, residual=residual, columns=[])
+    search = replace(search, problem=problem)
+    whitening = search.whitening_at(there, ledger.kernels, ledger.levels)
+    return Part(problem, whitening, there)
+
+
+def gains_on(before: Part, after: Part) -> Array:
+    """[nats] What one fit has more log density than another on the same stretches, shape (n,).
+
+    Parameters
+    ----------
+    before, after : Part
+        Stated on the same windows.
+    """
+    squares = []
+    for part in (before, after):
+        rows = []
+        for z, stretches in zip(
+            before.whitening(part.fitted.residual), before.problem.stretches(), strict=True
+        ):
+            rows += [float(np.sum(z[:, s] ** 2)) for s in stretches]
+        squares.append(rows)
+    fallen: Array = 0.5 * (np.array(squares[0]) - np.array(squares[1]))
+    return fallen

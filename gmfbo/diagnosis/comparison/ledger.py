@@ -1,0 +1,71 @@
+"""Fitted hypotheses, the noise under which they compete, and the beliefs in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.moves import Response
+from gmfbo.diagnosis.comparison.noise_places import Levels
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.whitener import Whitening
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Ledger:
+    """Fitted hypotheses and the noise under which they compete.
+
+    Attributes
+    ----------
+    rows : mapping of frozenset to Fitted
+        By what they add to the twin.
+    kernels : PortKernels
+        Paths from the ports to the signals.
+    levels : Levels
+        Of noise, and of the inadequacy that all rows share.
+    whitening : Whitening
+        By these levels.
+    opened : Levels
+        Those about the twin without any element.
+    responses : tuple of Response
+        Of all elements about the twin without them.
+    """
+
+    rows: dict[frozenset[str], Fitted]
+    kernels: PortKernels
+    levels: Levels
+    whitening: Whitening
+    opened: Levels
+    responses: tuple[Response, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """Beliefs in the rows of a ledger.
+
+    Attributes
+    ----------
+    elements : tuple of frozenset
+        Of each row.
+    log_evidences : ndarray, shape (n_rows, n_weightings)
+        With the prior of the hypothesis.
+    beliefs : ndarray, shape (n_rows,)
+        Mean over the weightings.
+    sizes : ndarray, shape (n_rows,)
+        [FMU's unit of the torque port] Of the inadequacy beside each row.
+    """
+
+    elements: tuple[frozenset[str], ...]
+    log_evidences: Array
+    beliefs: Array
+    sizes: Array
+
+    @property
+    def best(self) -> frozenset[str]:
+        """Row of the largest belief."""
+        return self.elements[int(np.argmax(self.log_evidences.mean(1)))]

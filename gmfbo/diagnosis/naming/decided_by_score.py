@@ -1,0 +1,245 @@
+"""Decide which effects are missing: hypotheses compared by one score, and what follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from math import log
+
+import numpy as np
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
+from gmfbo.diagnosis.comparison.moves import Shown, shown
+from gmfbo.diagnosis.comparison.numbers import EXPLAINED, NAMED, UNLIKE
+from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
+from gmfbo.diagnosis.fitting.fit import Fitted, stacked
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.fitting.misfit import Misfit
+from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round
+from gmfbo.diagnosis.result.named_effect import RivalShare
+from gmfbo.physics import CATALOGUE
+from gmfbo.plain_words import words
+
+_NOTHING = "changes nothing in these recordings"
+
+
+def decide(
+    case: Case,
+    testable: Collection[str],
+    passing: Sequence[Candidate],
+    progress: Callable[[str, float], None],
+    *,
+    silent: Collection[str] = (),
+    held: Collection[str] = (),
+) -> Decision:
+    """Compare the laws of the library and the twin's fixed parameters by one score.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    testable : collection of str
+        Effects that the recordings can show.
+    passing : sequence of Candidate
+        Disturbances that passed once, as a search found them.
+    progress : callable (str, float)
+        Told the stage and the share that is done.
+    silent : collection of str
+        Effects that the recordings do not excite: they are never named, but where one explains as
+        much as the best, nothing is.
+    held : collection of str
+        Parameters of the twin that nobody may doubt.
+    """
+    progress("comparing explanations", 0.2)
+    comparison = comparison_of(case, [*testable, *silent], passing, held=held)
+    ledger, scored = comparison.run()
+    compared = Compared(comparison.search, ledger, scored)
+    above = _above_floors(compared)
+    said, notes = _said(claims_of(scored, scored.best, above), silent)
+    base = ledger.rows[frozenset()]
+    seen = shown(ledger.whitening, base, ledger.responses)
+    row = _model(compared, said, above)
+    held_by_row = [claim for claim in said if _winner(claim) in row.elements]
+    rounds = [_round(case, compared, row, claim) for claim in held_by_row if _effects(claim)]
+    share = _share(compared, base, row)
+    return Decision(
+        rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
+        freed={
+            claim.members[0].removeprefix("parameter:"): claim.probability
+            for claim in held_by_row
+            if not _effects(claim)
+        },
+        model=measured(case.misfit, row),
+        row=row,
+        base=base,
+        threshold=log(NAMED / (1.0 - NAMED)),
+        shown=tuple(seen),
+        like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
+        share=share,
+        is_outside=_is_outside(compared, share),
+        compared=compared,
+        notes=tuple(notes),
+    )
+
+
+def _said(claims: Sequence[Claim], silent: Collection[str]) -> tuple[list[Claim], list[str]]:
+    """Claims that are believed, and why some of them are not told."""
+    said, notes = [], []
+    for claim in claims:
+        if claim.probability < NAMED:
+            continue
+        if set(claim.members) & set(silent):
+            notes.append(
+                f"{words(claim.members[0])} would explain these recordings as well as anything, "
+                "but they hold no reversal that could tell: nothing is named"
+            )
+            continue
+        said.append(claim)
+    # What stands beside a name in doubt was found beside it.
+    return ([] if notes else said), notes
+
+
+def measured(misfit: Misfit, row: Row) -> Fitted:
+    """State a row of the comparison as a fit whitened by a budget of noise.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        That budget.
+    row : Row
+        A fitted hypothesis.
+    """
+    hypothesis, x = row.hypothesis, row.x
+    columns = [
+        list(c) for c in misfit.sensitivities(hypothesis, x, row.runs, range(x.size), parallel=True)
+    ]
+    return Fitted(
+        hypothesis,
+        x,
+        row.runs,
+        misfit.residual(row.runs),
+        tuple(np.nan_to_num(block) for block in stacked(misfit, columns)),
+        columns,
+        row.converged,
+    )
+
+
+def _above_floors(compared: Compared) -> dict[frozenset[str], dict[str, float]]:
+    """Probability, by row and element, that a size is above its floor; of rows that matter."""
+    ledger, scored = compared.ledger, compared.scored
+    return {
+        elements: shares_above_floor(ledger.rows[elements], ledger.whitening)
+        if belief > (1.0 - NAMED) / len(scored.elements)
+        else {}
+        for elements, belief in zip(scored.elements, scored.beliefs, strict=True)
+    }
+
+
+def _effects(claim: Claim) -> list[str]:
+    return [name for name in claim.members if not name.startswith("parameter:")]
+
+
+def _winner(claim: Claim) -> str:
+    """The most believed effect of a set, or its parameter where it has none."""
+    return next(iter(_effects(claim)), claim.members[0])
+
+
+def _model(
+    compared: Compared,
+    said: Sequence[Claim],
+    above: Mapping[frozenset[str], Mapping[str, float]],
+) -> Row:
+    """The most believed row that holds what is said, and nothing else that could have been.
+
+    Where no such row was fitted, the most believed one with all that is said, or else of all.
+    """
+    scored = compared.scored
+    winners = {_winner(claim) for claim in said}
+    order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
+    holding = [elements for elements in order if winners <= elements]
+    for elements in holding:
+        if all(above[elements].get(name, 1.0) < NAMED for name in elements - winners):
+            return compared.ledger.rows[elements]
+    return compared.ledger.rows[next(iter(holding), scored.best)]
+
+
+def _round(case: Case, compared: Compared, row: Row, claim: Claim) -> Round:
+    winner, rows = _winner(claim), compared.ledger.rows
+    without = rows.get(row.elements - {winner}, rows[frozenset()])
+    beliefs = dict(zip(claim.members, claim.beliefs, strict=True))
+    others = [name for name in claim.members if name != winner]
+    rivals = []
+    for name in others:
+        there = rows.get((row.elements - {winner}) | {name})
+        if there is None:
+            there = next(r for e, r in rows.items() if name in e)
+        rivals.append(Evidence(name, measured(case.misfit, there)))
+    shares = [RivalShare(name, beliefs[name]) for name in (winner, *others)] if others else []
+    return Round(
+        Evidence(winner, measured(case.misfit, row)),
+        tuple(rivals),
+        claim.probability,
+        tuple(shares),
+        _log_odds(compared, claim),
+        _per_recording(case, compared, row, without),
+    )
+
+
+def _log_odds(compared: Compared, claim: Claim) -> float:
+    """[nats] Of the best hypothesis with one of a set, against the best one with none of it.
+
+    A law that holds one of the set as its limit has it, too.
+    """
+    scored, members = compared.scored, set(claim.members)
+    logs = scored.log_evidences.mean(1)
+    larger = {n for n, law in CATALOGUE.items() if members & set(law.contains)}
+    holds = np.array([bool(elements & (members | larger)) for elements in scored.elements])
+    return float(logs[holds].max() - logs[~holds].max())
+
+
+def _per_recording(case: Case, compared: Compared, row: Row, without: Row) -> dict[str, float]:
+    problem, whitening = compared.search.problem, compared.ledger.whitening
+    total: dict[str, float] = {}
+    for segment, before, after in zip(
+        problem.segments, whitening(without.residual), whitening(row.residual), strict=True
+    ):
+        name = case.simulations.records[segment.record].name
+        total[name] = total.get(name, 0.0) + float(np.sum(before**2) - np.sum(after**2))
+    return total
+
+
+def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:
+    """Effects that the refitted parameters can make by themselves, and which of them does."""
+    best: dict[str, Shown] = {}
+    for entry in seen:
+        name = entry.element.name
+        if entry.element.candidate is None or name in said:
+            continue
+        if name not in best or entry.unlike > best[name].unlike:
+            best[name] = entry
+    return {
+        name: f"is parameter {entry.nearest}" if entry.unlike > 0.0 and entry.nearest else _NOTHING
+        for name, entry in best.items()
+        if entry.unlike < UNLIKE
+    }
+
+
+def _share(compared: Compared, base: Row, row: Row) -> float | None:
+    """Of the square that the refitted twin leaves beyond noise, what the model explains."""
+    quiet = compared.ledger.levels
+    quiet = quiet.with_ports(**dict.fromkeys(set(quiet.ports) - {"sensor"}, 0.0))
+    whitening = compared.search.whitening_at(base, compared.ledger.kernels, quiet)
+    left = [sum(float(np.sum(z**2)) for z in whitening(one.residual)) for one in (base, row)]
+    size = sum(z.size for z in whitening(base.residual))
+    beyond = left[0] - size
+    if beyond < 4.0 * np.sqrt(2.0 * size):
+        return None
+    return 1.0 - (left[1] - size) / beyond
+
+
+def _is_outside(compared: Compared, share: float | None) -> bool:
+    """Whether the best row leaves an inadequacy above the tolerance, and most of it unexplained."""
+    scored = compared.scored
+    size = float(scored.sizes[int(np.argmax(scored.log_evidences.mean(1)))])
+    return size > compared.search.tolerance and share is not None and share < EXPLAINED

@@ -1,0 +1,72 @@
+"""Intervals of a linear fit under white noise, against what is known."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.held_out_fit import Part
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.priors import Prior
+from gmfbo.diagnosis.comparison.whitener import Whitening
+
+ROWS, STRETCH = 360, 30
+WIDE = Prior(-50.0, 50.0, False, "normal", 0.0, 30.0)
+
+
+class White:
+    """Signals that are white already."""
+
+    log_determinants = (np.zeros(ROWS),)
+
+    def __call__(self, values: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        return values
+
+
+def linear_part(rng: np.random.Generator, columns: NDArray[np.float64], size: float) -> Part:
+    """Least squares for unit values under noise of this size; columns have shape (p, rows)."""
+    noisy = columns.T @ np.ones(len(columns)) + size * rng.standard_normal(ROWS)
+    x = np.linalg.lstsq(columns.T, noisy, rcond=None)[0].astype(np.float64)
+    fitted = Fitted(
+        cast(Any, None),
+        (),
+        (WIDE,) * len(columns),
+        x,
+        np.zeros(0),
+        [],
+        [],
+        [(noisy - columns.T @ x)[None]],
+        [columns[:, None]],
+        True,
+        np.zeros(0, dtype=bool),
+    )
+    stretches = [[slice(a, a + STRETCH) for a in range(0, ROWS, STRETCH)]]
+    problem = SimpleNamespace(stretches=lambda: stretches)
+    return Part(cast(Any, problem), cast(Whitening, White()), fitted)
+
+
+def test_intervals_hold_the_truth_in_about_95_of_100_fits() -> None:
+    """Of 300 fits with two values; the larger of two intervals holds somewhat more."""
+    rng = np.random.default_rng(3)
+    columns = rng.standard_normal((2, ROWS))
+    inside = []
+    for _ in range(300):
+        _, low, high = linear_part(rng, columns, 1.0).intervals()
+        inside.append((low < 1.0) & (high > 1.0))
+    assert 0.93 < np.mean(inside) < 0.995
+
+
+def test_intervals_widen_with_what_the_model_leaves() -> None:
+    columns = np.random.default_rng(4).standard_normal((2, ROWS))
+    one, three = (
+        linear_part(np.random.default_rng(5), columns, size).intervals()[0] for size in (1.0, 3.0)
+    )
+    np.testing.assert_allclose(three / one, 3.0, rtol=0.3)
+
+
+def test_nothing_free_has_no_intervals() -> None:
+    part = linear_part(np.random.default_rng(6), np.zeros((0, ROWS)), 1.0)
+    assert all(ends.size == 0 for ends in part.intervals())
