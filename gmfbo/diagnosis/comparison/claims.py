@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
+from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import NAMED
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.physics import CATALOGUE
 
@@ -63,11 +64,9 @@ def posterior_draws(fitted: Fitted, whitening: Whitening, seed: int = 0) -> Arra
     rng = np.random.default_rng(seed)
     z = rng.standard_normal((_DRAWS, p))
     u = fitted.u + z @ np.linalg.cholesky(spread).T if p else z
-    ends = np.array([q.bounds for q in fitted.priors]).reshape(-1, 2)
+    ends = bounds_of(fitted.priors)
     u = np.clip(u, ends[:, 0], ends[:, 1])
-    return np.array(
-        [[q.to_value(float(v)) for q, v in zip(fitted.priors, row, strict=True)] for row in u]
-    ).reshape(_DRAWS, p)
+    return np.array([values_at(fitted.priors, row) for row in u]).reshape(_DRAWS, p)
 
 
 def shares_above_floor(fitted: Fitted, whitening: Whitening) -> dict[str, float]:
@@ -128,22 +127,3 @@ def _smallest(masses: dict[str, float]) -> Claim:
             kept[name] += kept.pop(larger)
     order = sorted(kept, key=lambda name: -kept[name])
     return Claim(tuple(order), tuple(kept[name] for name in order))
-
-
-def claims(ledger: Ledger, scored: Scored) -> tuple[Claim, ...]:
-    """What is said of a scored ledger.
-
-    Parameters
-    ----------
-    ledger : Ledger
-        Fitted hypotheses.
-    scored : Scored
-        Their beliefs.
-    """
-    above = {
-        elements: shares_above_floor(ledger.rows[elements], ledger.whitening)
-        for elements, belief in zip(scored.elements, scored.beliefs, strict=True)
-        if belief > 1e-3
-    }
-    above |= {elements: {} for elements in scored.elements if elements not in above}
-    return claims_of(scored, scored.best, above)

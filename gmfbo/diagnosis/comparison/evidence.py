@@ -11,6 +11,7 @@ from scipy.special import log_ndtr
 
 from gmfbo.diagnosis.comparison.numbers import BOOTSTRAP_DRAWS
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
@@ -134,7 +135,7 @@ def log_evidences(
 
 
 def _at_bounds(fitted: Fitted) -> NDArray[np.bool_]:
-    ends = np.array([q.bounds for q in fitted.priors]).reshape(-1, 2)
+    ends = bounds_of(fitted.priors)
     near = 1e-5 * (ends[:, 1] - ends[:, 0])
     held: NDArray[np.bool_] = (fitted.u <= ends[:, 0] + near) | (fitted.u >= ends[:, 1] - near)
     return held
@@ -146,6 +147,6 @@ def _inside(fitted: Fitted, inner: Grams, count: int, curvature: Array) -> float
         return 0.0
     a = inner.matrices[:, :count, :count].sum(0) + np.diag(curvature)
     widths = np.sqrt(np.diag(np.linalg.inv(a)))[: fitted.u.size]
-    ends = np.array([q.bounds for q in fitted.priors]).reshape(-1, 2)
+    ends = bounds_of(fitted.priors)
     room = np.minimum(fitted.u - ends[:, 0], ends[:, 1] - fitted.u) / widths
     return float(log_ndtr(room).sum())

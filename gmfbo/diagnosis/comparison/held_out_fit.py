@@ -13,6 +13,7 @@ from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.opened_comparison import problem_on
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -66,13 +67,10 @@ class Part:
             moves = np.linalg.solve(tilted, slopes[:, :, None])[:, :p, 0]
             ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
             half = np.maximum(half, ends)
-        limits = np.array([q.bounds for q in fitted.priors]).reshape(-1, 2)
+        limits = bounds_of(fitted.priors)
         low = np.clip(fitted.u - half, limits[:, 0], limits[:, 1])
         high = np.clip(fitted.u + half, limits[:, 0], limits[:, 1])
-        x, low_x, high_x = (
-            np.array([q.to_value(float(v)) for q, v in zip(fitted.priors, u, strict=True)])
-            for u in (fitted.u, low, high)
-        )
+        x, low_x, high_x = (values_at(fitted.priors, u) for u in (fitted.u, low, high))
         slope = np.array(
             [v if q.logarithmic else 1.0 for q, v in zip(fitted.priors, x, strict=True)]
         )

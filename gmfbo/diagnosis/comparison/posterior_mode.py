@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.priors import Prior, priors_of
+from gmfbo.diagnosis.comparison.priors import Prior, bounds_of, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
@@ -66,7 +66,7 @@ class Fitted:
     @property
     def x(self) -> Array:
         """Values of the free quantities, shape (p,)."""
-        return np.array([p.to_value(u) for p, u in zip(self.priors, self.u, strict=True)])
+        return values_at(self.priors, self.u)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -193,16 +193,13 @@ class ModeSearch:
         return np.array([p.to_u(v) for p, v in zip(self._priors, x, strict=True)])
 
     def _inside(self, u: Array) -> Array:
-        ends = np.array([p.bounds for p in self._priors]).reshape(-1, 2)
+        ends = bounds_of(self._priors)
         margin = 1e-6 * (ends[:, 1] - ends[:, 0])
         return np.clip(u, ends[:, 0] + margin, ends[:, 1] - margin)
 
-    def _point_values(self, u: Array) -> Array:
-        return np.array([p.to_value(v) for p, v in zip(self._priors, u, strict=True)])
-
     def _at(self, u: Array, nuisances: Array | None) -> Fitted | None:
         problem = self._problem
-        x = self._point_values(u)
+        x = values_at(self._priors, u)
         runs = problem.simulations.run([problem.point(self._hypothesis, x)])[0]
         if not all(run.finite for run in runs):
             return None
@@ -256,7 +253,7 @@ class ModeSearch:
         """Step within the bounds, and the gain that the quadratic promises [nats]."""
         a, g = self._normal(at, columns)
         free = np.ones(g.size, dtype=bool)
-        ends = np.array([p.bounds for p in self._priors]).reshape(-1, 2)
+        ends = bounds_of(self._priors)
         p = at.u.size
         near = 1e-5 * (ends[:, 1] - ends[:, 0])
         free[:p] &= ~((at.u <= ends[:, 0] + near) & (g[:p] < 0.0))

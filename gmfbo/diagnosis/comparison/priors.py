@@ -87,6 +87,16 @@ class Prior:
         return float(2.0 / (1.0 + z**2) / self.spread**2)
 
 
+def bounds_of(priors: Sequence[Prior]) -> Array:
+    """Ends of the coordinates, shape (p, 2)."""
+    return np.array([p.bounds for p in priors]).reshape(-1, 2)
+
+
+def values_at(priors: Sequence[Prior], u: Array) -> Array:
+    """Values at coordinates, shape (p,)."""
+    return np.array([p.to_value(float(v)) for p, v in zip(priors, u, strict=True)])
+
+
 def priors_of(hypothesis: Hypothesis, freed: Sequence[str]) -> tuple[Prior, ...]:
     """Priors of the free quantities of a hypothesis, in the order of its names.
 

@@ -61,7 +61,8 @@ def decide(
     seen = shown(ledger.whitening, base, ledger.responses)
     row = _model(compared, said, above)
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
-    rounds = [_round(case, compared, row, claim) for claim in held_by_row if _effects(claim)]
+    model = measured(case.misfit, row)
+    rounds = [_round(case, compared, row, model, claim) for claim in held_by_row if _effects(claim)]
     share = _share(compared, base, row)
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
@@ -70,7 +71,7 @@ def decide(
             for claim in held_by_row
             if not _effects(claim)
         },
-        model=measured(case.misfit, row),
+        model=model,
         row=row,
         base=base,
         threshold=log(NAMED / (1.0 - NAMED)),
@@ -164,7 +165,7 @@ def _model(
     return compared.ledger.rows[next(iter(holding), scored.best)]
 
 
-def _round(case: Case, compared: Compared, row: Row, claim: Claim) -> Round:
+def _round(case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim) -> Round:
     winner, rows = _winner(claim), compared.ledger.rows
     without = rows.get(row.elements - {winner}, rows[frozenset()])
     beliefs = dict(zip(claim.members, claim.beliefs, strict=True))
@@ -177,7 +178,7 @@ def _round(case: Case, compared: Compared, row: Row, claim: Claim) -> Round:
         rivals.append(Evidence(name, measured(case.misfit, there)))
     shares = [RivalShare(name, beliefs[name]) for name in (winner, *others)] if others else []
     return Round(
-        Evidence(winner, measured(case.misfit, row)),
+        Evidence(winner, model),
         tuple(rivals),
         claim.probability,
         tuple(shares),

@@ -123,13 +123,6 @@ def _of_signed_position(states: Sequence[States]) -> Family | None:
     return _along_position(states, "signed_position", against, lambda s: [s.direction])
 
 
-def _of_position_each_way(states: Sequence[States]) -> Family | None:
-    def ways(s: States) -> list[Array]:
-        return [0.5 * (1.0 + way * s.direction) for way in (1.0, -1.0)]
-
-    return _along_position(states, "each_way", "position, in each direction", ways)
-
-
 def _of_position_with_speed(states: Sequence[States]) -> Family | None:
     fastest = max(float(np.abs(s.velocity).max()) for s in states)
     if fastest <= 0.0:

@@ -21,7 +21,6 @@ Column = list[tuple[NDArray[np.float64], ...]]
 """Change of the signals, one tuple a recording."""
 
 _PROBE = 0.05  # of a typical size, for amplitudes that start at zero
-_REFINED = 10  # starts that are probed again
 _TIMING_PROBE = 0.15  # of a start: a delay of 1 ms may already bend the loop's response
 
 
@@ -236,41 +235,3 @@ def _unlike(normal: Normal, n_own: int) -> tuple[float, float]:
     explained = cross.T @ np.linalg.lstsq(own, cross, rcond=1e-10)[0]
     left = float(np.trace(more - explained))
     return left / total, left
-
-
-def refined(
-    misfit: Misfit, base: Fitted, screened: Sequence[Screened], groups: Sequence[int]
-) -> list[Screened]:
-    """Probe the best again at the size that they were found to have, where it is another one.
-
-    Returns
-    -------
-    list of Screened
-        All, best first; an effect keeps the probe that explained more.
-    """
-    again = [
-        s.probe.scaled(s.shares)
-        for s in screened[:_REFINED]
-        if s.kept and all(s.probe.amplitudes) and _is_elsewhere(s.shares[list(s.kept)])
-    ]
-    again = [_within_bounds(c, base) for c in again]
-    anew = screen(misfit, base, probes(misfit, base, again), groups)
-    return sorted([*screened, *anew], key=lambda s: -s.gain)
-
-
-def _is_elsewhere(shares: NDArray[np.float64]) -> bool:
-    largest = float(np.abs(shares).max())
-    return not 0.5 < largest < 2.0
-
-
-def _within_bounds(candidate: Candidate, base: Fitted) -> Candidate:
-    excitation = base.hypothesis.setting.excitation
-    limits = candidate.law.bounds(excitation)
-    scales = candidate.law.scales(excitation)
-    values = {}
-    for name, value in candidate.values.items():
-        low, high = limits[name]
-        least = 1e-3 * scales[name]
-        away = value if abs(value) > least else least
-        values[name] = float(np.clip(away, low + 1e-6 * (high - low), 0.8 * high))
-    return candidate.with_values(values)
