@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -85,10 +85,18 @@ def diagnose(
     with ExitStack() as closing:
         if opened is not twin:
             closing.callback(opened.close)
-        case, other = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
-        search = Search(case, np.random.default_rng(seed), assume, ruled_out.effects, told)
-        found = search.diagnosis(seed, started, other)
-    return replace(found, cost=replace(found.cost, stages=told.seconds))
+        cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
+        search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out.effects, told)
+        found = search.diagnosis(seed, started, cases.unseen)
+    cost = replace(found.cost, stages=told.seconds)
+    return replace(found, cost=cost, not_compared=cases.not_compared)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cases:
+    seen: Case
+    unseen: Case | None
+    not_compared: tuple[str, ...]
 
 
 def _cases(
@@ -98,10 +106,12 @@ def _cases(
     seed: int,
     jobs: int | None,
     closing: ExitStack,
-) -> tuple[Case, Case | None]:
+) -> _Cases:
     """Open a case of each kind of recordings, under the gain that the drive really had."""
-    recordings, notes = consistent(twin, recordings, seed=seed, jobs=jobs)
-    unseen, more = consistent(twin, unseen, seed=seed, jobs=jobs)
+    given = consistent(twin, recordings, seed=seed, jobs=jobs)
+    held_out = consistent(twin, unseen, seed=seed, jobs=jobs)
+    missing = (*given.missing, *held_out.missing)
+    recordings, unseen = given.recordings, held_out.recordings
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
@@ -109,14 +119,16 @@ def _cases(
         _aligned_case(twin, recordings, seed, jobs), recordings, seed, jobs
     )
     closing.callback(case.simulations.close)
-    case.notes.extend(dict.fromkeys(notes + more))
+    case.notes.extend(dict.fromkeys((*given.notes, *held_out.notes)))
+    case.notes.extend(dict.fromkeys(f"{m.recording}: {m.what}: {m.without}" for m in missing))
+    not_compared = tuple(dict.fromkeys(f"{m.signal} ({m.recording}: {m.what})" for m in missing))
     if gain is not None:
         case.notes.append(gain.note)
     if not unseen:
-        return case, None
+        return _Cases(case, None, not_compared)
     other = open_unseen(case, unseen, seed=seed, jobs=jobs)
     closing.callback(other.simulations.close)
-    return case, other
+    return _Cases(case, other, not_compared)
 
 
 def _aligned_case(

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
-from gmfbo.diagnosis.checking.consistent_recordings import whole_angles
-from gmfbo.diagnosis.checking.contradiction import refuse_columns, refuse_contradictions
+from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
 from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
 from gmfbo.diagnosis.checking.findings import all_findings
 from gmfbo.diagnosis.checking.nominal_case import NominalCase, open_nominal
@@ -24,6 +23,7 @@ from gmfbo.diagnosis.naming.decision_told import units_of
 from gmfbo.diagnosis.result.findings import Cost
 from gmfbo.diagnosis.runs.given_recording import as_recording
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.usable import usable
 from gmfbo.sources.twin.twin import FmuTwin
 
 Progress = Callable[[str, float], None]
@@ -75,13 +75,12 @@ def check(
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     try:
         read = [as_recording(recording, opened) for recording in recordings]
-        read, notes = whole_angles(opened, read)
-        doubts = refuse_contradictions(opened, read)
+        given = usable(opened, read)
         counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
-        nominal = open_nominal(opened, read, seed=seed, jobs=jobs, on_run=counted.one)
-        nominal.case.notes.extend(notes)
+        nominal = open_nominal(opened, given.recordings, seed=seed, jobs=jobs, on_run=counted.one)
+        nominal.case.notes.extend(given.notes)
         try:
-            refuse_columns(nominal.case, nominal.checked, doubts)
+            refuse_columns(nominal.case, nominal.checked, given.doubts)
             return _seen(nominal, told, started)
         finally:
             nominal.case.simulations.close()

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched
-from gmfbo.diagnosis.checking.missing_signals import missing_signals
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
     ColumnQuality,
@@ -21,6 +20,7 @@ from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
 from gmfbo.plain_words import number, percent, quantity
+from gmfbo.sources.recorded.missing_signals import missing_signals
 
 _LEAST_REPEATS = 3
 _REPEATED_SHARE = 1e-3

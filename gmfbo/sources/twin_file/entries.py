@@ -129,6 +129,8 @@ class SignalEntry(Table):
         Share of the scale that the diagnosis may refit.
     shift_range : tuple of float or None
         [s] Range of the time shift that the diagnosis may fit.
+    wrapped : bool or None
+        Whether the column is an angle that the logger wraps into one turn; recognised unless given.
     """
 
     variable: Text
@@ -137,6 +139,7 @@ class SignalEntry(Table):
     offset: Number | Literal["fit"] = 0.0
     uncertain_scale: Positive | None = None
     shift_range: Pair | None = None
+    wrapped: bool | None = None
 
     @model_validator(mode="before")
     @classmethod

@@ -16,88 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.case.command_signal import command_of
-from gmfbo.diagnosis.checking.mistaken_unit import mistaken_unit, times_si
-from gmfbo.diagnosis.locating.parities import Parities
 from gmfbo.errors import RecordingError
 from gmfbo.objective.fit import scored_rows
 from gmfbo.plain_words import number
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness, likeness
+from gmfbo.sources.recorded.mistaken_unit import mistaken_unit, times_si
 from gmfbo.sources.twin.twin import FmuTwin
-
-_SAME_SHAPE = 0.9
-"""Correlation from which two signals are one shape: then four fifths are explained."""
-
-_MIDWAY = 0.5
-"""Share of the simulated motion, midway between an axis that follows and one that does not."""
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Likeness:
-    """How a recorded signal follows an expected one.
-
-    Attributes
-    ----------
-    gain : float
-        Recorded over expected, by regression [1].
-    correlation : float
-        Of both, as they are.
-    shifted, near : float
-        Highest correlation at any shift by up to half the recording, and up to a tenth of it:
-        no column of a usable recording is later than that.
-    motion : float
-        Standard deviation of the recorded signal over that of the expected one [1].
-    """
-
-    gain: float
-    correlation: float
-    shifted: float
-    near: float
-    motion: float
-
-    @property
-    def is_flipped(self) -> bool:
-        """Whether it has the opposite sign; a sine that is half a period late has not."""
-        return self.correlation <= -_SAME_SHAPE and self.shifted < -self.correlation
-
-    @property
-    def is_unrelated(self) -> bool:
-        """Whether it moves, and has less than half of the expected motion in it at any shift."""
-        return self.motion >= _MIDWAY > max(self.shifted, self.shifted * self.motion)
-
-    @property
-    def may_be_unrelated(self) -> bool:
-        """Whether it moves, and little of it is like the expected motion at a usual shift."""
-        return self.motion >= _MIDWAY > self.near
-
-
-def likeness(recorded: Array, expected: Array) -> Likeness | None:
-    """Compare two signals without their means; None where one of them does not move.
-
-    Parameters
-    ----------
-    recorded, expected : ndarray, shape (n,)
-        Rows that both have.
-    """
-    a, b = recorded - recorded.mean(), expected - expected.mean()
-    own, other, both = float(a @ a), float(b @ b), float(a @ b)
-    least = 1e-12 * float(np.abs(expected).max() ** 2) * expected.size
-    if own <= 0.0 or other <= least:
-        return None
-    size = math.sqrt(own) * math.sqrt(other)
-    padded = 2 * a.size
-    spectrum = np.fft.rfft(a, padded) * np.conj(np.fft.rfft(b, padded))
-    together = np.fft.irfft(spectrum, padded)
-    together = np.roll(together, a.size)[:padded] / size
-
-    def highest(rows: int) -> float:
-        return float(together[a.size - rows : a.size + rows + 1].max())
-
-    shifted, near = highest(a.size // 2), highest(a.size // 10)
-    return Likeness(both / other, both / size, shifted, near, math.sqrt(own / other))
 
 
 @dataclass(frozen=True)
@@ -159,6 +84,23 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
     return Doubts(frozenset(position), frozenset(command))
 
 
+def contradiction(twin: FmuTwin, recording: Recording) -> str:
+    """Say how a recording contradicts the twin as it is, in one line; empty where it does not.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    recording : Recording
+        Run of the real axis.
+    """
+    try:
+        refuse_contradictions(twin, [recording])
+    except RecordingError as error:
+        return str(error)
+    return ""
+
+
 def controlled(twin: FmuTwin) -> str:
     """Output that has to follow the reference: that in its unit; empty in open loop."""
     file, variables = twin.file, twin.binding.variables
@@ -173,66 +115,6 @@ def controlled(twin: FmuTwin) -> str:
     return alike[0] if alike else ""
 
 
-def refuse_columns(case: Case, checked: Parities, doubts: Doubts) -> None:
-    """Compare recorded commands with those of the twin's controller on the recorded measurement.
-
-    Parameters
-    ----------
-    case : Case
-        At nominal parameters.
-    checked : Parities
-        Runs of the twin that was held on its recordings.
-    doubts : Doubts
-        Recordings that are judged.
-
-    Raises
-    ------
-    RecordingError
-        A command has the opposite sign or is in another unit, or the measurement is not that of
-        the axis which the command drove.
-    """
-    command = command_of(case)
-    if checked.controller is None or command is None:
-        return
-    for k in sorted(doubts.position | doubts.command):
-        record = case.simulations.records[k]
-        signal = next(s for s in record.signals if s.name == command)
-        computed = np.interp(signal.time, record.plan.grid, checked.held[k].response.held[command])
-        seen = likeness(signal.values, computed)
-        if seen is None:
-            continue
-        told = _of_command(case.twin, record.name, command, seen)
-        if not told and k in doubts.position and seen.near < _MIDWAY:
-            told = _unrelated(
-                record.name, controlled(case.twin), "nor is the command computed of it"
-            )
-        if told:
-            raise RecordingError(told)
-
-
-def _of_command(twin: FmuTwin, name: str, command: str, seen: Likeness) -> str:
-    against = "what the twin's controller computes from the recorded measurement"
-    if seen.is_flipped:
-        return _flipped(name, command, against, seen.gain)
-    if seen.correlation < _SAME_SHAPE:
-        return ""
-    variables, file = twin.binding.variables, twin.file
-    unit = mistaken_unit(variables[file.outputs[command].variable].variable.si_unit, seen.gain)
-    if unit is not None:
-        return _in_unit(name, command, against, seen.gain, unit)
-    signal = controlled(twin)
-    if not signal:
-        return ""
-    # Reference and measurement in one wrong unit: the loop is right, and its command is small.
-    other = mistaken_unit(_unit(twin, signal), 1.0 / seen.gain)
-    if other is None:
-        return ""
-    return (
-        f"{name}: {command} is {number(seen.gain)} times {against}, as if reference and {signal} "
-        f'were in {other}; state their unit in the header, "{signal} [{other}]", or correct them'
-    )
-
-
 def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
     """What is wrong with the controlled signal, in one line; empty where nothing is."""
     name, against = recording.name or "recording", "what the twin makes of reference"
@@ -241,29 +123,29 @@ def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: st
     if seen is None or asked is None:
         return ""
     if seen.is_flipped and _in_both_halves(twin, recording, run, signal, lambda s: s.is_flipped):
-        return _flipped(name, signal, against, seen.gain)
+        return flipped(name, signal, against, seen.gain)
     unit = _wrong_unit(twin, signal, seen)
     if unit is not None and _in_both_halves(
         twin, recording, run, signal, lambda s: _wrong_unit(twin, signal, s) == unit
     ):
-        return _in_unit(name, signal, against, seen.gain, unit)
-    unit = mistaken_unit(_unit(twin, signal), 1.0 / asked.gain)
+        return in_unit(name, signal, against, seen.gain, unit)
+    unit = mistaken_unit(unit_of(twin, signal), 1.0 / asked.gain)
     if (
         unit is not None
-        and asked.correlation >= _SAME_SHAPE
+        and asked.correlation >= SAME_SHAPE
         and _is_asked_in(twin, recording, signal, unit)
     ):
-        return _in_unit(name, "reference", f"what {signal} follows", 1.0 / asked.gain, unit)
+        return in_unit(name, "reference", f"what {signal} follows", 1.0 / asked.gain, unit)
     if seen.is_unrelated and asked.is_unrelated:
         share = number(100.0 * max(seen.shifted, 0.0) ** 2, 2)
-        return _unrelated(name, signal, f"the simulation explains {share} % of its motion at best")
+        return unrelated(name, signal, f"the simulation explains {share} % of its motion at best")
     return ""
 
 
 def _wrong_unit(twin: FmuTwin, signal: str, seen: Likeness) -> str | None:
-    if seen.correlation < _SAME_SHAPE:
+    if seen.correlation < SAME_SHAPE:
         return None
-    return mistaken_unit(_unit(twin, signal), seen.gain)
+    return mistaken_unit(unit_of(twin, signal), seen.gain)
 
 
 def _in_both_halves(
@@ -294,8 +176,8 @@ def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) ->
     seen = _seen(twin, asked, signal, run)
     return (
         seen is not None
-        and seen.correlation >= _SAME_SHAPE
-        and mistaken_unit(_unit(twin, signal), seen.gain) is None
+        and seen.correlation >= SAME_SHAPE
+        and mistaken_unit(unit_of(twin, signal), seen.gain) is None
         and _in_both_halves(
             twin, asked, run, signal, lambda s: _wrong_unit(twin, signal, s) is None
         )
@@ -347,25 +229,25 @@ def _seen(
     return likeness(recording.signal(signal)[rows], other)
 
 
-def _unit(twin: FmuTwin, signal: str) -> str:
+def unit_of(twin: FmuTwin, signal: str) -> str:
     return twin.binding.variables[twin.file.outputs[signal].variable].variable.si_unit
 
 
-def _flipped(name: str, signal: str, against: str, gain: float) -> str:
+def flipped(name: str, signal: str, against: str, gain: float) -> str:
     return (
         f"{name}: {signal} has the opposite sign of {against} (gain {number(gain)}); write "
         f"scale = -1 for {signal} in the twin file, or correct the column"
     )
 
 
-def _in_unit(name: str, signal: str, against: str, gain: float, unit: str) -> str:
+def in_unit(name: str, signal: str, against: str, gain: float, unit: str) -> str:
     return (
         f"{name}: {signal} is {number(gain)} times {against}, as if it were in {unit}; state its "
         f'unit in the header, "{signal} [{unit}]", or correct the column'
     )
 
 
-def _unrelated(name: str, signal: str, why: str) -> str:
+def unrelated(name: str, signal: str, why: str) -> str:
     return (
         f"{name}: {signal} does not follow reference, {why}; are these columns of one axis and one "
         "run? record both together, or map the right columns"
