@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +17,8 @@ from gmfbo.diagnosis.checking.consistent_recordings import consistent
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
-from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.result.whereabouts import TimeWindow
+from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
 from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.stage_times import Progress, StageTimes
 from gmfbo.diagnosis.steps import Search
@@ -75,12 +76,11 @@ def diagnose(
     SimulationError
         The twin as it is cannot follow the recordings.
     """
-    started = time.perf_counter()
-    told = StageTimes(progress or (lambda stage, share: None), "reading")
+    started, told = time.perf_counter(), StageTimes(progress or _silent, "reading")
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     ruled_out = _checked(opened, assume, exclude)
-    read = [as_recording(recording, opened) for recording in recordings]
-    unseen = [as_recording(recording, opened) for recording in validate or ()]
+    read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
+    unseen, more = on_fmu_clock([as_recording(one, opened) for one in validate or ()], opened)
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
@@ -88,8 +88,26 @@ def diagnose(
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out.effects, told)
         found = search.diagnosis(seed, started, cases.unseen)
-    cost = replace(found.cost, stages=told.seconds)
-    return replace(found, cost=cost, not_compared=cases.not_compared)
+    found = replace(found, cost=replace(found.cost, stages=told.seconds))
+    return _by_own_clocks(replace(found, not_compared=cases.not_compared), {**later, **more})
+
+
+def _by_own_clocks(found: Diagnosis, later: Mapping[str, float]) -> Diagnosis:
+    """Tell times of recordings by their own clocks, which may begin later than the FMU's."""
+    if not later:
+        return found
+    times = tuple(
+        TimeWindow(one.recording, *(t + later.get(one.recording, 0.0) for t in one[1:]))
+        for one in found.location.times
+    )
+    curves = tuple(
+        replace(one, time=one.time + later.get(one.recording, 0.0)) for one in found.curves
+    )
+    return replace(found, location=replace(found.location, times=times), curves=curves)
+
+
+def _silent(stage: str, share: float) -> None:
+    """Show no progress."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError, did_you_mean
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedReading, rename_columns
+from gmfbo.recordings.columns.columns import RecordedColumns, find_clock
 from gmfbo.recordings.columns.interpretation import interpreted
-from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
+from gmfbo.recordings.columns.row_spacing import check_spacing
+from gmfbo.recordings.columns.signal import SignalReading, SignalSpec, SteppedReading
 from gmfbo.recordings.reader import read_columns
 
 Status = Literal["ok", "diverged", "failed", "timeout", "crashed", "unsafe"]
@@ -236,7 +238,28 @@ def read_recording(
     file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
     file, specs = rename_columns(file, mapping, words.specs)
     known = None if twin is None else _Words(specs, words.tunable)
-    return recording_of(interpreted(file, known), file.notes.run)
+    content = interpreted(file, known)
+    if isinstance(twin, SteppedReading):
+        _check_spacing(file, mapping, specs, content, twin.step)
+    return recording_of(content, file.notes.run)
+
+
+def _check_spacing(
+    file: RecordedColumns,
+    mapping: ColumnMapping,
+    specs: Mapping[str, SignalSpec],
+    content: Mapping[str, Any],
+    step: float,
+) -> None:
+    """Refuse a clock that seems to be in another unit, unless the twin file states its unit."""
+    clock, stated = find_clock(file.label, file.columns), mapping.columns.get("time")
+    if stated is not None and stated.converts:
+        return
+    # Set points may lie as far apart as they like, and gmfbo's own clocks are in seconds.
+    compared = any(name in content["signals"] for name, spec in specs.items() if spec.compared)
+    if compared and not file.notes.own:
+        name = clock.name if stated is None else stated.column
+        check_spacing(file, clock, name, content["time"], step)
 
 
 @dataclass(frozen=True)

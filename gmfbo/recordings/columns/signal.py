@@ -29,6 +29,8 @@ class SignalSpec:
         Between rows, where the signal drives an FMU input.
     required : bool
         Whether a recording without this column is refused.
+    compared : bool
+        Whether it is compared with the twin, so that a recording with it is a log of an axis.
     """
 
     name: str
@@ -39,6 +41,14 @@ class SignalSpec:
     unit: str = ""
     interpolation: Literal["hold", "linear"] = "hold"
     required: bool = False
+    compared: bool = False
+
+
+@runtime_checkable
+class SteppedReading(Protocol):
+    """A twin that is simulated in steps."""
+
+    step: float
 
 
 @runtime_checkable

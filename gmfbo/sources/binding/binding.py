@@ -33,6 +33,8 @@ class Binding:
         By the names that the twin file uses.
     preset : mapping of str to float
         Settings of the project's own controllers; [parameters] overrides them.
+    default_start : float
+        [s] Start time of the default experiment of the first of the user's FMUs that states one.
     """
 
     file: TwinFile
@@ -41,6 +43,7 @@ class Binding:
     content: tuple[str, ...]
     variables: Mapping[str, BoundVariable]
     preset: Mapping[str, float]
+    default_start: float = 0.0
 
     @cached_property
     def parameters(self) -> dict[str, BoundVariable]:
@@ -59,6 +62,16 @@ class Binding:
             self.variables[target].wire_from(self.variables[source])
             for target, source in self.file.wires.items()
         )
+
+    def start_time(self, recorded: float) -> float:
+        """[s] FMU time at which a run begins.
+
+        Parameters
+        ----------
+        recorded : float
+            [s] First time of the recording that is followed.
+        """
+        return recorded if self.file.recording.clock == "fmu" else self.default_start
 
     def nominal(self, name: str) -> float:
         """Value [FMU's unit] of a parameter as the twin file leaves it."""

@@ -22,8 +22,11 @@ def content_hash(binding: Binding, parameters: Mapping[str, float], step: float)
         [s] Communication step in force.
     """
     # Neither a logger's column names nor the list of uncertain parameters changes a run.
-    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables", "fixed"}
-    file = binding.file.model_dump(mode="json", exclude=apart)
+    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables", "fixed", "limits"}
+    if binding.file.recording.clock == "own":
+        apart |= {"recording"}
+    each = {key: {"__all__": {"wrapped"}} for key in ("inputs", "outputs")}
+    file = binding.file.model_dump(mode="json", exclude={**dict.fromkeys(apart, True), **each})
     meaning = {
         "file": file,
         "fmus": list(zip(binding.file.fmus or [""], binding.content, strict=True)),

@@ -55,8 +55,8 @@ class FmuDescription:
         Flags of co-simulation by their names in the standard.
     variables : mapping of str to FmuVariable
         By name, in the order of the file.
-    default_step : float or None
-        [s] Step of the default experiment.
+    default_step, default_start : float or None
+        [s] Step and start time of the default experiment.
     """
 
     path: Path
@@ -72,6 +72,7 @@ class FmuDescription:
     capabilities: Mapping[str, bool | int]
     variables: Mapping[str, FmuVariable]
     default_step: float | None = None
+    default_start: float | None = None
 
     @property
     def major(self) -> int:
@@ -192,6 +193,7 @@ def read_description(path: Path) -> FmuDescription:
     units = {unit.name: unit.baseUnit for unit in raw.unitDefinitions}
     fmi = 3 if version.startswith("3") else 2
     variables = [variable_from(variable, units, fmi) for variable in raw.modelVariables]
+    default = raw.defaultExperiment
     return FmuDescription(
         path=path,
         model_name=raw.modelName or path.stem,
@@ -205,7 +207,8 @@ def read_description(path: Path) -> FmuDescription:
         libraries=libraries,
         capabilities=MappingProxyType(_capabilities(raw)),
         variables=MappingProxyType({variable.name: variable for variable in variables}),
-        default_step=number_from(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
+        default_step=number_from(default.stepSize) if default else None,
+        default_start=number_from(default.startTime) if default else None,
     )
 
 

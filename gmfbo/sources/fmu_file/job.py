@@ -74,7 +74,7 @@ class Job:
     steps : int
         Communication steps.
     start : float
-        [s] Time of row 0.
+        [s] FMU time of row 0.
     step : float
         [s] Communication step; row k is at start + k * step.
     settings : tuple of Setting
@@ -83,6 +83,8 @@ class Job:
         Columns of u (steps, n_u), s (steps, n_s) and y (steps + 1, n_y).
     wires : tuple of Wire
         From outputs to inputs.
+    told_start : float or None
+        [s] Time of row 0 by the recording's clock, for messages; `start` unless given.
     """
 
     steps: int
@@ -93,6 +95,11 @@ class Job:
     schedules: tuple[Port, ...] = ()
     wires: tuple[Wire, ...] = ()
     outputs: tuple[Port, ...] = ()
+    told_start: float | None = None
+
+    def told_time(self, row: int) -> float:
+        """[s] Time of a row by the recording's clock."""
+        return (self.start if self.told_start is None else self.told_start) + row * self.step
 
     @property
     def shapes(self) -> tuple[tuple[int, int], tuple[int, int], tuple[int, int]]:
@@ -115,6 +122,7 @@ class Job:
             schedules=tuple(Port(*entry) for entry in raw["schedules"]),
             wires=tuple(Wire(*entry) for entry in raw["wires"]),
             outputs=tuple(Port(*entry) for entry in raw["outputs"]),
+            told_start=raw["told_start"],
         )
 
 

@@ -1,4 +1,4 @@
-"""Recordings held against their twin, before anything is simulated at length or fitted.
+"""Recordings held against their twin, before anything is fitted.
 
 `usable.usable` unwraps angles (`wrapped_angle`), names compared signals that a recording lacks
 (`missing_signals`), and refuses what contradicts the twin (`contradiction`), such as a column in a

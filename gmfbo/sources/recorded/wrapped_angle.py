@@ -35,48 +35,44 @@ def unwrapped(recording: Recording, twin: FmuTwin) -> tuple[Recording, tuple[str
     tuple of Recording and tuple of str
         The recording, and a note for each signal that was unwrapped.
     """
-    file, units = twin.file, _units(twin)
-    stated = {n: e.wrapped for n, e in (file.inputs | file.outputs).items()}
-    forced = {
-        name: _without_any_jump(recording.signal(name), units[name])
-        for name, wraps in stated.items()
-        if wraps and np.isfinite(recording.signals.get(name, np.nan)).any()
-    }
-    angles = [
-        name
-        for name in units
-        if name in recording.signals and units[name] in ("rad", "") and stated[name] is None
-    ]
-    changed = {
-        name: whole
-        for name in angles
-        if name in file.outputs
-        and (whole := without_jumps(recording.signal(name), units[name])) is not None
-    }
-    if changed and _wraps_itself(twin, recording, changed, units):
-        changed = {}
-    changed |= forced
-    if not any(name in file.outputs for name in changed):
-        angles = []
-    for name in angles:
-        whole = without_jumps(recording.signal(name), units[name])
-        if name in file.inputs and whole is not None:
-            changed[name] = whole
-    if not changed:
-        return recording, ()
-    turns = {name: _turn(recording.signal(name), units[name]) for name in changed}
-    for name in [n for n in changed if n in file.outputs]:
-        start = _reference_start(recording, changed, units, name)
-        if start is not None:
-            own = changed[name][np.isfinite(changed[name])][0]
-            changed[name] = changed[name] + turns[name] * np.round((start - own) / turns[name])
+    changed = _whole_angles(recording, twin, _units(twin))
     label = recording.name or "recording"
     notes = tuple(
         f"{label}: {n} jumps by a full turn: it wraps; unwrapped"
         for n in changed
         if not np.array_equal(changed[n], recording.signal(n), equal_nan=True)
     )
-    return recording.with_signals(changed), notes
+    return (recording.with_signals(changed) if changed else recording), notes
+
+
+def _whole_angles(recording: Recording, twin: FmuTwin, units: dict[str, str]) -> dict[str, Array]:
+    """Signals that wrap, without their jumps; outputs begin in the turn of their reference."""
+    file = twin.file
+    stated = {n: e.wrapped for n, e in (file.inputs | file.outputs).items()}
+    forced = {
+        name: _without_any_jump(recording.signal(name), units[name])
+        for name, wraps in stated.items()
+        if wraps and np.isfinite(recording.signals.get(name, np.nan)).any()
+    }
+    seen = {
+        name: whole
+        for name, unit in units.items()
+        if name in recording.signals and unit in ("rad", "") and stated[name] is None
+        if (whole := without_jumps(recording.signal(name), unit)) is not None
+    }
+    outputs = {name: whole for name, whole in seen.items() if name in file.outputs}
+    if outputs and _wraps_itself(twin, recording, outputs, units):
+        outputs = {}
+    changed = outputs | forced
+    if any(name in file.outputs for name in changed):
+        changed |= {name: whole for name, whole in seen.items() if name in file.inputs}
+    for name in [n for n in changed if n in file.outputs]:
+        start = _reference_start(recording, changed, units, name)
+        if start is not None:
+            turn = _turn(recording.signal(name), units[name])
+            own = changed[name][np.isfinite(changed[name])][0]
+            changed[name] = changed[name] + turn * np.round((start - own) / turn)
+    return changed
 
 
 def without_jumps(values: Array, unit: str) -> Array | None:

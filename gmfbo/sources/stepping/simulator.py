@@ -106,9 +106,9 @@ class Simulator:
         if not stop.stopped:
             return Outcome("ok", job.steps + 1, warnings=stop.warnings)
         fmu, stage, rows = self._fmus[stop.fmu], LoopStage(stop.stage), stop.step + 1
-        time = job.start + max(stop.step, 0) * job.step
+        time = job.told_time(max(stop.step, 0))
         if stage == LoopStage.NOT_FINITE:
-            after = job.start + rows * job.step
+            after = job.told_time(rows)
             message = (
                 f"'{fmu.name}' diverged: an output is not finite at t = {after:g} s; the gains or "
                 "parameters make it unstable, or its own step is too long"

@@ -192,7 +192,9 @@ class AugmentedTwin:
         binding = self._augmented.binding
         override = {**self.twin.parameters, **parameters}
         chosen = run_parameters(binding, recording, override, {})
-        experiment = Experiment.prepare(binding, recording, chosen, self.twin.step)
+        experiment = Experiment.prepare(
+            binding, recording, chosen, self.twin.step, substeps=self.substeps
+        )
         lead = 0 if starts_as_recorded(binding, recording) else self._settles_after(experiment)
         return RunPlan.after(recording, experiment, lead, self.substeps)
 
@@ -238,6 +240,7 @@ class AugmentedTwin:
         job = Job(
             steps=coarse.steps * self.substeps,
             start=coarse.start,
+            told_start=coarse.told_start,
             step=self.step,
             settings=(*coarse.settings, *self._physics_settings(physics or {})),
             inputs=(*self._through_physics(coarse.inputs, plan), *inputs),

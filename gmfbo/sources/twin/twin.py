@@ -47,6 +47,10 @@ class FmuTwin:
     t_k act. For an output with `logged = "new"` it holds the output one communication step later,
     as such a logger stores it; the last row repeats the one before.
 
+    The FMUs begin at the start time of their default experiment, or at 0 s, whatever the first
+    recorded time is; `[recording] clock = "fmu"` hands the recorded time over. Trajectories keep
+    the recording's clock.
+
     Without [initial], or if the recording lacks its signals, the first reference is held until the
     outputs are at rest, for at most 5 s. A twin that does not settle starts with its FMU's own
     start values.

@@ -51,6 +51,30 @@ class FixedNames(Table):
     names: list[Text] = Field(default_factory=list)
 
 
+class RecordingTable(Table):
+    """How recordings are followed.
+
+    Attributes
+    ----------
+    clock : {"own", "fmu"}
+        Whether an FMU's time counts from its own start time, or is the recorded time.
+    """
+
+    clock: Literal["own", "fmu"] = "own"
+
+
+class LimitsTable(Table):
+    """What a run may cost.
+
+    Attributes
+    ----------
+    steps : int
+        Steps of the FMUs in a run along a recording, substeps counted.
+    """
+
+    steps: Annotated[int, Field(strict=True, gt=0)] = 20_000_000
+
+
 class TableEntry(Table):
     """A lookup table inside the FMU whose nodes are uncertain.
 

@@ -16,12 +16,14 @@ from gmfbo.sources.twin_file.entries import (
     FixedNames,
     GainRange,
     InputEntry,
+    LimitsTable,
     NotNegative,
     Number,
     OutputEntry,
     Pair,
     ParameterValue,
     Positive,
+    RecordingTable,
     SignalEntry,
     Table,
     TableEntry,
@@ -91,6 +93,10 @@ class TwinFile(Table):
         the path of a file that holds it.
     dialect : str
         How the logger's text files are written.
+    recording : RecordingTable
+        How recordings are followed.
+    limits : LimitsTable
+        What a run may cost.
     """
 
     name: Text
@@ -112,6 +118,8 @@ class TwinFile(Table):
     initial: dict[str, Number | Text] = Field(default_factory=dict)
     columns: dict[str, ColumnEntry] = Field(default_factory=dict)
     dialect: Dialect = "auto"
+    recording: RecordingTable = Field(default_factory=RecordingTable)
+    limits: LimitsTable = Field(default_factory=LimitsTable)
 
     @field_validator("fmus", mode="before")
     @classmethod

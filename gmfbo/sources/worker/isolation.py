@@ -292,7 +292,7 @@ class Isolated:
                 continue
             if stage in _BETWEEN_RUNS:
                 break
-            time = order.job.start + (rows - 1) * order.job.step if rows else None
+            time = order.job.told_time(rows - 1) if rows else None
             where = WhereItStood(self._names, stage, fmu, time, said, self._policy, held)
             if exit_code is None:
                 limit = START_LIMIT_S if stage == Stage.LOAD else self._time_limit_s

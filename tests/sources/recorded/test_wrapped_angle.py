@@ -126,7 +126,9 @@ def test_wrapped_true_unwraps_what_moves_too_fast_to_be_recognised(
     """Every 100th row: steps of up to 0.38 of a turn."""
     position = turned.signal("position")[::100]
     assert without_jumps(centred(position), "rad") is None
-    few = Recording(time=turned.time[::100], signals={"position": centred(position)}, name="few.csv")
+    few = Recording(
+        time=turned.time[::100], signals={"position": centred(position)}, name="few.csv"
+    )
     whole, notes = unwrapped(few, stated(True, tmp_path))
     np.testing.assert_allclose(whole.signal("position"), position, atol=1e-9)
     assert notes == ("few.csv: position jumps by a full turn: it wraps; unwrapped",)
