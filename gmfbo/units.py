@@ -196,6 +196,25 @@ def _parse_unit(text: str) -> Unit | None:
     return Unit(product.spelling(), product.factor, product.pi, 0.0, product.dimension())
 
 
+def si_spelling(dimension: Dimension) -> str:
+    """SI unit of a dimension: the name that is usual in mechanics, else powers of base units.
+
+    Parameters
+    ----------
+    dimension : tuple of int
+        Exponents of kg, m, s, A, K, rad and counts.
+    """
+    if dimension == _SI["J"]:
+        return "N.m"
+    named = next((symbol for symbol, own in _SI.items() if own == dimension), "")
+    if named:
+        return named
+    product = _Product()
+    for symbol, power in zip(("kg", "m", "s", "A", "K", "rad", "counts"), dimension, strict=True):
+        product.multiply(symbol, power)
+    return product.spelling()
+
+
 class _Product:
     """Powers of SI symbols with a factor, accumulated while an expression is read."""
 

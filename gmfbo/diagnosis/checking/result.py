@@ -174,7 +174,13 @@ class RecordingFacts:
     parity: float
 
     def later_by(self, seconds: float) -> RecordingFacts:
-        """Tell times by a clock that shows this much more [s]."""
+        """Tell times by a clock that shows more.
+
+        Parameters
+        ----------
+        seconds : float
+            [s] What it shows more.
+        """
         lost_at = tuple(time + seconds for time in self.clock.lost_at)
         return replace(self, clock=replace(self.clock, lost_at=lost_at))
 

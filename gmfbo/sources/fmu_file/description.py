@@ -9,7 +9,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from gmfbo.errors import FmuFileError, in_short
-from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, number_from, variable_from
+from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, variable_from
+from gmfbo.sources.fmu_file.numbers import number_from
 from gmfbo.sources.fmu_file.platforms import Platform, this_platform
 from gmfbo.sources.fmu_file.prolog import check_prolog
 from gmfbo.sources.fmu_file.unpacking import member_path, open_archive, read_member

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from gmfbo.sources.fmu_file.job import ValueType
+from gmfbo.sources.fmu_file.numbers import number_from
+from gmfbo.sources.fmu_file.unit_definition import fmu_unit
 from gmfbo.units import parse_unit
 
 if TYPE_CHECKING:
@@ -56,6 +58,8 @@ class FmuVariable:
         single numbers.
     shape : tuple of int
         Of an array; empty for a scalar.
+    si : str
+        SI unit, by the FMU's definition of the unit; gmfbo's table counts where it is empty.
     """
 
     name: str
@@ -72,6 +76,7 @@ class FmuVariable:
     description: str = ""
     value_type: ValueType | None = None
     shape: tuple[int, ...] = ()
+    si: str = ""
 
     @property
     def tunable(self) -> bool:
@@ -81,6 +86,8 @@ class FmuVariable:
     @property
     def si_unit(self) -> str:
         """SI unit in gmfbo's spelling; the FMU's own where that is not understood."""
+        if self.si:
+            return self.si
         known = parse_unit(self.unit) if self.unit else None
         return known.si if known and not known.needs_scale else self.unit
 
@@ -99,7 +106,7 @@ def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) ->
     """
     declared = raw.declaredType
     unit = raw.unit or getattr(declared, "unit", None) or ""
-    to_si, si_zero = _conversion(unit, units.get(unit))
+    si = fmu_unit(unit, units.get(unit))
     minimum = raw.min if raw.min is not None else getattr(declared, "min", None)
     maximum = raw.max if raw.max is not None else getattr(declared, "max", None)
     shape = tuple(raw.shape)
@@ -111,8 +118,9 @@ def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) ->
         causality=raw.causality or "local",
         variability=raw.variability or "continuous",
         unit=unit,
-        to_si=to_si,
-        si_zero=si_zero,
+        to_si=si.factor,
+        si_zero=si.zero,
+        si=si.si,
         start=None if text else number_from(raw.start),
         minimum=None if text else number_from(minimum),
         maximum=None if text else number_from(maximum),
@@ -126,38 +134,6 @@ def _value_type(name: str, fmi: int) -> ValueType | None:
     if name == "Enumeration":
         return ValueType.INTEGER if fmi == 2 else ValueType.INT64
     return _VALUE_TYPES.get(name)
-
-
-def _conversion(unit: str, base: Any) -> tuple[float, float]:
-    """Factor and zero of a unit: gmfbo's own table first, since many FMUs state no base unit."""
-    known = parse_unit(unit) if unit else None
-    if known is not None and not known.needs_scale:
-        import numpy as np
-
-        ends = known.to_si(np.array([0.0, 1.0]))
-        return float(ends[1] - ends[0]), float(ends[0])
-    if base is None:
-        return 1.0, 0.0
-    factor, zero = number_from(base.factor), number_from(base.offset)
-    return (1.0 if factor is None else factor), (zero or 0.0)
-
-
-def number_from(text: object) -> float | None:
-    """Read a number or truth value of a model description; None where it is neither.
-
-    Parameters
-    ----------
-    text : object
-        Attribute of the XML, or None.
-    """
-    if text is None:
-        return None
-    if str(text).strip() in ("true", "false"):
-        return 1.0 if str(text).strip() == "true" else 0.0
-    try:
-        return float(str(text))
-    except ValueError:
-        return None
 
 
 def is_parameter(variable: FmuVariable) -> bool:

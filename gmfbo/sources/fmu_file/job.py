@@ -98,7 +98,13 @@ class Job:
     told_start: float | None = None
 
     def told_time(self, row: int) -> float:
-        """[s] Time of a row by the recording's clock."""
+        """[s] Time of a row by the recording's clock.
+
+        Parameters
+        ----------
+        row : int
+            Its place, from 0.
+        """
         return (self.start if self.told_start is None else self.told_start) + row * self.step
 
     @property
