@@ -17,6 +17,7 @@ from gmfbo.recordings.columns.columns import RecordedColumns, find_clock
 from gmfbo.recordings.columns.interpretation import interpreted
 from gmfbo.recordings.columns.row_spacing import check_spacing
 from gmfbo.recordings.columns.signal import SignalReading, SignalSpec, SteppedReading
+from gmfbo.recordings.columns.unit_in_name import notes_on_units, with_units_of_names
 from gmfbo.recordings.reader import read_columns
 
 Status = Literal["ok", "diverged", "failed", "timeout", "crashed", "unsafe"]
@@ -61,6 +62,8 @@ class Recording:
         ISO 8601 time of the first row; empty where unknown.
     written_by : str
         gmfbo version that wrote the file; empty for files of others.
+    notes : tuple of str
+        What its reader took from names of columns, or from one of two statements.
     """
 
     time: NDArray[np.float64]
@@ -72,6 +75,7 @@ class Recording:
     use: tuple[float, float] | None = None
     start_time: str = ""
     written_by: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         time = np.array(self.time, dtype=np.float64)
@@ -236,12 +240,19 @@ def read_recording(
         mapping = twin.column_mapping() if isinstance(twin, MappedReading) else ColumnMapping()
     wanted = mapping.names() | words.names()
     file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
+    stated, mapping = mapping, with_units_of_names(file, mapping, words.specs)
+    notes = notes_on_units(file, stated, mapping)
     file, specs = rename_columns(file, mapping, words.specs)
     known = None if twin is None else _Words(specs, words.tunable)
     content = interpreted(file, known)
-    if isinstance(twin, SteppedReading):
+    if isinstance(twin, SteppedReading) and not _states_time(stated):
         _check_spacing(file, mapping, specs, content, twin.step)
-    return recording_of(content, file.notes.run)
+    return recording_of({**content, "notes": notes}, file.notes.run)
+
+
+def _states_time(mapping: ColumnMapping) -> bool:
+    """Whether the twin file says in which unit the clock is: it has the last word."""
+    return "time" in mapping.columns and mapping.columns["time"].converts
 
 
 def _check_spacing(
@@ -251,14 +262,12 @@ def _check_spacing(
     content: Mapping[str, Any],
     step: float,
 ) -> None:
-    """Refuse a clock that seems to be in another unit, unless the twin file states its unit."""
-    clock, stated = find_clock(file.label, file.columns), mapping.columns.get("time")
-    if stated is not None and stated.converts:
-        return
+    """Refuse a clock that seems to be in another unit."""
+    clock, mapped = find_clock(file.label, file.columns), mapping.columns.get("time")
     # Set points may lie as far apart as they like, and gmfbo's own clocks are in seconds.
     compared = any(name in content["signals"] for name, spec in specs.items() if spec.compared)
     if compared and not file.notes.own:
-        name = clock.name if stated is None else stated.column
+        name = clock.name if mapped is None else mapped.column
         check_spacing(file, clock, name, content["time"], step)
 
 

@@ -64,6 +64,7 @@ def columns(
     for the next recordings; one line in the twin file then names the saved file.
     """
     from gmfbo.recordings.columns.column_mapping import DIALECTS, ColumnMapping
+    from gmfbo.recordings.columns.unit_in_name import with_units_of_names
     from gmfbo.recordings.reader import read_columns
     from gmfbo.recordings.recording import read_recording
     from gmfbo.sources.twin.twin import FmuTwin
@@ -80,9 +81,12 @@ def columns(
         words |= {spec.column for spec in source.signal_specs().values()}
         file = read_columns(recording, mapping.dialect, words, every=True)
         _check_columns(settings, file)
+        mapping = with_units_of_names(file, mapping, source.signal_specs())
+        file = _as_mapped(file, mapping)
         found = _found(source, mapping, file)
         guesses = _guesses(source, found, file)
-        _print_columns(file, {_clock_name(file): "time", **_by_column(found)}, guesses)
+        clock = found.get("time") or _clock_name(file)
+        _print_columns(file, {clock: "time", **_by_column(found)}, guesses)
         _print_missing(source, found, file)
         if save is not None:
             read_recording(recording, source, mapping=mapping)  # raises for an unreadable mapping
@@ -117,6 +121,15 @@ def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) 
             raise InputError(
                 f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
             )
+
+
+def _as_mapped(file: RecordedColumns, mapping: ColumnMapping) -> RecordedColumns:
+    """Columns with the units in which they are read."""
+    from dataclasses import replace
+
+    units = {entry.column: entry.unit for entry in mapping.columns.values() if entry.unit}
+    columns = tuple(replace(c, unit=units.get(c.name, c.unit)) for c in file.columns)
+    return replace(file, columns=columns)
 
 
 def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> dict[str, str]:

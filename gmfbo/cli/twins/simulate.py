@@ -70,7 +70,7 @@ def simulate(
         if trajectory.status != "ok":
             raise SimulationError(f"{trajectory.message}; the rows before it are in {out}")
         if reference:
-            for line in (*_doubts(source, followed), *notes):
+            for line in (*_doubts(source, followed), *recorded.notes, *notes):
                 typer.echo(f"! {line}")
             _print_fit(source, trajectory, followed)
 

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError
 from gmfbo.units import parse_unit
 
+CLOCK_NAMES = ("time", "t", "timestamp", "zeit")
+"""Names of a clock, the most certain first."""
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -106,7 +109,7 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     RecordingError
         There is none; the message names the columns.
     """
-    for name in ("time", "t", "timestamp", "zeit"):
+    for name in CLOCK_NAMES:
         for column in columns:
             # T is a temperature.
             if column.name == name or (name != "t" and column.name.lower() == name):

@@ -21,7 +21,7 @@ class Usable:
     recordings : tuple of Recording
         Without jumps of wrapped angles.
     notes : tuple of str
-        What was changed in them.
+        What was changed in them, and what their reader took for granted.
     missing : tuple of MissingSignal
         Signals that are not compared.
     doubts : Doubts
@@ -51,6 +51,7 @@ def usable(twin: FmuTwin, recordings: Sequence[Recording]) -> Usable:
     """
     whole, notes = whole_angles(twin, recordings)
     doubts = refuse_contradictions(twin, whole)
+    notes = [note for recording in recordings for note in recording.notes] + notes
     return Usable(tuple(whole), tuple(notes), tuple(missing_signals(twin, whole)), doubts)
 
 
