@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gmfbo.sources.twin.twin import FmuTwin
 
 _REFERENCE = re.compile(r"ref|set_?(point|pos|val)|target|soll|desired", re.IGNORECASE)
+_TYPO = 0.75  # likeness from which a name is a slip: one letter in four
 _MEASURED = re.compile(r"act|ist|meas|feedback|fb", re.IGNORECASE)
 
 
@@ -80,6 +81,7 @@ def columns(
         words = {*mapping.names(), *source.parameter_tunable()}
         words |= {spec.column for spec in source.signal_specs().values()}
         file = read_columns(recording, mapping.dialect, words, every=True)
+        _check_names(settings, source)
         _check_columns(settings, file)
         mapping = with_units_of_names(file, mapping, source.signal_specs())
         file = _as_mapped(file, mapping)
@@ -105,6 +107,16 @@ def _settings(texts: list[str]) -> dict[str, MappedColumn]:
         plain, unit = split_unit(column)
         settings[name] = MappedColumn(plain, unit)
     return settings
+
+
+def _check_names(settings: Mapping[str, MappedColumn], source: FmuTwin) -> None:
+    """Refuse a name that is nearly one of the twin's; other names are the user's own."""
+    from difflib import get_close_matches
+
+    known = ["time", *source.signal_specs(), *source.parameter_tunable()]
+    for name in settings:
+        if name not in known and get_close_matches(name.lower(), map(str.lower, known), 1, _TYPO):
+            raise InputError(f"--set: the twin has no '{name}'" + did_you_mean(name, known))
 
 
 def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
