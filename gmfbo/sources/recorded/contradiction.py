@@ -10,7 +10,7 @@ recorded measurement, where no plant takes part.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +23,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness, likeness
 from gmfbo.sources.recorded.mistaken_unit import mistaken_unit, times_si
 from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.units import parse_unit
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
             seen = _seen(twin, recording, signal, run)
             if seen is not None and seen.may_be_unrelated:
                 position.add(k)
+        _refuse_other_motions(twin, recording, run, signal)
         if _is_doubtful(twin, recording, run):
             command.add(k)
     return Doubts(frozenset(position), frozenset(command))
@@ -98,7 +100,7 @@ def contradiction(twin: FmuTwin, recording: Recording) -> str:
         refuse_contradictions(twin, [recording])
     except RecordingError as error:
         return str(error)
-    return ""
+    return "; ".join(scale_doubts(twin, recording))
 
 
 def controlled(twin: FmuTwin) -> str:
@@ -113,6 +115,76 @@ def controlled(twin: FmuTwin) -> str:
         if unit and variables[e.variable].variable.si_unit == unit
     ]
     return alike[0] if alike else ""
+
+
+def scale_doubts(twin: FmuTwin, recording: Recording) -> list[str]:
+    """Columns of an open-loop twin that seem to be in another unit, or of opposite sign.
+
+    Physics decides how far an axis moves that no loop holds, so nothing is refused.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    recording : Recording
+        Run of the real axis.
+
+    Returns
+    -------
+    list of str
+        A line each, with the setting that mends it.
+    """
+    outputs = [name for name in twin.file.outputs if name in recording.signals]
+    if controlled(twin) or not outputs:
+        return []
+    run = twin.run({}, recording)
+    if run.status != "ok":
+        return []
+    doubts = []
+    for name in outputs:
+        told = _off_scale(twin, recording, run, name)
+        if told and not _is_scaled_by_range(twin, recording, run, name):
+            doubts.append(f"{told}; or a parameter is off by as much")
+    return doubts
+
+
+def _refuse_other_motions(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> None:
+    """Raise for another motion in a wrong unit, a velocity say, where the controlled one is right.
+
+    Forces are left out: they may be anything that the plant asks for.
+    """
+    seen = _seen(twin, recording, signal, run) if signal in recording.signals else None
+    if seen is not None and (seen.correlation < SAME_SHAPE or _wrong_unit(twin, signal, seen)):
+        return
+    way = parse_unit(unit_of(twin, signal))
+    for name in twin.file.outputs:
+        own = parse_unit(unit_of(twin, name))
+        if name == signal or name not in recording.signals or own is None or way is None:
+            continue
+        rate = parse_unit(f"{way.si}/s")
+        if own.dimension not in (way.dimension, rate and rate.dimension):
+            continue
+        told = _off_scale(twin, recording, run, name)
+        if told and not _is_scaled_by_range(twin, recording, run, name):
+            raise RecordingError(told)
+
+
+def _off_scale(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
+    """Say that a signal has the simulation's shape in another unit or sign; empty otherwise."""
+    name, seen = recording.name or "recording", _seen(twin, recording, signal, run)
+    if seen is None:
+        return ""
+    path = np.cumsum(np.abs(np.diff(run.signal(signal), prepend=run.signal(signal)[:1])))
+    if seen.is_flipped and _in_both_halves(
+        twin, recording, run, signal, lambda s: s.is_flipped, path
+    ):
+        return flipped(name, signal, "the simulation", seen.gain)
+    unit = _wrong_unit(twin, signal, seen)
+    if unit is not None and _in_both_halves(
+        twin, recording, run, signal, lambda s: _wrong_unit(twin, signal, s) == unit, path
+    ):
+        return in_unit(name, signal, "the simulation", seen.gain, unit)
+    return ""
 
 
 def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
@@ -154,14 +226,19 @@ def _in_both_halves(
     run: Recording,
     signal: str,
     holds: Callable[[Likeness], bool],
+    path: NDArray[np.float64] | None = None,
 ) -> bool:
     """Whether it holds in both halves of the motion: a column is in one unit all the time.
 
     An axis that becomes unstable may differ by as much, but only in the end.
     """
-    path = np.cumsum(np.abs(np.diff(recording.signal("reference"), prepend=np.nan)[1:]))
-    middle = int(np.searchsorted(path, 0.5 * path[-1])) + 1 if path.size else 0
-    halves = (np.arange(len(recording)) < middle, np.arange(len(recording)) >= middle)
+    if path is None:
+        path = np.cumsum(np.abs(np.diff(recording.signal("reference"), prepend=np.nan)[1:]))
+        middle = int(np.searchsorted(path, 0.5 * path[-1])) + 1 if path.size else 0
+        halves = (np.arange(len(recording)) < middle, np.arange(len(recording)) >= middle)
+    else:
+        half = run.time[int(np.searchsorted(path, 0.5 * path[-1]))]
+        halves = (recording.time < half, recording.time >= half)
     seen = [_seen(twin, recording, signal, run, rows=half) for half in halves]
     return all(one is not None and holds(one) for one in seen)
 
@@ -186,15 +263,35 @@ def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) ->
 
 def _may_follow(twin: FmuTwin, recording: Recording, signal: str) -> bool:
     """Whether an uncertain parameter at an end of its range makes the contradiction go away."""
+    return any(
+        not _contradicts(twin, recording, run, signal) for run in _at_range_ends(twin, recording)
+    )
+
+
+def _is_scaled_by_range(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> bool:
+    """Whether an end of an uncertain range brings the size most of the way, or turns the sign."""
+    seen = _seen(twin, recording, signal, run)
+    for other in _at_range_ends(twin, recording) if seen is not None else ():
+        then = _seen(twin, recording, signal, other)
+        if seen is None or then is None or not then.gain:
+            continue
+        if seen.gain * then.gain < 0.0:
+            return True
+        if abs(math.log(abs(then.gain))) < 0.5 * abs(math.log(abs(seen.gain))):
+            return not seen.is_flipped
+    return False
+
+
+def _at_range_ends(twin: FmuTwin, recording: Recording) -> Iterator[Recording]:
+    """Simulations with one uncertain parameter at an end of its range each."""
     for name, ends in twin.file.uncertain.items():
         for value in ends:
             variable = twin.binding.variables[name].variable
             low = -math.inf if variable.minimum is None else variable.minimum
             high = math.inf if variable.maximum is None else variable.maximum
             run = twin.run({}, recording, parameters={name: min(max(value, low), high)})
-            if run.status == "ok" and not _contradicts(twin, recording, run, signal):
-                return True
-    return False
+            if run.status == "ok":
+                yield run
 
 
 def _is_doubtful(twin: FmuTwin, recording: Recording, run: Recording) -> bool:
@@ -242,8 +339,9 @@ def flipped(name: str, signal: str, against: str, gain: float) -> str:
 
 def in_unit(name: str, signal: str, against: str, gain: float, unit: str) -> str:
     return (
-        f"{name}: {signal} is {number(gain)} times {against}, as if it were in {unit}; state its "
-        f'unit in the header, "{signal} [{unit}]", or correct the column'
+        f"{name}: {signal} is {number(gain)} times {against}, as if it were in {unit}; write "
+        f'unit = "{unit}" for {signal} in [columns] of the twin file, or "{signal} [{unit}]" in '
+        "the header"
     )
 
 

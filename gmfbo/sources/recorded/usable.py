@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.recorded.contradiction import Doubts, refuse_contradictions
+from gmfbo.sources.recorded.contradiction import Doubts, refuse_contradictions, scale_doubts
 from gmfbo.sources.recorded.missing_signals import MissingSignal, missing_signals
 from gmfbo.sources.recorded.wrapped_angle import unwrapped
 from gmfbo.sources.twin.twin import FmuTwin
@@ -52,6 +52,7 @@ def usable(twin: FmuTwin, recordings: Sequence[Recording]) -> Usable:
     whole, notes = whole_angles(twin, recordings)
     doubts = refuse_contradictions(twin, whole)
     notes = [note for recording in recordings for note in recording.notes] + notes
+    notes += [doubt for recording in whole for doubt in scale_doubts(twin, recording)]
     return Usable(tuple(whole), tuple(notes), tuple(missing_signals(twin, whole)), doubts)
 
 
