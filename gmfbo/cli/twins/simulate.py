@@ -70,7 +70,7 @@ def simulate(
         if trajectory.status != "ok":
             raise SimulationError(f"{trajectory.message}; the rows before it are in {out}")
         if reference:
-            for line in (*_doubts(source, followed), *recorded.notes, *notes):
+            for line in (*_doubts(source, followed, trajectory), *recorded.notes, *notes):
                 typer.echo(f"! {line}")
             _print_fit(source, trajectory, followed)
 
@@ -84,7 +84,7 @@ def _unit_step(source: FmuTwin) -> Recording:
     return step_reference(sample_time=source.step, signal=signal, unit=unit)
 
 
-def _doubts(source: FmuTwin, recorded: Recording) -> list[str]:
+def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
     """Lines on what is not compared, and on a recording that contradicts the twin."""
     from gmfbo.sources.recorded.contradiction import contradiction
     from gmfbo.sources.recorded.missing_signals import missing_signals
@@ -93,7 +93,7 @@ def _doubts(source: FmuTwin, recorded: Recording) -> list[str]:
         return []  # a reference alone: there is nothing to compare
     missing = missing_signals(source, [recorded])
     lines = [f"{m.recording}: {m.what}; {m.signal} is not compared" for m in missing]
-    return lines + list(filter(None, [contradiction(source, recorded)]))
+    return lines + list(filter(None, [contradiction(source, recorded, run)]))
 
 
 def _print_fit(source: FmuTwin, trajectory: Trajectory, recorded: Recording) -> None:

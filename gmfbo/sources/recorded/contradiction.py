@@ -73,20 +73,16 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
         run = twin.run({}, recording)
         if run.status != "ok":
             continue
-        if signal in recording.signals:
-            told = _contradicts(twin, recording, run, signal)
-            if told and not _may_follow(twin, recording, signal):
-                raise RecordingError(told)
-            seen = _seen(twin, recording, signal, run)
-            if seen is not None and seen.may_be_unrelated:
-                position.add(k)
-        _refuse_other_motions(twin, recording, run, signal)
+        _refuse_motions(twin, recording, run, signal)
+        seen = _seen(twin, recording, signal, run) if signal in recording.signals else None
+        if seen is not None and seen.may_be_unrelated:
+            position.add(k)
         if _is_doubtful(twin, recording, run):
             command.add(k)
     return Doubts(frozenset(position), frozenset(command))
 
 
-def contradiction(twin: FmuTwin, recording: Recording) -> str:
+def contradiction(twin: FmuTwin, recording: Recording, run: Recording) -> str:
     """Say how a recording contradicts the twin as it is, in one line; empty where it does not.
 
     Parameters
@@ -95,12 +91,18 @@ def contradiction(twin: FmuTwin, recording: Recording) -> str:
         The user's twin.
     recording : Recording
         Run of the real axis.
+    run : Recording
+        The twin along it.
     """
+    signal = controlled(twin)
+    if not signal:
+        return "; ".join(_off_scales(twin, recording, run))
     try:
-        refuse_contradictions(twin, [recording])
+        if "reference" in recording.signals:
+            _refuse_motions(twin, recording, run, signal)
     except RecordingError as error:
         return str(error)
-    return "; ".join(scale_doubts(twin, recording))
+    return ""
 
 
 def controlled(twin: FmuTwin) -> str:
@@ -134,18 +136,30 @@ def scale_doubts(twin: FmuTwin, recording: Recording) -> list[str]:
     list of str
         A line each, with the setting that mends it.
     """
-    outputs = [name for name in twin.file.outputs if name in recording.signals]
-    if controlled(twin) or not outputs:
+    if controlled(twin) or not twin.file.outputs.keys() & recording.signals.keys():
         return []
     run = twin.run({}, recording)
-    if run.status != "ok":
-        return []
+    return _off_scales(twin, recording, run) if run.status == "ok" else []
+
+
+def _off_scales(twin: FmuTwin, recording: Recording, run: Recording) -> list[str]:
     doubts = []
-    for name in outputs:
+    for name in twin.file.outputs:
+        if name not in recording.signals:
+            continue
         told = _off_scale(twin, recording, run, name)
         if told and not _is_scaled_by_range(twin, recording, run, name):
             doubts.append(f"{told}; or a parameter is off by as much")
     return doubts
+
+
+def _refuse_motions(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> None:
+    """Raise where the controlled signal, or another motion, contradicts the run."""
+    if signal in recording.signals:
+        told = _contradicts(twin, recording, run, signal)
+        if told and not _may_follow(twin, recording, signal):
+            raise RecordingError(told)
+    _refuse_other_motions(twin, recording, run, signal)
 
 
 def _refuse_other_motions(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> None:

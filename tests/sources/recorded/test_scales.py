@@ -60,7 +60,7 @@ def test_a_velocity_in_another_unit_is_refused_beside_a_right_position(
 
 
 def test_control_a_right_velocity_is_not_refused(servo: FmuTwin, moved: Recording) -> None:
-    assert contradiction(servo, moved) == ""
+    assert contradiction(servo, moved, servo.run({}, moved)) == ""
 
 
 @pytest.mark.parametrize(
