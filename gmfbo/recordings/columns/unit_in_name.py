@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
@@ -121,6 +121,19 @@ def notes_on_units(
                 "the header is right"
             )
     return tuple(notes)
+
+
+def note_on_header(notes: Sequence[str], signal: str) -> str:
+    """Note that a header contradicts the twin file's unit for a signal; empty where none does.
+
+    Parameters
+    ----------
+    notes : sequence of str
+        Of a recording.
+    signal : str
+        The user's name.
+    """
+    return next((note for note in notes if f" for {signal}, which counts;" in note), "")
 
 
 def _clock(units: Mapping[str, str]) -> MappedColumn | None:

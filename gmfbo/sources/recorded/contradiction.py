@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError
 from gmfbo.objective.fit import scored_rows
 from gmfbo.plain_words import number
+from gmfbo.recordings.columns.unit_in_name import note_on_header
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness, likeness
-from gmfbo.sources.recorded.mistaken_unit import mistaken_unit, times_si
+from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.units import parse_unit
 
@@ -193,12 +194,33 @@ def _off_scale(twin: FmuTwin, recording: Recording, run: Recording, signal: str)
         twin, recording, run, signal, lambda s: s.is_flipped, path
     ):
         return flipped(name, signal, "the simulation", seen.gain)
+    if told := _two_units(twin, recording, run, signal, path):
+        return told
     unit = _wrong_unit(twin, signal, seen)
     if unit is not None and _in_both_halves(
         twin, recording, run, signal, lambda s: _wrong_unit(twin, signal, s) == unit, path
     ):
         return in_unit(name, signal, "the simulation", seen.gain, unit)
     return ""
+
+
+def _two_units(
+    twin: FmuTwin,
+    recording: Recording,
+    run: Recording,
+    signal: str,
+    path: NDArray[np.float64] | None,
+) -> str:
+    """Say that a signal is off in the twin file's unit, where the header says another one."""
+    note = note_on_header(recording.notes, signal)
+    if not note or not _in_both_halves(twin, recording, run, signal, _is_off, path):
+        return ""
+    seen = _seen(twin, recording, signal, run)
+    return f"{note}: it is {number(seen.gain)} times the simulation" if seen else ""
+
+
+def _is_off(seen: Likeness) -> bool:
+    return seen.correlation >= SAME_SHAPE and abs(math.log(seen.gain)) > math.log(AXIS_GAIN)
 
 
 def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
@@ -210,6 +232,8 @@ def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: st
         return ""
     if seen.is_flipped and _in_both_halves(twin, recording, run, signal, lambda s: s.is_flipped):
         return flipped(name, signal, against, seen.gain)
+    if told := _two_units(twin, recording, run, signal, None):
+        return told
     unit = _wrong_unit(twin, signal, seen)
     if unit is not None and _in_both_halves(
         twin, recording, run, signal, lambda s: _wrong_unit(twin, signal, s) == unit

@@ -10,7 +10,7 @@ import pytest
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
 from gmfbo.recordings.columns.signal import SignalSpec
-from gmfbo.recordings.columns.unit_in_name import names_and_units
+from gmfbo.recordings.columns.unit_in_name import names_and_units, note_on_header
 from gmfbo.recordings.recording import Recording, read_recording
 from tests.recordings.twin_words import TwinWords
 
@@ -94,6 +94,8 @@ def test_a_header_that_contradicts_the_twin_file_is_told(tmp_path: Path) -> None
     assert recording.signal("angle")[1] == pytest.approx(np.pi / 90)
     (note,) = recording.notes
     assert note.startswith("log.csv: the header of Ist says [rad], [columns] of the twin file says")
+    assert note_on_header(recording.notes, "angle") == note
+    assert note_on_header(recording.notes, "speed") == ""
     assert read(tmp_path, "t,Ist [°]", mapping=stated).notes == ()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,22 @@ def test_a_velocity_in_another_unit_is_refused_beside_a_right_position(
 ) -> None:
     with pytest.raises(RecordingError, match=f"^rec0.csv: {words}"):
         refuse_contradictions(servo, [scaled(moved, "speed", factor)])
+
+
+def test_a_unit_of_the_twin_file_that_the_header_contradicts_is_refused(
+    servo: FmuTwin, moved: Recording
+) -> None:
+    """Radians that [columns] calls degrees are too small by 57.3: the reference seems too large."""
+    note = (
+        "rec0.csv: the header of pos says [rad], [columns] of the twin file says deg for position, "
+        "which counts; leave unit out there if the header is right"
+    )
+    small = scaled(moved, "position", 1.0 / DEG)
+    with pytest.raises(RecordingError, match=r"reference is .* as if it were in deg"):
+        refuse_contradictions(servo, [small])
+    with pytest.raises(RecordingError, match=r"leave unit out there.*: it is 0\.017\d* times"):
+        refuse_contradictions(servo, [replace(small, notes=(note,))])
+    refuse_contradictions(servo, [replace(moved, notes=(note,))])  # control: the twin file is right
 
 
 def test_control_a_right_velocity_is_not_refused(servo: FmuTwin, moved: Recording) -> None:
