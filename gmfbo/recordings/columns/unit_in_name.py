@@ -18,6 +18,7 @@ _OTHER_WORDS = ("in", "r", "U", "h")
 """Units that are more often something else at the end of a name: an input, a reference."""
 
 _MOST_PARTS = 4  # of a unit in a name: rad_per_s_2
+_LONGEST_NAME = 200  # reading a name takes time by the square of its length
 
 
 def names_and_units(text: str) -> Iterator[tuple[str, str]]:
@@ -28,6 +29,8 @@ def names_and_units(text: str) -> Iterator[tuple[str, str]]:
     text : str
         Name of the column, without brackets.
     """
+    if len(text) > _LONGEST_NAME:
+        return
     for form in (_IN, _SLASH):
         found = form.fullmatch(text)
         if found:
@@ -65,8 +68,14 @@ def with_units_of_names(
     if file.notes.own:
         return mapping
     units = {column.name: column.unit for column in file.columns}
+    readings = [
+        (column, base, unit)
+        for column, stated in units.items()
+        if not stated
+        for base, unit in names_and_units(column)
+    ]
     added = dict(mapping.columns)
-    if "time" not in added and (clock := _clock(units)) is not None:
+    if "time" not in added and (clock := _clock(units, readings)) is not None:
         added["time"] = clock
     for name, spec in specs.items():
         given = added.get(name)
@@ -79,10 +88,7 @@ def with_units_of_names(
                 added[name] = MappedColumn(column, unit)
             continue
         alike = [
-            (other, unit)
-            for other in units
-            for base, unit in names_and_units(other)
-            if base == column and not units[other] and _fits(unit, spec)
+            (other, unit) for other, base, unit in readings if base == column and _fits(unit, spec)
         ]
         if len(alike) == 1:
             other, unit = alike[0]
@@ -136,15 +142,16 @@ def note_on_header(notes: Sequence[str], signal: str) -> str:
     return next((note for note in notes if f" for {signal}, which counts;" in note), "")
 
 
-def _clock(units: Mapping[str, str]) -> MappedColumn | None:
+def _clock(
+    units: Mapping[str, str], readings: Sequence[tuple[str, str, str]]
+) -> MappedColumn | None:
     """Clock whose name ends in a unit of time; None where a column has a clock's plain name."""
     if any(_is_clock(name) for name in units):
         return None
-    for column, stated in units.items():
-        for base, unit in names_and_units(column):
-            known = parse_unit(unit)
-            if _is_clock(base) and not stated and known is not None and known.si == "s":
-                return MappedColumn(column, unit)
+    for column, base, unit in readings:
+        known = parse_unit(unit)
+        if _is_clock(base) and known is not None and known.si == "s":
+            return MappedColumn(column, unit)
     return None
 
 

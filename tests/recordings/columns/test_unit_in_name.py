@@ -105,6 +105,10 @@ def test_a_clock_is_read_without_a_twin(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_recording(path).time, [0.0, 1e-3])
 
 
+def test_an_absurd_name_takes_no_time() -> None:
+    assert list(names_and_units("time" + 200_000 * " " + "in  ms")) == []
+
+
 def test_a_group_is_no_unit() -> None:
     assert list(names_and_units("drive/iq")) == []
     assert list(names_and_units("group 0/position")) == []
