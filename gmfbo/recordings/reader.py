@@ -18,7 +18,7 @@ _HDF5 = (".h5", ".hdf5")
 _MDF = (".mdf", ".mf4")
 _FOREIGN = (*_HDF5, *_MDF, ".mat", ".parquet", ".tdms")  # read by other packages' libraries
 
-_TEXT = (".csv", ".txt")
+_TEXT = (".csv", ".txt", ".tsv", ".dat", ".log", ".lvm")
 _ENDINGS = {*_TEXT, *_FOREIGN}
 
 

@@ -21,7 +21,11 @@ BAD_CSV = {
     "only remarks": ("# a = 1\n", "got an empty file"),
     "no rows": ("time,a\n", "at least one row, got no row"),
     "only a units row": ("time,a\ns,rad\n", "at least one row, got no row"),
-    "no header": ("0,1\n1,2\n", "expected a header .* got numbers; add a line"),
+    "no header, no clock": ("0,1\n1,2\n", r"got columns column 1, column 2; .* sample_time = "),
+    "no header in a file of ours": (
+        "# gmfbo = 0.1.0\n0,1\n1,2\n",
+        "expected a header .* got numbers; add a line",
+    ),
     "no clock": ("a,b\n0,1\n", "expected a column 'time' or 't'.* got columns a, b"),
     "clock in metres": ("time [m],a\n0,1\n", r"a unit of time such as \[s\] or \[ms\], got \[m\]"),
     "text in a cell": (
@@ -39,7 +43,6 @@ BAD_CSV = {
     "cut last row": ("time,a,b\n0,1,2\n1,2", "line 3: expected 3 cells .* got 2"),
     "decimal comma between commas": ("time,a\n0,1\n0,1,5\n", "decimal comma needs ';'"),
     "open quotation": ('time,"a\n0,1\n1,2\n', "a quotation mark is not closed"),
-    "name twice": ("time,a,a\n0,1,2\n", "each column name once, got 'a' 2 times"),
     "binary file": ("time,a\n\0\0\n", "expected text, got a binary file"),
     "NaN in time": ("time,a\n0,1\n,2\n2,3\n", "line 3: expected a finite time"),
     "time twice": ("time,a\n0,1\n1,2\n1,3\n", "line 4: time 1 s stands twice"),
@@ -70,6 +73,10 @@ BAD_CSV = {
 }
 
 BAD_FOR_THE_AXIS = {
+    "a signal's name on two columns": (
+        "time,reference,reference\n0,1,2\n1,1,2\n",
+        r"2 columns are named 'reference': .* reference = \"reference \(1\)\" in the twin file",
+    ),
     "missing column": (
         "time,Referenz,position\n0,1,1\n",
         "no column 'reference' for signal 'reference'; did you mean 'Referenz'",

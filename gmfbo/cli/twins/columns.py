@@ -54,6 +54,10 @@ def columns(
             autocompletion=dialects,
         ),
     ] = None,
+    sample_time: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="Time between two rows, where the file has no clock."),
+    ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the mapping to this .toml file.")
     ] = None,
@@ -63,30 +67,39 @@ def columns(
     With the unit of each column and its range [that unit]. --set corrects it, --save keeps it
     for the next recordings; one line in the twin file then names the saved file.
     """
-    from gmfbo.recordings.columns.column_mapping import DIALECTS, ColumnMapping
+    from gmfbo.recordings.columns.column_mapping import ColumnMapping
     from gmfbo.recordings.reader import read_columns
     from gmfbo.recordings.recording import read_recording
     from gmfbo.sources.twin.twin import FmuTwin
+
+    _check_options(dialect, save)
+    with FmuTwin(twin) as source:
+        given = source.column_mapping()
+        settings = {**_settings(set_ or []), **_counted_rows(sample_time)}
+        mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
+        words = {*mapping.names(), *source.parameter_tunable()}
+        words |= {spec.column for spec in source.signal_specs().values()}
+        file = read_columns(recording, mapping.dialect, words, every=True)
+        _check_columns({n: e for n, e in settings.items() if e.column}, file)
+        found = _found(source, mapping, file)
+        guesses = _guesses(source, found, file)
+        clock = "" if mapping.sample_time else _clock_name(file)
+        _print_columns(file, {clock: "time", **_by_column(found)}, guesses)
+        if mapping.sample_time:
+            typer.echo(f"time: a row each {mapping.sample_time:g} s, as stated")
+        _print_missing(source, found, file, timed=bool(clock or mapping.sample_time))
+        if save is not None:
+            read_recording(recording, source, mapping=mapping)  # raises for an unreadable mapping
+            _save(save, twin, recording, mapping, found, guesses)
+
+
+def _check_options(dialect: str | None, save: Path | None) -> None:
+    from gmfbo.recordings.columns.column_mapping import DIALECTS
 
     if dialect is not None and dialect not in DIALECTS:
         raise InputError(f"--dialect: no dialect '{dialect}'" + did_you_mean(dialect, DIALECTS))
     if save is not None and save.suffix.lower() != ".toml":
         raise InputError(f"--save: expected a file ending in .toml, got '{save}'")
-    with FmuTwin(twin) as source:
-        given = source.column_mapping()
-        settings = _settings(set_ or [])
-        mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
-        words = {*mapping.names(), *source.parameter_tunable()}
-        words |= {spec.column for spec in source.signal_specs().values()}
-        file = read_columns(recording, mapping.dialect, words, every=True)
-        _check_columns(settings, file)
-        found = _found(source, mapping, file)
-        guesses = _guesses(source, found, file)
-        _print_columns(file, {_clock_name(file): "time", **_by_column(found)}, guesses)
-        _print_missing(source, found, file)
-        if save is not None:
-            read_recording(recording, source, mapping=mapping)  # raises for an unreadable mapping
-            _save(save, twin, recording, mapping, found, guesses)
 
 
 def _settings(texts: list[str]) -> dict[str, MappedColumn]:
@@ -101,6 +114,16 @@ def _settings(texts: list[str]) -> dict[str, MappedColumn]:
         plain, unit = split_unit(column)
         settings[name] = MappedColumn(plain, unit)
     return settings
+
+
+def _counted_rows(sample_time: float | None) -> dict[str, MappedColumn]:
+    from gmfbo.recordings.columns.column_mapping import MappedColumn
+
+    if sample_time is None:
+        return {}
+    if not 0.0 < sample_time < float("inf"):
+        raise InputError(f"--sample-time: expected seconds above 0, got {sample_time:g}")
+    return {"time": MappedColumn("", sample_time=sample_time)}
 
 
 def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
@@ -196,9 +219,14 @@ def _row(column: Column, width: int) -> str:
     return f"{column.name:<{width}}  {column.unit:<8}  {known.size:>8}  {low:>11}  {high:>11}"
 
 
-def _print_missing(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> None:
-    if "time" not in found and not _clock_name(file):
-        typer.echo("not found: the clock; say where with --set 'time=COLUMN [ms]'")
+def _print_missing(
+    source: FmuTwin, found: Mapping[str, str], file: RecordedColumns, *, timed: bool
+) -> None:
+    if "time" not in found and not timed:
+        typer.echo(
+            "not found: the clock; say where with --set 'time=COLUMN [ms]', or, if there is none, "
+            "how far apart its rows are with --sample-time 0.001"
+        )
     missing = [name for name in source.signal_specs() if name not in found]
     if missing:
         typer.echo(f"not found: {', '.join(missing)}; say where with --set {missing[0]}=COLUMN")

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError
 from gmfbo.units import parse_unit
 
+CLOCK_NAMES = ("time", "t", "timestamp", "zeit")
+"""Names by which a clock is found, in lower case, the likeliest first."""
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -106,7 +109,7 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     RecordingError
         There is none; the message names the columns.
     """
-    for name in ("time", "t", "timestamp", "zeit"):
+    for name in CLOCK_NAMES:
         for column in columns:
             # T is a temperature.
             if column.name == name or (name != "t" and column.name.lower() == name):
@@ -122,5 +125,15 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     names = ", ".join(column.name for column in columns[:8])
     raise RecordingError(
         f"{label}: expected a column 'time' or 't', or one in [s] or [ms], got columns {names}; "
-        "name the clock 'time'"
+        "name the clock 'time'; where there is none, state [columns] time = { sample_time = 1e-3 } "
+        "in the twin file"
     )
+
+
+def has_clock(columns: tuple[Column, ...]) -> bool:
+    """Whether `find_clock` finds one among these columns."""
+    try:
+        find_clock("", columns)
+    except RecordingError:
+        return False
+    return True

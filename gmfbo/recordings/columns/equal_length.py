@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from gmfbo.errors import RecordingError
-from gmfbo.recordings.columns.columns import Column, RecordedColumns, find_clock
+from gmfbo.recordings.columns.columns import Column, RecordedColumns, find_clock, has_clock
 
 
 def columns_of_equal_length(
@@ -29,11 +30,12 @@ def columns_of_equal_length(
     -------
     RecordedColumns
         A vector of another length than the clock is a faulty column: an error if it is needed.
+        Without a clock, the commonest length counts.
 
     Raises
     ------
     RecordingError
-        There is no vector, or no clock among them.
+        There is no vector.
     """
     scalars: dict[str, float] = {}
     vectors: list[Column] = []
@@ -52,7 +54,13 @@ def columns_of_equal_length(
             f"{label}: expected vectors of equal length, one of them 'time' or 't', got {found}; "
             "save each signal as a vector of its own"
         )
-    rows = find_clock(label, tuple(vectors)).values.size
+    # Without a clock the twin file may state the time between rows.
+    timed = has_clock(tuple(vectors))
+    rows = (
+        find_clock(label, tuple(vectors)).values.size
+        if timed
+        else Counter(column.values.size for column in vectors).most_common(1)[0][0]
+    )
     columns = []
     for column in vectors:
         if column.values.size == rows:
@@ -60,7 +68,8 @@ def columns_of_equal_length(
         else:
             fault = (
                 f"{label}: '{column.name}' has {column.values.size} values, expected {rows} as "
-                "the clock has; save them on one clock, NaN where not sampled"
+                f"{'the clock has' if timed else 'most others have'}; save them on one clock, "
+                "NaN where not sampled"
             )
             columns.append(Column(column.name, np.full(rows, np.nan), column.unit, fault))
     return RecordedColumns(label=label, columns=tuple(columns), scalars=scalars)

@@ -122,6 +122,7 @@ def _read_signals(
         ours = file.notes.own and name in columns
         column = columns.get(name if ours else spec.column)
         if column is None:
+            _refuse_one_of_several(file, spec.column, name, columns)
             if spec.required:
                 raise file.refuse(
                     f"no column '{spec.column}' for signal '{name}'"
@@ -151,6 +152,19 @@ def _read_signals(
         )
     for name in taken:
         del columns[name]
+
+
+def _refuse_one_of_several(
+    file: RecordedColumns, wanted: str, signal: str, columns: Mapping[str, Column]
+) -> None:
+    """Refuse a name that several columns have, which the reader numbered."""
+    same = [name for name in columns if name.startswith(f"{wanted} (") and name[-1] in ")'"]
+    numbered = [name for name in same if name[len(wanted) + 2 :].rstrip("')").isdecimal()]
+    if len(numbered) > 1:
+        raise file.refuse(
+            f"{len(numbered)} columns are named '{wanted}': say which is signal '{signal}', "
+            f'[columns] {signal} = "{numbered[0]}" in the twin file, or rename one'
+        )
 
 
 # Squares of larger ones overflow, of smaller ones vanish; no sensor measures either.

@@ -9,7 +9,12 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError, did_you_mean
 from gmfbo.files.toml_text import parse_toml, read_toml_text
-from gmfbo.sources.twin_file.column_file import ColumnEntry, ColumnFile, Dialect
+from gmfbo.sources.twin_file.column_file import (
+    ColumnEntry,
+    ColumnFile,
+    Dialect,
+    only_time_is_counted,
+)
 from gmfbo.sources.twin_file.entries import (
     CONTROLLER_KINDS,
     ControllerEntry,
@@ -136,6 +141,11 @@ class TwinFile(Table):
             if name not in KNOWN_STATES:
                 raise ValueError(f"no state '{name}'" + did_you_mean(name, KNOWN_STATES))
         return value
+
+    @field_validator("columns")
+    @classmethod
+    def _sampled_clock(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        return only_time_is_counted(value)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
