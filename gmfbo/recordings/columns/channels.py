@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.clock import is_steady
-from gmfbo.recordings.columns.columns import Column, FileNotes, RecordedColumns
+from gmfbo.recordings.columns.columns import Column, FileNotes, RecordedColumns, last_part
 from gmfbo.recordings.columns.equal_length import columns_of_equal_length
 
 # Instants closer than this share of the shortest step are the same: clocks of several channels
@@ -151,6 +151,12 @@ def _named(channels: Sequence[Channel], wanted: set[str]) -> list[Channel]:
             for k, (old, new) in enumerate(zip(channels, named, strict=True))
             if want in (new.alias, f"{old.group}/{old.name}")
         ]
+        if not places:
+            places = [
+                k
+                for k, channel in enumerate(named)
+                if last_part(channel.name) == want and channel.name not in wanted
+            ]
         if len(places) == 1:  # an alias of several channels is ambiguous
             named[places[0]] = replace(named[places[0]], name=want)
     return named
