@@ -39,8 +39,7 @@ def columns_of_equal_length(
     -------
     RecordedColumns
         A vector of another length than the clock is a faulty column: an error if it is needed.
-        Without a clock, the commonest length counts, and an evenly rising first part of a matrix
-        is the time, as Simulink saves it.
+        Without a clock the commonest length counts; an evenly rising first part is the time.
 
     Raises
     ------

@@ -178,6 +178,7 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         "a parameter, or an input that nothing drives,",
         lambda v: is_parameter(v) or _is_input(v),
     )
+    yield from _word_problems(binding)
     for table, name, numbers in values:
         where = f"[{table}]"
         part = held if table == "parameters" and name not in moved else _PARAMETER
@@ -185,6 +186,18 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         yield from misfit
         for value in () if misfit else numbers:
             yield from _bounds_problem(binding, where, name, value)
+
+
+def _word_problems(binding: Binding) -> Iterator[str]:
+    """Texts of [parameters] that are no value of their parameter's type."""
+    for name, word in binding.file.words.items():
+        try:
+            given = binding.given({name: word})
+        except InputError as error:
+            yield "[parameters] " + str(error).removeprefix(f"{binding.file.name}: ")
+            continue
+        for number in given.numbers.values():
+            yield from _bounds_problem(binding, "[parameters]", name, number)
 
 
 def _bounds_problem(binding: Binding, where: str, name: str, value: float) -> Iterator[str]:

@@ -57,6 +57,8 @@ class FmuDescription:
         By name, in the order of the file.
     default_step : float or None
         [s] Step of the default experiment.
+    with_sources : bool
+        Whether C sources lie in it.
     """
 
     path: Path
@@ -72,6 +74,7 @@ class FmuDescription:
     capabilities: Mapping[str, bool | int]
     variables: Mapping[str, FmuVariable]
     default_step: float | None = None
+    with_sources: bool = False
 
     @property
     def major(self) -> int:
@@ -142,6 +145,8 @@ class FmuDescription:
     def _no_binary(self, here: Platform) -> str:
         wanted = self._folders(here)[0]
         has = ", ".join(self.platforms) if self.platforms else "no binaries at all"
+        if self.with_sources and not self.platforms:
+            has = "C sources only, which gmfbo does not compile"
         systems = sorted({_system_of(folder) for folder in self.platforms})
         other = f", or use it on {' or '.join(systems)}" if systems else ""
         return (
@@ -188,7 +193,9 @@ def read_description(path: Path) -> FmuDescription:
             f"'{path.name}' offers neither co-simulation nor model exchange; export it again"
         )
     version = raw.fmiVersion or ""
-    libraries = tuple(name for name in names if _is_library(member_path(path, name)))
+    # Exporters on Windows were seen to write backslashes; the paths below have slashes.
+    members = [member_path(path, name) for name in names]
+    libraries = tuple(str(member) for member in members if _is_library(member))
     units = {unit.name: unit.baseUnit for unit in raw.unitDefinitions}
     fmi = 3 if version.startswith("3") else 2
     variables = [variable_from(variable, units, fmi) for variable in raw.modelVariables]
@@ -205,6 +212,7 @@ def read_description(path: Path) -> FmuDescription:
         libraries=libraries,
         capabilities=MappingProxyType(_capabilities(raw)),
         variables=MappingProxyType({variable.name: variable for variable in variables}),
+        with_sources=any(m.parts[:1] == ("sources",) and m.suffix == ".c" for m in members),
         default_step=number_from(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
     )
 

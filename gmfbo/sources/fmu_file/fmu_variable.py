@@ -56,6 +56,10 @@ class FmuVariable:
         single numbers.
     shape : tuple of int
         Of an array; empty for a scalar.
+    items : tuple of (str, int)
+        Names and values of an enumeration, in the FMU's order; empty for other types.
+    start_text : str
+        Start value of a text.
     """
 
     name: str
@@ -72,6 +76,8 @@ class FmuVariable:
     description: str = ""
     value_type: ValueType | None = None
     shape: tuple[int, ...] = ()
+    items: tuple[tuple[str, int], ...] = ()
+    start_text: str = ""
 
     @property
     def tunable(self) -> bool:
@@ -119,6 +125,25 @@ def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) ->
         description=raw.description or "",
         value_type=None if shape else _value_type(raw.type, fmi),
         shape=shape,
+        items=_items(declared) if raw.type == "Enumeration" else (),
+        start_text=_start_text(raw) if raw.type == "String" and not shape else "",
+    )
+
+
+def _start_text(raw: ModelVariable) -> str:
+    start = raw.start
+    if isinstance(start, list):  # FMI 3.0 has an element for each text
+        start = start[0] if start else ""
+    return "" if start is None else str(start)
+
+
+def _items(declared: Any) -> tuple[tuple[str, int], ...]:
+    """Items of an enumeration; FMI 2.0 counts items without a value from 1."""
+    items = getattr(declared, "items", None) or ()
+    numbers = [number_from(getattr(item, "value", None)) for item in items]
+    return tuple(
+        (str(item.name), int(k if number is None else number))
+        for k, (item, number) in enumerate(zip(items, numbers, strict=True), start=1)
     )
 
 
@@ -163,3 +188,8 @@ def number_from(text: object) -> float | None:
 def is_parameter(variable: FmuVariable) -> bool:
     """Whether a variable is a parameter and a number."""
     return variable.causality == "parameter" and variable.value_type is not None
+
+
+def is_text_parameter(variable: FmuVariable) -> bool:
+    """Whether a variable is a parameter of type String, and a single one."""
+    return variable.causality == "parameter" and variable.type == "String" and not variable.shape

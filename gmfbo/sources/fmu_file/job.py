@@ -65,6 +65,14 @@ class Setting(NamedTuple):
     value: float
 
 
+class TextSetting(NamedTuple):
+    """A parameter of type String that is set before initialisation."""
+
+    fmu: int
+    reference: int
+    value: str
+
+
 @dataclass(frozen=True)
 class Job:
     """A whole run, without its arrays.
@@ -83,6 +91,10 @@ class Job:
         Columns of u (steps, n_u), s (steps, n_s) and y (steps + 1, n_y).
     wires : tuple of Wire
         From outputs to inputs.
+    texts : tuple of TextSetting
+        Parameters of type String, before initialisation.
+    stop : float or None
+        [s] Stop time that is announced to the FMUs; None announces none.
     """
 
     steps: int
@@ -93,6 +105,13 @@ class Job:
     schedules: tuple[Port, ...] = ()
     wires: tuple[Wire, ...] = ()
     outputs: tuple[Port, ...] = ()
+    texts: tuple[TextSetting, ...] = ()
+    stop: float | None = None
+
+    @property
+    def duration(self) -> float:
+        """[s] Simulated time."""
+        return self.steps * self.step
 
     @property
     def shapes(self) -> tuple[tuple[int, int], tuple[int, int], tuple[int, int]]:
@@ -115,6 +134,8 @@ class Job:
             schedules=tuple(Port(*entry) for entry in raw["schedules"]),
             wires=tuple(Wire(*entry) for entry in raw["wires"]),
             outputs=tuple(Port(*entry) for entry in raw["outputs"]),
+            texts=tuple(TextSetting(*entry) for entry in raw["texts"]),
+            stop=raw["stop"],
         )
 
 

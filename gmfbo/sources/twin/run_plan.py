@@ -14,6 +14,7 @@ from gmfbo.sources.fmu_file.job import Job, Port
 from gmfbo.sources.twin.parameter_values import RunParameters
 from gmfbo.sources.twin.sampling import sample, steps_to_cover
 from gmfbo.sources.twin.signals import as_logged, input_columns, to_fmu, to_si
+from gmfbo.sources.twin_file.twin_file import TwinFile
 from gmfbo.sources.worker.runner import Order, Result
 
 
@@ -155,6 +156,8 @@ class Experiment:
             start=float(start),
             step=self.step,
             settings=self.parameters.settings,
+            texts=self.parameters.texts,
+            stop=announced_stop(file, float(start), steps, self.step),
             inputs=tuple(
                 variables[file.inputs[name].variable].port(column)
                 for column, name in enumerate(self.inputs)
@@ -187,6 +190,26 @@ class Experiment:
             for name, unit in units.items()
             if unit and (name in file.outputs or name in self.inputs)
         }
+
+
+def announced_stop(file: TwinFile, start: float, steps: int, step: float) -> float | None:
+    """[s] Stop time that the twin file has announced to the FMUs; None for none.
+
+    Parameters
+    ----------
+    file : TwinFile
+        The twin file.
+    start : float
+        [s] Time of the first communication point.
+    steps : int
+        Communication steps.
+    step : float
+        [s] Communication step. The end of the run and one step are announced, since many FMUs
+        refuse a step that ends at their stop time within round-off.
+    """
+    if file.stop_time is True:
+        return start + (steps + 1) * step
+    return None if file.stop_time is False else float(file.stop_time)
 
 
 def _table(columns: Mapping[str, NDArray[np.float64]], rows: int) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Self
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, StrictBool, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError, did_you_mean
 from gmfbo.files.toml_text import parse_toml, read_toml_text
@@ -96,6 +96,12 @@ class TwinFile(Table):
         the path of a file that holds it.
     dialect : str
         How the logger's text files are written.
+    words : dict of str to str
+        Entries of [parameters] that are texts: a text, true or false, or an enumeration's item.
+    stop_time : bool or float
+        [s] Stop time that is announced to the FMUs; True for the end of each run and one step.
+    time_limit : float or None
+        [s] Wall-clock time of one run; None for 10 s and 20 times its simulated time.
     """
 
     name: Text
@@ -117,6 +123,19 @@ class TwinFile(Table):
     initial: dict[str, Number | Text] = Field(default_factory=dict)
     columns: dict[str, ColumnEntry] = Field(default_factory=dict)
     dialect: Dialect = "auto"
+    words: dict[str, str] = Field(default_factory=dict)
+    stop_time: StrictBool | Number = False
+    time_limit: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _words_apart(cls, value: object) -> object:
+        if not isinstance(value, dict) or not isinstance(value.get("parameters"), dict):
+            return value
+        given = value["parameters"]
+        words = {name: word for name, word in given.items() if isinstance(word, str)}
+        numbers = {name: number for name, number in given.items() if name not in words}
+        return {**value, "parameters": numbers, "words": {**value.get("words", {}), **words}}
 
     @field_validator("fmus", mode="before")
     @classmethod
