@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError, did_you_mean
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedReading, rename_columns
 from gmfbo.recordings.columns.interpretation import interpreted
-from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
+from gmfbo.recordings.columns.signal import ResampledReading, SignalReading, SignalSpec
 from gmfbo.recordings.reader import read_columns
 
 Status = Literal["ok", "diverged", "failed", "timeout", "crashed", "unsafe"]
@@ -59,6 +59,8 @@ class Recording:
         ISO 8601 time of the first row; empty where unknown.
     written_by : str
         gmfbo version that wrote the file; empty for files of others.
+    notes : tuple of str
+        What its reader took from names of columns, or from one of two statements.
     """
 
     time: NDArray[np.float64]
@@ -70,6 +72,7 @@ class Recording:
     use: tuple[float, float] | None = None
     start_time: str = ""
     written_by: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         time = np.array(self.time, dtype=np.float64)
@@ -236,7 +239,8 @@ def read_recording(
     file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
     file, specs = rename_columns(file, mapping, words.specs)
     known = None if twin is None else _Words(specs, words.tunable)
-    return recording_of(interpreted(file, known), file.notes.run)
+    resample = twin.resample if isinstance(twin, ResampledReading) else None
+    return recording_of(interpreted(file, known, resample), file.notes.run)
 
 
 @dataclass(frozen=True)

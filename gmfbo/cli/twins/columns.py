@@ -89,7 +89,9 @@ def columns(
             typer.echo(f"time: a row each {mapping.sample_time:g} s, as stated")
         _print_missing(source, found, file, timed=bool(clock or mapping.sample_time))
         if save is not None:
-            read_recording(recording, source, mapping=mapping)  # raises for an unreadable mapping
+            # Raises for an unreadable mapping.
+            for note in read_recording(recording, source, mapping=mapping).notes:
+                typer.echo(note)
             _save(save, twin, recording, mapping, found, guesses)
 
 

@@ -63,6 +63,8 @@ def simulate(
         raise InputError(f"--out: expected a file ending in .csv or .h5, got '{out}'")
     with FmuTwin(twin) as source:
         followed = Recording.read(reference, source) if reference else _unit_step(source)
+        for note in followed.notes:
+            typer.echo(note)
         given = parse_words(set_ or [], source.binding.variables)
         trajectory = source.run({}, followed, parameters=given)
         write_recording(trajectory, out)

@@ -29,6 +29,8 @@ class SignalSpec:
         Between rows, where the signal drives an FMU input.
     required : bool
         Whether a recording without this column is refused.
+    driven : bool
+        Whether it drives an FMU input.
     """
 
     name: str
@@ -39,6 +41,7 @@ class SignalSpec:
     unit: str = ""
     interpolation: Literal["hold", "linear"] = "hold"
     required: bool = False
+    driven: bool = False
 
 
 @runtime_checkable
@@ -52,3 +55,10 @@ class SignalReading(Protocol):
     def parameter_tunable(self) -> Mapping[str, bool]:
         """Each FMU parameter, and whether it may change during a run."""
         ...
+
+
+@runtime_checkable
+class ResampledReading(Protocol):
+    """A twin whose file has recordings put on an even clock."""
+
+    resample: float | None

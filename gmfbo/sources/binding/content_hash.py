@@ -22,7 +22,8 @@ def content_hash(binding: Binding, parameters: Mapping[str, float | str], step: 
         [s] Communication step in force.
     """
     # Neither a logger's column names nor the list of uncertain parameters changes a run.
-    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables", "fixed", "time_limit"}
+    apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables", "fixed"}
+    apart |= {"time_limit", "recording"}
     file = binding.file.model_dump(mode="json", exclude=apart)
     # Twins of former versions keep their hash.
     file = {k: v for k, v in file.items() if k not in ("words", "stop_time") or v}

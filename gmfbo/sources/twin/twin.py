@@ -123,6 +123,11 @@ class FmuTwin:
         return MappingProxyType(self._parameters)
 
     @property
+    def resample(self) -> float | None:
+        """[s] Step of an even clock that recordings are put on; None leaves them as they are."""
+        return self.file.recording.resample
+
+    @property
     def texts(self) -> Mapping[str, str]:
         """Parameters of type String given over the twin file's."""
         return MappingProxyType(self._texts)

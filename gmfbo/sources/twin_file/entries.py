@@ -51,6 +51,18 @@ class FixedNames(Table):
     names: list[Text] = Field(default_factory=list)
 
 
+class RecordingTable(Table):
+    """How recordings are followed.
+
+    Attributes
+    ----------
+    resample : float or None
+        [s] Step of an even clock that the rows of recordings are put on.
+    """
+
+    resample: Positive | None = None
+
+
 class TableEntry(Table):
     """A lookup table inside the FMU whose nodes are uncertain.
 

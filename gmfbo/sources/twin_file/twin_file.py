@@ -27,6 +27,7 @@ from gmfbo.sources.twin_file.entries import (
     Pair,
     ParameterValue,
     Positive,
+    RecordingTable,
     SignalEntry,
     Table,
     TableEntry,
@@ -96,6 +97,8 @@ class TwinFile(Table):
         the path of a file that holds it.
     dialect : str
         How the logger's text files are written.
+    recording : RecordingTable
+        How recordings are followed.
     words : dict of str to str
         Entries of [parameters] that are texts: a text, true or false, or an enumeration's item.
     stop_time : bool or float
@@ -123,6 +126,7 @@ class TwinFile(Table):
     initial: dict[str, Number | Text] = Field(default_factory=dict)
     columns: dict[str, ColumnEntry] = Field(default_factory=dict)
     dialect: Dialect = "auto"
+    recording: RecordingTable = Field(default_factory=RecordingTable)
     words: dict[str, str] = Field(default_factory=dict)
     stop_time: StrictBool | Number = False
     time_limit: Positive | None = None
