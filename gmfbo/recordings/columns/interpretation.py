@@ -73,11 +73,7 @@ def interpreted(
         # A schedule of a parameter unknown to this twin is an ordinary column.
         _read_all(kept, reading, schedules=frozenset())
         reading.parameters.update(_known_scalars(file, tunable))
-    if resample is None:
-        told = _checked_clock(file, reading, time)
-    else:
-        check_order(file.label, time, file.row_name)
-        time, told = _resampled(file.label, reading, time, twin, resample)
+    time, told = _on_its_clock(file, reading, time, twin, resample)
     return {
         "notes": tuple(filter(None, (note, told))),
         "time": time,
@@ -97,6 +93,20 @@ def _checked_clock(file: RecordedColumns, reading: _Reading, time: NDArray[np.fl
     columns = reading.signals or reading.schedules
     sampled = [np.isfinite(values) for values in columns.values()]
     return check_clock(file.label, time, sampled, file.row_name)
+
+
+def _on_its_clock(
+    file: RecordedColumns,
+    reading: _Reading,
+    time: NDArray[np.float64],
+    twin: SignalReading | None,
+    resample: float | None,
+) -> tuple[NDArray[np.float64], str]:
+    """Times of the rows, as recorded or resampled, and a note; raises for a clock that is none."""
+    if resample is None:
+        return time, _checked_clock(file, reading, time)
+    check_order(file.label, time, file.row_name)
+    return _resampled(file.label, reading, time, twin, resample)
 
 
 def _resampled(

@@ -74,8 +74,8 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
     elif shape := found.variable.shape:
         size = " x ".join(map(str, shape))
         yield (
-            f"{where}: expected a single number, '{name}' is an array of {size}; ask its vendor "
-            "for an export with scalar variables"
+            f"{where}: expected a single number, '{name}' is an array of {size}; "
+            + _element_hint(binding, name)
         )
     elif found.variable.value_type is None:
         yield f"{where}: expected a number, '{name}' is of type {found.variable.type}"
@@ -86,6 +86,13 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
         yield f"{where}: expected {words} of the FMU, {is_a}{valid}"
+
+
+def _element_hint(binding: Binding, name: str) -> str:
+    if not binding.variables[name].variable.split:
+        return "ask its vendor for an export with scalar variables"
+    first = next(known for known in binding.variables if known.startswith(f"{name}["))
+    return f"name one of its elements, such as '{first}'"
 
 
 def _fixed_problems(binding: Binding) -> Iterator[str]:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gmfbo.errors import FmuFileError, in_short
-from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, number_from, variable_from
+from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, elements_of, number_from, variable_from
 from gmfbo.sources.fmu_file.platforms import Platform, this_platform
 from gmfbo.sources.fmu_file.prolog import check_prolog
 from gmfbo.sources.fmu_file.unpacking import member_path, open_archive, read_member
 
 if TYPE_CHECKING:
-    from fmpy.model_description import ModelDescription
+    from fmpy.model_description import ModelDescription, ModelVariable
 
 _CAPABILITIES = (
     "canHandleVariableCommunicationStepSize",
@@ -198,7 +198,7 @@ def read_description(path: Path) -> FmuDescription:
     libraries = tuple(str(member) for member in members if _is_library(member))
     units = {unit.name: unit.baseUnit for unit in raw.unitDefinitions}
     fmi = 3 if version.startswith("3") else 2
-    variables = [variable_from(variable, units, fmi) for variable in raw.modelVariables]
+    variables = _with_elements(raw.modelVariables, units, fmi)
     return FmuDescription(
         path=path,
         model_name=raw.modelName or path.stem,
@@ -215,6 +215,21 @@ def read_description(path: Path) -> FmuDescription:
         with_sources=any(m.parts[:1] == ("sources",) and m.suffix == ".c" for m in members),
         default_step=number_from(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
     )
+
+
+def _with_elements(
+    raw: Sequence[ModelVariable], units: Mapping[str, Any], fmi: int
+) -> list[FmuVariable]:
+    """All variables; behind an array of fixed size its elements, as variables of their own."""
+    names = {variable.name for variable in raw}
+    variables: list[FmuVariable] = []
+    for variable in raw:
+        read = variable_from(variable, units, fmi)
+        elements = elements_of(read, variable, fmi) if read.shape else []
+        if any(element.name in names for element in elements):
+            elements = []  # the FMU has variables of these names
+        variables += [replace(read, split=bool(elements)), *elements]
+    return variables
 
 
 def _parse(path: Path) -> ModelDescription:

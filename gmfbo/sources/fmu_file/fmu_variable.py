@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
+from math import prod
 from typing import TYPE_CHECKING, Any
 
-from gmfbo.sources.fmu_file.job import ValueType
+from gmfbo.sources.fmu_file.job import LARGEST_SIZE, ArrayElement, ValueType
 from gmfbo.units import parse_unit
 
 if TYPE_CHECKING:
@@ -55,7 +57,9 @@ class FmuVariable:
         Type of the value at the FMI interface; None for texts, clocks and arrays, which are no
         single numbers.
     shape : tuple of int
-        Of an array; empty for a scalar.
+        Of an array; empty for a scalar and for an element, whose `reference` tells its place.
+    split : bool
+        Whether the elements of an array are variables of their own.
     items : tuple of (str, int)
         Names and values of an enumeration, in the FMU's order; empty for other types.
     start_text : str
@@ -76,6 +80,7 @@ class FmuVariable:
     description: str = ""
     value_type: ValueType | None = None
     shape: tuple[int, ...] = ()
+    split: bool = False
     items: tuple[tuple[str, int], ...] = ()
     start_text: str = ""
 
@@ -128,6 +133,47 @@ def variable_from(raw: ModelVariable, units: Mapping[str, Any], fmi: int = 2) ->
         items=_items(declared) if raw.type == "Enumeration" else (),
         start_text=_start_text(raw) if raw.type == "String" and not shape else "",
     )
+
+
+def elements_of(array: FmuVariable, raw: ModelVariable, fmi: int = 3) -> list[FmuVariable]:
+    """Elements of an array of fixed size as variables, `q[1]` or `m[1,2]`, row by row.
+
+    Parameters
+    ----------
+    array : FmuVariable
+        From `variable_from`.
+    raw : fmpy.model_description.ModelVariable
+        The same, as it was read.
+    fmi : int
+        Major version of FMI.
+
+    Returns
+    -------
+    list of FmuVariable
+        Empty for scalars and texts, and for arrays whose size is a parameter or above
+        `LARGEST_SIZE`.
+    """
+    size = prod(array.shape)
+    kind = _value_type(raw.type, fmi)
+    fixed = all(d.valueReference is None and d.start is not None for d in raw.dimensions or ())
+    if not array.shape or not fixed or kind is None or not 0 < size <= LARGEST_SIZE:
+        return []
+    texts = str(raw.start).split() if isinstance(raw.start, str) else list(raw.start or ())
+    starts = [number_from(text) for text in texts] * (size if len(texts) == 1 else 1)
+    indices = product(*(range(1, length + 1) for length in array.shape))
+    return [
+        replace(
+            array,
+            name=f"{array.name}[{','.join(map(str, index))}]",
+            reference=ArrayElement(array.reference, place, size).packed,
+            start=starts[place] if len(starts) == size else None,
+            minimum=number_from(raw.min),
+            maximum=number_from(raw.max),
+            value_type=kind,
+            shape=(),
+        )
+        for place, index in enumerate(indices)
+    ]
 
 
 def _start_text(raw: ModelVariable) -> str:

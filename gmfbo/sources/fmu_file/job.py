@@ -35,6 +35,34 @@ class ValueType(IntEnum):
         return self in (ValueType.REAL, ValueType.FLOAT32)
 
 
+_REFERENCE_BITS = 32  # of a value reference; what lies above tells an element of an array
+LARGEST_SIZE = 1000
+"""Most elements of an array that are variables of their own; nobody maps more by name."""
+
+
+class ArrayElement(NamedTuple):
+    """An element of an array of FMI 3.0: value reference, place from 0, and size of the array."""
+
+    reference: int
+    place: int
+    size: int
+
+    @property
+    def packed(self) -> int:
+        """The element as one whole number, in place of a value reference."""
+        above = self.place * (LARGEST_SIZE + 1) + self.size
+        return self.reference + (above << _REFERENCE_BITS)
+
+    @classmethod
+    def of(cls, reference: int) -> ArrayElement | None:
+        """Element of a packed number; None for a value reference, which is a scalar's."""
+        above = reference >> _REFERENCE_BITS
+        if not above:
+            return None
+        place, size = divmod(above, LARGEST_SIZE + 1)
+        return cls(reference & (2**_REFERENCE_BITS - 1), place, size)
+
+
 class Port(NamedTuple):
     """A variable of one FMU, and the array column that it is read from or written to."""
 
@@ -107,6 +135,14 @@ class Job:
     outputs: tuple[Port, ...] = ()
     texts: tuple[TextSetting, ...] = ()
     stop: float | None = None
+
+    @property
+    def has_arrays(self) -> bool:
+        """Whether an element of an array is set or read at each step."""
+        ports = (*self.inputs, *self.schedules, *self.outputs)
+        references = [port.reference for port in ports]
+        references += [r for wire in self.wires for r in (wire.to_reference, wire.from_reference)]
+        return any(reference >> _REFERENCE_BITS for reference in references)
 
     @property
     def duration(self) -> float:

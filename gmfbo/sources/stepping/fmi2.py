@@ -13,7 +13,7 @@ import fmpy.fmi2
 from fmpy.fmi1 import FMICallException
 
 from gmfbo.errors import FmuFileError, SimulationError
-from gmfbo.sources.fmu_file.job import Setting, Stage, TextSetting, ValueType
+from gmfbo.sources.fmu_file.job import ArrayElement, Setting, Stage, TextSetting, ValueType
 from gmfbo.sources.fmu_file.unpacked_fmu import UnpackedFmu
 from gmfbo.sources.stepping.fmu_log import FmuLog
 from gmfbo.sources.stepping.interface import FMI2, Interface, Values, crossing
@@ -189,7 +189,9 @@ class Instance:
             The FMU refused.
         """
         for kind in self.interface.words:
-            chosen = [setting for setting in settings if setting.type == kind]
+            of_kind = [setting for setting in settings if setting.type == kind]
+            self._set_arrays(kind, [s for s in of_kind if ArrayElement.of(s.reference)])
+            chosen = [s for s in of_kind if not ArrayElement.of(s.reference)]
             if chosen:
                 values = self.interface.room(kind, len(chosen))
                 values[:] = [crossing(setting.value, kind) for setting in chosen]
@@ -288,6 +290,18 @@ class Instance:
     def free(self) -> None:
         """Free the instance; the library stays loaded."""
         self._slave.fmi2FreeInstance(self.component)
+
+    def _set_arrays(self, kind: ValueType, settings: Sequence[Setting]) -> None:
+        """Set whole arrays of which each element is given."""
+        arrays: dict[int, Values] = {}
+        for setting in settings:
+            element = ArrayElement.of(setting.reference)
+            assert element is not None  # the caller has chosen them
+            if element.reference not in arrays:
+                arrays[element.reference] = self.interface.room(kind, element.size)
+            arrays[element.reference][element.place] = crossing(setting.value, kind)
+        for reference, values in arrays.items():
+            self.set_values(kind, _references([reference]), values, Stage.INITIALISE)
 
     def _set_texts(self, references: Any, values: Sequence[str]) -> None:
         raw = (ctypes.c_char_p * len(values))(*(value.encode() for value in values))

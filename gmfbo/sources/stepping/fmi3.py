@@ -116,13 +116,13 @@ class Instance3(Instance):
         self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
     ) -> int:
         """Set values of one type; FMI 3.0 counts values and variables separately."""
-        count = len(references)
-        return self.call(FMI3.setter(kind), stage, references, count, values, count)
+        sizes = len(references), len(values)
+        return self.call(FMI3.setter(kind), stage, references, sizes[0], values, sizes[1])
 
     def get_values(self, kind: ValueType, references: Values, values: Values) -> int:
         """Read values of one type; FMI 3.0 counts values and variables separately."""
-        count = len(references)
-        return self.call(FMI3.getter(kind), Stage.STEP, references, count, values, count)
+        sizes = len(references), len(values)
+        return self.call(FMI3.getter(kind), Stage.STEP, references, sizes[0], values, sizes[1])
 
     def step(self, time: float, step: float) -> int:
         """Make one communication step, without event mode and early return.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.errors import InputError, RecordingError, did_you_mean
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.binding.binding import Binding
-from gmfbo.sources.fmu_file.job import Setting, TextSetting
+from gmfbo.sources.fmu_file.job import ArrayElement, Setting, TextSetting
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +84,26 @@ def run_parameters(
     }
     for name, value in values.items():
         binding.variables[name].check_value(float(value))
+    values = _with_whole_arrays(binding, values)
     settings = tuple(binding.variables[n].setting(float(v)) for n, v in values.items())
     words = {**binding.words.texts, **(texts or {})}
     told = tuple(binding.variables[name].text_setting(word) for name, word in words.items())
     return RunParameters(settings, in_force, changing, told)
+
+
+def _with_whole_arrays(binding: Binding, values: Mapping[str, float]) -> dict[str, float]:
+    """Values, and the nominal ones of the other elements of arrays: FMI sets whole arrays."""
+    set_arrays = {
+        (bound.fmu, element.reference)
+        for bound in (binding.variables[name] for name in values)
+        if (element := ArrayElement.of(bound.variable.reference)) is not None
+    }
+    whole = dict(values)
+    for name, bound in binding.variables.items() if set_arrays else ():
+        element = ArrayElement.of(bound.variable.reference)
+        if element is not None and (bound.fmu, element.reference) in set_arrays:
+            whole.setdefault(name, binding.nominal(name))
+    return whole
 
 
 def check_parameters(binding: Binding, override: Mapping[str, float]) -> None:

@@ -50,7 +50,8 @@ def small(tmp_path: Path) -> Make:
         library = compiled(tmp_path, "small.so", SOURCE, [*options, *map(str, beside)])
         place = "binaries/linux64" if fmi == 2 else "binaries/x86_64-linux"
         with zipfile.ZipFile(tmp_path / "small.fmu", "w") as archive:
-            archive.write(SOURCE.with_name(f"small{fmi}.xml"), "modelDescription.xml")
+            arrays = "_arrays" if "ARRAYS" in macros else ""
+            archive.write(SOURCE.with_name(f"small{fmi}{arrays}.xml"), "modelDescription.xml")
             for file in (library, *beside):
                 archive.write(file, f"{place}/{file.name}")
         twin = tmp_path / "twin.toml"

@@ -20,8 +20,16 @@ static Model model;
 double gain_of_the_library_beside(void);
 #endif
 
+#ifdef ARRAYS
+static double array[3][4];
+#endif
+
 static void reset(void)
 {
+#ifdef ARRAYS
+    static const double start[3][4] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {1, 2, 3, 4}};
+    memcpy(array, start, sizeof start);
+#endif
     memset(&model, 0, sizeof model);
     model.real[GAIN] = 1.0;
     model.boolean[0] = 1;
@@ -126,10 +134,30 @@ int fmi3ExitInitializationMode(void *m)
     compute();
     return OK;
 }
-COPY(fmi3SetFloat64, const double, x, model.real[r[k]], x[k])
-COPY(fmi3GetFloat64, double, x, x[k], model.real[r[k]])
 COPY(fmi3SetInt64, const long long, x, model.integer[r[k]], (int)x[k])
 COPY(fmi3SetBoolean, const _Bool, x, model.boolean[r[k]], x[k])
+#ifdef ARRAYS
+/* value references 10: reference[2,2], 11: position[2,2] = gain * reference, 12: gain[2,2] */
+int fmi3SetFloat64(void *m, const unsigned r[], size_t n, const double x[], size_t count)
+{
+    if (n != 1 || count != 4 || r[0] < 10 || r[0] > 12)
+        return ERROR;
+    memcpy(array[r[0] - 10], x, sizeof array[0]);
+    return OK;
+}
+int fmi3GetFloat64(void *m, const unsigned r[], size_t n, double x[], size_t count)
+{
+    if (n != 1 || count != 4 || r[0] < 10 || r[0] > 12)
+        return ERROR;
+    for (int k = 0; k < 4; k++)
+        array[1][k] = array[2][k] * array[0][k];
+    memcpy(x, array[r[0] - 10], sizeof array[0]);
+    return OK;
+}
+#else
+COPY(fmi3SetFloat64, const double, x, model.real[r[k]], x[k])
+COPY(fmi3GetFloat64, double, x, x[k], model.real[r[k]])
+#endif
 int fmi3SetString(void *m, const unsigned r[], size_t n, const char *const x[], size_t count)
 {
     strncpy(model.text, x[0], sizeof model.text - 1);

@@ -196,3 +196,67 @@ def test_an_fmu_with_c_sources_only_is_refused_in_a_line(tmp_path: Path) -> None
         archive.writestr("sources/all.c", "int x;\n")
     with pytest.raises(FmuFileError, match="it has C sources only, which gmfbo does not compile"):
         read_description(fmu).library()
+
+
+ARRAY_TWIN = """
+name = "small"
+fmu = "small.fmu"
+step = 1e-3
+[inputs]
+upper = "reference[1,2]"
+lower = "reference[2,1]"
+[outputs]
+a = "position[1,1]"
+b = "position[1,2]"
+c = "position[2,1]"
+d = "position[2,2]"
+"""
+
+
+def test_elements_of_arrays_are_variables_row_by_row(small: Make) -> None:
+    twin_file = small("ARRAYS", fmi=3)
+    twin_file.write_text(ARRAY_TWIN, encoding="utf-8")
+    time = 1e-3 * np.arange(6.0)
+    signals = {"upper": 1.0 + np.arange(6.0), "lower": 10.0 * np.arange(6.0)}
+    both = Recording(time=time, signals=signals)
+    with FmuTwin(twin_file) as twin:
+        own = twin.run({}, both)
+        set_ = twin.run({}, both, parameters={"gain[2,2]": 7.0})
+        half = twin.run({}, Recording(time=time, signals={"upper": signals["upper"]}))
+    assert own.status == set_.status == "ok", own.message + set_.message
+    # Row k + 1 holds what the inputs of row k make; an element that nothing drives stays.
+    np.testing.assert_array_equal(own.signal("a")[1:], 0.0)
+    np.testing.assert_array_equal(own.signal("b")[1:], 2.0 * signals["upper"][:-1])
+    np.testing.assert_array_equal(own.signal("c")[1:], 3.0 * signals["lower"][:-1])
+    np.testing.assert_array_equal(half.signal("c")[1:], 0.0)
+    np.testing.assert_array_equal(half.signal("b"), own.signal("b"))
+    np.testing.assert_array_equal(set_.signal("b"), own.signal("b"))
+
+
+def test_a_schedule_may_move_one_element(small: Make) -> None:
+    twin_file = small("ARRAYS", fmi=3)
+    twin_file.write_text(ARRAY_TWIN, encoding="utf-8")
+    time = 1e-3 * np.arange(6.0)
+    moved = np.array([3.0, 3.0, 3.0, 9.0, 9.0, 9.0])
+    run = Recording(time=time, signals={"lower": np.full(6, 10.0)}, schedules={"gain[2,1]": moved})
+    with FmuTwin(twin_file) as twin:
+        np.testing.assert_array_equal(twin.run({}, run).signal("c")[1:], 10.0 * moved[:-1])
+
+
+def test_a_twin_file_to_start_from_names_the_elements(small: Make) -> None:
+    folder = small("ARRAYS", fmi=3).parent
+    report = inspect_fmu(folder / "small.fmu")
+    text = starting_twin_file(report)
+    assert TwinFile.parse(text, "a").outputs["position_2_1"].variable == "position[2,1]"
+    assert '# "gain[1,2]" = 2.0' in text
+    (folder / "own.toml").write_text(text, encoding="utf-8")
+    with FmuTwin(folder / "own.toml") as twin:
+        assert twin.nominal("gain[2,2]") == 4.0
+
+
+def test_an_array_whose_size_is_a_parameter_is_refused_by_name(small: Make) -> None:
+    twin_file = small("ARRAYS", fmi=3)
+    text = ARRAY_TWIN.replace('d = "position[2,2]"', 'd = "of_a_size"')
+    twin_file.write_text(text, encoding="utf-8")
+    with pytest.raises(TwinFileError, match="'of_a_size' is an array of 2; ask its vendor"):
+        FmuTwin(twin_file)
