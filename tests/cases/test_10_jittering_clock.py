@@ -41,3 +41,10 @@ def test_it_is_resampled_on_request(case: CaseFolder) -> None:
     assert told.code == 0, told.err
     assert "canjitter.mf4: resampled to a row each 0.001 s, as stated" in told.out
     assert SAID not in told.out
+
+
+def test_the_preset_of_a_vesc_fills_the_mapping(case: CaseFolder) -> None:
+    answer = case.gmfbo("columns ../servo.toml vesc.csv --preset vesc")
+    assert answer.code == 0, answer.err
+    assert "preset vesc, by https://github.com/vedderb/vesc_tool" in answer.out
+    assert "5.2452e+07 time" in answer.out

@@ -34,3 +34,10 @@ def test_columns_without_a_header_are_named_by_their_places(case: CaseFolder) ->
     told = case.gmfbo("simulate servo.toml --reference halsampler.txt --out s.csv")
     assert told.code == 0, told.err
     assert "200 rows, 0.199 s" in told.out
+
+
+def test_the_preset_of_halsampler_knows_the_sample_number(case: CaseFolder) -> None:
+    answer = case.gmfbo("columns ../servo.toml halsampler.txt --preset halsampler")
+    assert answer.code == 0, answer.err
+    assert "preset halsampler, by https://linuxcnc.org/" in answer.out
+    assert "column 1 200 0 199 time" in answer.out

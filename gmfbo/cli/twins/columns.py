@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gmfbo.cli.arguments import TwinFile
-from gmfbo.cli.completion import dialects
+from gmfbo.cli.completion import dialects, presets
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, did_you_mean
 
@@ -27,6 +27,7 @@ MANUAL = Manual(
     files={"FILE": "of --save: the mapping, for the line 'columns = ...' of a twin file"},
     examples={
         "What is in a file:": "gmfbo columns axis.toml log.csv",
+        "Of a VESC:": "gmfbo columns axis.toml vesc.csv --preset vesc --save vesc.toml",
         "Say what it is, and keep it:": (
             "gmfbo columns axis.toml log.csv --set 'position=Pos [deg]' --save log.toml"
         ),
@@ -58,18 +59,26 @@ def columns(
         float | None,
         typer.Option(metavar="SECONDS", help="Time between two rows, where the file has no clock."),
     ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Columns of a known logger: halsampler, odrive, twincat_scope, vesc.",
+            autocompletion=presets,
+        ),
+    ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the mapping to this .toml file.")
     ] = None,
 ) -> None:
     """Show which column of a recording is which signal of a twin.
 
-    With the unit of each column and its range [that unit]. --set corrects it, --save keeps it
-    for the next recordings; one line in the twin file then names the saved file.
+    With the unit of each column and its range [that unit]. --preset fills in a known logger's
+    columns, --set corrects it, --save keeps it for the next recordings; one line in the twin
+    file then names the saved file.
     """
     from gmfbo.recordings.columns.column_mapping import ColumnMapping
     from gmfbo.recordings.reader import read_columns
-    from gmfbo.recordings.recording import read_recording
     from gmfbo.sources.twin.twin import FmuTwin
 
     _check_options(dialect, save)
@@ -81,18 +90,52 @@ def columns(
         words |= {spec.column for spec in source.signal_specs().values()}
         file = read_columns(recording, mapping.dialect, words, every=True)
         _check_columns({n: e for n, e in settings.items() if e.column}, file)
+        if preset is not None:
+            mapping = _with_preset(preset, mapping, file, source)
         found = _found(source, mapping, file)
         guesses = _guesses(source, found, file)
-        clock = "" if mapping.sample_time else _clock_name(file)
-        _print_columns(file, {clock: "time", **_by_column(found)}, guesses)
-        if mapping.sample_time:
-            typer.echo(f"time: a row each {mapping.sample_time:g} s, as stated")
-        _print_missing(source, found, file, timed=bool(clock or mapping.sample_time))
+        _print_all(source, mapping, file, found, guesses)
         if save is not None:
-            # Raises for an unreadable mapping.
-            for note in read_recording(recording, source, mapping=mapping).notes:
-                typer.echo(note)
+            _print_notes(source, recording, mapping)
             _save(save, twin, recording, mapping, found, guesses)
+
+
+def _print_all(
+    source: FmuTwin,
+    mapping: ColumnMapping,
+    file: RecordedColumns,
+    found: Mapping[str, str],
+    guesses: Mapping[str, str],
+) -> None:
+    clock = "" if mapping.sample_time else _clock_name(file)
+    _print_columns(file, {clock: "time", **_by_column(found)}, guesses)
+    if mapping.sample_time:
+        typer.echo(f"time: a row each {mapping.sample_time:g} s, as stated")
+    _print_missing(source, found, file, timed=bool(clock or mapping.sample_time))
+
+
+def _with_preset(
+    name: str, mapping: ColumnMapping, file: RecordedColumns, source: FmuTwin
+) -> ColumnMapping:
+    """Mapping with a preset's columns under those that are given, and what it leaves out."""
+    from dataclasses import replace
+
+    from gmfbo.recordings.columns.presets import find_preset, preset_columns
+
+    preset = find_preset(name)
+    typer.echo(f"preset {name}, by {preset.page}")
+    if preset.left_out:
+        typer.echo(f"preset {name}: {preset.left_out}")
+    columns = preset_columns(name, file, source.signal_specs().keys())
+    return replace(mapping, columns={**columns, **mapping.columns})
+
+
+def _print_notes(source: FmuTwin, recording: Path, mapping: ColumnMapping) -> None:
+    """Read the recording, which raises for an unreadable mapping, and print what was noted."""
+    from gmfbo.recordings.recording import read_recording
+
+    for note in read_recording(recording, source, mapping=mapping).notes:
+        typer.echo(note)
 
 
 def _check_options(dialect: str | None, save: Path | None) -> None:
