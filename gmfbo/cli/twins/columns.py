@@ -86,9 +86,7 @@ def columns(
         given = source.column_mapping()
         settings = {**_settings(set_ or []), **_counted_rows(sample_time)}
         mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
-        words = {*mapping.names(), *source.parameter_tunable()}
-        words |= {spec.column for spec in source.signal_specs().values()}
-        file = read_columns(recording, mapping.dialect, words, every=True)
+        file = read_columns(recording, mapping.dialect, _words(source, mapping), every=True)
         _check_columns({n: e for n, e in settings.items() if e.column}, file)
         if preset is not None:
             mapping = _with_preset(preset, mapping, file, source)
@@ -98,6 +96,12 @@ def columns(
         if save is not None:
             _print_notes(source, recording, mapping)
             _save(save, twin, recording, mapping, found, guesses)
+
+
+def _words(source: FmuTwin, mapping: ColumnMapping) -> set[str]:
+    """Names of columns that the twin asks for."""
+    specs = source.signal_specs().values()
+    return {*mapping.names(), *source.parameter_tunable(), *(spec.column for spec in specs)}
 
 
 def _print_all(

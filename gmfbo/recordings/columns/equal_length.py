@@ -132,7 +132,8 @@ def _with_increasing_time(
     """Columns of which the first of a matrix, if it increases evenly, is one of seconds."""
     firsts = {f"{name}{place}" for name in matrices for place in ("(:,1)", "(1,:)")}
     for k, column in enumerate(columns):
-        if column.name in firsts and column.values.size > 2 and is_steady(column.values):
+        known = column.values.size > 2 and bool(np.isfinite(column.values).all())
+        if column.name in firsts and known and is_steady(column.values):
             columns[k] = replace(column, unit="s")
             break
     return columns

@@ -33,6 +33,9 @@ def with_bare_header(lines: list[str]) -> list[str]:
         comment right above it has as many cells as that row.
     """
     lines = _with_one_sign(lines)
+    top = next((line for line in lines if line.strip()), "")
+    if not is_comment(top):
+        return lines  # the usual table, whose lines are not looked at one by one
     places = [k for k, line in enumerate(lines) if line.strip() and not is_comment(line)]
     if not places:
         return lines

@@ -21,8 +21,9 @@ _NUMBERS = {
     "double", "single", "logical", "int8", "uint8", "int16", "uint16",
     "int32", "uint32", "int64", "uint64",
 }  # fmt: skip
+_LONGEST_TEXT = 10_000  # of a name or a unit; a damaged file may claim billions
 _DEEPEST = 20  # levels of structures; no logger nests more than six
-_MOST_VALUES = 100_000  # fields and cells; each signal of a logger needs some ten
+_MOST_VALUES = 20_000  # fields and cells; each signal of a logger needs some ten
 
 
 def read_mat(path: Path) -> RecordedColumns | RecordedChannels:
@@ -122,7 +123,7 @@ class _Version73:
                 [self.value(self._file[r], depth - 1) for r in item[()].reshape(-1) if r]
             )
         if kind == "char":
-            return "".join(map(chr, item[()].reshape(-1)))
+            return "".join(map(chr, item[()].reshape(-1))) if item.size <= _LONGEST_TEXT else None
         return item[()].T if kind in _NUMBERS else None
 
 
