@@ -16,7 +16,12 @@ from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedReading
 from gmfbo.recordings.columns.columns import RecordedColumns, find_clock
 from gmfbo.recordings.columns.interpretation import interpreted
 from gmfbo.recordings.columns.row_spacing import check_spacing
-from gmfbo.recordings.columns.signal import SignalReading, SignalSpec, SteppedReading
+from gmfbo.recordings.columns.signal import (
+    ResampledReading,
+    SignalReading,
+    SignalSpec,
+    SteppedReading,
+)
 from gmfbo.recordings.columns.unit_in_name import notes_on_units, with_units_of_names
 from gmfbo.recordings.reader import read_columns
 
@@ -244,15 +249,17 @@ def read_recording(
     notes = notes_on_units(file, stated, mapping)
     file, specs = rename_columns(file, mapping, words.specs)
     known = None if twin is None else _Words(specs, words.tunable)
-    content = interpreted(file, known)
+    resample = twin.resample if isinstance(twin, ResampledReading) else None
+    content = interpreted(file, known, resample)
     if isinstance(twin, SteppedReading) and not _states_time(stated):
         _check_spacing(file, mapping, specs, content, twin.step)
-    return recording_of({**content, "notes": notes}, file.notes.run)
+    return recording_of({**content, "notes": (*notes, *content["notes"])}, file.notes.run)
 
 
 def _states_time(mapping: ColumnMapping) -> bool:
     """Whether the twin file says in which unit the clock is: it has the last word."""
-    return "time" in mapping.columns and mapping.columns["time"].converts
+    clock = mapping.columns.get("time")
+    return clock is not None and (clock.converts or clock.sample_time is not None)
 
 
 def _check_spacing(
@@ -268,7 +275,7 @@ def _check_spacing(
     compared = any(name in content["signals"] for name, spec in specs.items() if spec.compared)
     if compared and not file.notes.own:
         name = clock.name if mapped is None else mapped.column
-        check_spacing(file, clock, name, content["time"], step)
+        check_spacing(file, clock, name, step)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gmfbo.cli.arguments import TwinFile
-from gmfbo.cli.console import parse_settings
+from gmfbo.cli.console import parse_words
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, SimulationError
 
@@ -38,7 +38,8 @@ def simulate(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
-            help="FMU parameter of this run [its unit in the FMU]; may be repeated.",
+            help="FMU parameter of this run [its unit in the FMU], or text, true, false or an "
+            "enumeration's item; may be repeated.",
         ),
     ] = None,
     reference: Annotated[
@@ -64,7 +65,8 @@ def simulate(
     with FmuTwin(twin) as source:
         recorded = Recording.read(reference, source) if reference else _unit_step(source)
         followed, notes = unwrapped(recorded, source) if reference else (recorded, ())
-        trajectory = source.run({}, followed, parameters=parse_settings(set_ or []))
+        given = parse_words(set_ or [], source.binding.variables)
+        trajectory = source.run({}, followed, parameters=given)
         write_recording(trajectory, out)
         typer.echo(f"{source.name}: {len(trajectory)} rows, {trajectory.duration:g} s -> {out}")
         if trajectory.status != "ok":

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.recordings.columns.columns import Column, RecordedColumns
-from gmfbo.units import number
+from gmfbo.units import number, parse_unit
 
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
@@ -26,9 +25,7 @@ _LEAST_ROWS = 64
 """Fewest rows that a recording needs; so many in so few steps are no slow logger."""
 
 
-def check_spacing(
-    file: RecordedColumns, clock: Column, name: str, time: NDArray[np.float64], step: float
-) -> None:
+def check_spacing(file: RecordedColumns, clock: Column, name: str, step: float) -> None:
     """Raise where rows lie as far apart, or as close, as only another unit of time explains.
 
     Parameters
@@ -36,11 +33,9 @@ def check_spacing(
     file : RecordedColumns
         For the message.
     clock : Column
-        Times as they were recorded.
+        Times as they were recorded, increasing or equal; its unit is one of time.
     name : str
         Of the clock's column in the file.
-    time : ndarray, shape (n,)
-        [s] The same, as they were read.
     step : float
         [s] Communication step of the twin.
 
@@ -49,16 +44,20 @@ def check_spacing(
     RecordingError
         The message names the likely unit, and the line that states it.
     """
-    if time.size < 2:
+    # Rows of one instant are read as one.
+    recorded = clock.values[np.append(True, np.diff(clock.values) != 0.0)]
+    unit = parse_unit(clock.unit or "s")
+    if recorded.size < 2 or unit is None:
         return
+    time, apart = unit.to_si(recorded), float(np.median(np.diff(recorded)))
     spacing, duration = float(np.median(np.diff(time))), float(time[-1] - time[0])
     # A step of 1 ms that was written as 0.99 ms is no other number of steps.
     far = spacing > 1.01 * _MOST_STEPS * step
     close = duration < _FEWEST_STEPS * step and time.size >= _LEAST_ROWS
     if not (far or close):
         return
-    likely = _likely(float(np.median(np.diff(clock.values))), step)
-    if math.isclose(spacing, float(np.median(np.diff(clock.values))) * _UNITS[likely]):
+    likely = _likely(apart, step)
+    if math.isclose(spacing, apart * _UNITS[likely]):
         return
     steps = round(spacing / step)
     seen = f"rows {spacing:,.9g} s apart, {steps:,} steps of the twin each"

@@ -31,6 +31,8 @@ class SignalSpec:
         Whether a recording without this column is refused.
     compared : bool
         Whether it is compared with the twin, so that a recording with it is a log of an axis.
+    driven : bool
+        Whether it drives an FMU input.
     """
 
     name: str
@@ -42,6 +44,7 @@ class SignalSpec:
     interpolation: Literal["hold", "linear"] = "hold"
     required: bool = False
     compared: bool = False
+    driven: bool = False
 
 
 @runtime_checkable
@@ -62,3 +65,10 @@ class SignalReading(Protocol):
     def parameter_tunable(self) -> Mapping[str, bool]:
         """Each FMU parameter, and whether it may change during a run."""
         ...
+
+
+@runtime_checkable
+class ResampledReading(Protocol):
+    """A twin whose file has recordings put on an even clock."""
+
+    resample: float | None

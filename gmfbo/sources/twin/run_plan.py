@@ -15,6 +15,7 @@ from gmfbo.sources.fmu_file.job import Job, Port
 from gmfbo.sources.twin.parameter_values import RunParameters
 from gmfbo.sources.twin.sampling import sample, steps_to_cover
 from gmfbo.sources.twin.signals import as_logged, input_columns, to_fmu, to_si
+from gmfbo.sources.twin_file.twin_file import TwinFile
 from gmfbo.sources.worker.runner import Order, Result
 
 
@@ -161,12 +162,15 @@ class Experiment:
     def _job(self, steps: int, first_row: int, schedules: tuple[Port, ...]) -> Job:
         file, variables = self.binding.file, self.binding.variables
         recorded = float(self.grid[0])
+        start = self.binding.start_time(recorded) + first_row * self.step
         return Job(
             steps=steps,
-            start=self.binding.start_time(recorded) + first_row * self.step,
+            start=start,
             told_start=recorded + first_row * self.step,
             step=self.step,
             settings=self.parameters.settings,
+            texts=self.parameters.texts,
+            stop=announced_stop(file, start, steps, self.step),
             inputs=tuple(
                 variables[file.inputs[name].variable].port(column)
                 for column, name in enumerate(self.inputs)
@@ -212,6 +216,26 @@ def _check_steps(binding: Binding, recording: Recording, steps: int, substeps: i
         f"{steps:,}{each} for {recording.duration:,.9g} s; is its time in another unit? else cut "
         "the recording, or raise steps in [limits] of the twin file"
     )
+
+
+def announced_stop(file: TwinFile, start: float, steps: int, step: float) -> float | None:
+    """[s] Stop time that the twin file has announced to the FMUs; None for none.
+
+    Parameters
+    ----------
+    file : TwinFile
+        The twin file.
+    start : float
+        [s] FMU time of the first communication point.
+    steps : int
+        Communication steps.
+    step : float
+        [s] Communication step. The end of the run and one step are announced, since many FMUs
+        refuse a step that ends at their stop time within round-off.
+    """
+    if file.stop_time is True:
+        return start + (steps + 1) * step
+    return None if file.stop_time is False else float(file.stop_time)
 
 
 def _table(columns: Mapping[str, NDArray[np.float64]], rows: int) -> NDArray[np.float64]:

@@ -38,6 +38,7 @@ def signal_specs(binding: Binding, override: Mapping[str, float]) -> dict[str, S
             unit=binding.variables[entry.variable].variable.si_unit,
             interpolation=getattr(entry, "interpolation", "hold"),
             compared=name in binding.file.outputs,
+            driven=name in binding.file.inputs,
         )
         for name, entry in entries.items()
     }

@@ -58,9 +58,12 @@ class RecordingTable(Table):
     ----------
     clock : {"own", "fmu"}
         Whether an FMU's time counts from its own start time, or is the recorded time.
+    resample : float or None
+        [s] Step of an even clock that the rows of recordings are put on.
     """
 
     clock: Literal["own", "fmu"] = "own"
+    resample: Positive | None = None
 
 
 class LimitsTable(Table):

@@ -5,11 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Self
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, StrictBool, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError, did_you_mean
 from gmfbo.files.toml_text import parse_toml, read_toml_text
-from gmfbo.sources.twin_file.column_file import ColumnEntry, ColumnFile, Dialect
+from gmfbo.sources.twin_file.column_file import (
+    ColumnEntry,
+    ColumnFile,
+    Dialect,
+    only_time_is_counted,
+)
 from gmfbo.sources.twin_file.entries import (
     CONTROLLER_KINDS,
     ControllerEntry,
@@ -97,6 +102,12 @@ class TwinFile(Table):
         How recordings are followed.
     limits : LimitsTable
         What a run may cost.
+    words : dict of str to str
+        Entries of [parameters] that are texts: a text, true or false, or an enumeration's item.
+    stop_time : bool or float
+        [s] Stop time that is announced to the FMUs; True for the end of each run and one step.
+    time_limit : float or None
+        [s] Wall-clock time of one run; None for 10 s and 20 times its simulated time.
     """
 
     name: Text
@@ -120,6 +131,19 @@ class TwinFile(Table):
     dialect: Dialect = "auto"
     recording: RecordingTable = Field(default_factory=RecordingTable)
     limits: LimitsTable = Field(default_factory=LimitsTable)
+    words: dict[str, str] = Field(default_factory=dict)
+    stop_time: StrictBool | Number = False
+    time_limit: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _words_apart(cls, value: object) -> object:
+        if not isinstance(value, dict) or not isinstance(value.get("parameters"), dict):
+            return value
+        given = value["parameters"]
+        words = {name: word for name, word in given.items() if isinstance(word, str)}
+        numbers = {name: number for name, number in given.items() if name not in words}
+        return {**value, "parameters": numbers, "words": {**value.get("words", {}), **words}}
 
     @field_validator("fmus", mode="before")
     @classmethod
@@ -144,6 +168,11 @@ class TwinFile(Table):
             if name not in KNOWN_STATES:
                 raise ValueError(f"no state '{name}'" + did_you_mean(name, KNOWN_STATES))
         return value
+
+    @field_validator("columns")
+    @classmethod
+    def _sampled_clock(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        return only_time_is_counted(value)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
