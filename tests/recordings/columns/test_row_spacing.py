@@ -83,3 +83,31 @@ def test_files_of_gmfbo_are_in_seconds(tmp_path: Path) -> None:
     slow = Recording(time=np.arange(100.0), signals={"y": np.arange(100.0)})
     write_recording(slow, tmp_path / "own.csv")
     assert len(read_recording(tmp_path / "own.csv", TWIN)) == 100
+
+
+@dataclass(frozen=True)
+class Resampled(Stepped):
+    """Words of a twin whose file has recordings put on an even clock [s]."""
+
+    resample: float | None = STEP
+
+
+def test_resampling_does_not_hide_a_clock_in_ms(tmp_path: Path) -> None:
+    words = Resampled((SignalSpec("u", "u"), SignalSpec("y", "y", compared=True)))
+    with pytest.raises(RecordingError, match=r"rows 1 s apart, .* is the time in ms\?"):
+        read_recording(log(tmp_path, "t", 1.0), words)
+
+
+def test_rows_of_one_instant_are_judged_as_one(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    rows = [f"{k},{0.1 * k:g}\n{k},\n{k}," for k in range(100)]
+    path.write_text("t,y\n" + "\n".join(rows) + "\n")
+    with pytest.raises(RecordingError, match=r"rows 1 s apart, .* is the time in ms\?"):
+        read_recording(path, TWIN)
+
+
+def test_a_stated_sample_time_is_a_stated_clock(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("a,y\n" + "\n".join(f"0,{0.1 * k:g}" for k in range(100)) + "\n")
+    mapping = ColumnMapping({"time": MappedColumn("", sample_time=1.0)})
+    assert read_recording(path, TWIN, mapping=mapping).duration == pytest.approx(99.0)
