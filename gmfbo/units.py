@@ -104,8 +104,18 @@ _ALIASES: dict[str, str] = {
     "meter": "m", "metre": "m", "meters": "m", "metres": "m",
     "volt": "V", "volts": "V", "Volt": "V", "Volts": "V",
     "amp": "A", "amps": "A", "Amp": "A", "Amps": "A", "ampere": "A", "amperes": "A",
-    "NM": "Nm", "newton": "N", "Newton": "N",
+    "NM": "Nm", "newton": "N", "newtons": "N", "hertz": "Hz", "watt": "W", "watts": "W",
+    "kelvin": "K", "joule": "J", "joules": "J", "pascal": "Pa", "pascals": "Pa",
 }  # fmt: skip
+
+_PREFIX_WORDS = {"nano": "n", "micro": "u", "milli": "m", "centi": "c", "kilo": "k", "mega": "M"}
+
+# From three letters on no other unit differs from these only by capitals.
+_WORDS = {
+    word.lower(): word
+    for word in (*_SI, *_OTHER, *_ALIASES)
+    if len(word) > 2 and word.isascii() and word.isalpha() and word == word.lower()
+}
 
 # Temperatures, the only units with an offset: factor, and kelvins at zero.
 _TEMPERATURES = {
@@ -196,6 +206,25 @@ def _parse_unit(text: str) -> Unit | None:
     return Unit(product.spelling(), product.factor, product.pi, 0.0, product.dimension())
 
 
+def si_spelling(dimension: Dimension) -> str:
+    """SI unit of a dimension: the name that is usual in mechanics, else powers of base units.
+
+    Parameters
+    ----------
+    dimension : tuple of int
+        Exponents of kg, m, s, A, K, rad and counts.
+    """
+    if dimension == _SI["J"]:
+        return "N.m"
+    named = next((symbol for symbol, own in _SI.items() if own == dimension), "")
+    if named:
+        return named
+    product = _Product()
+    for symbol, power in zip(("kg", "m", "s", "A", "K", "rad", "counts"), dimension, strict=True):
+        product.multiply(symbol, power)
+    return product.spelling()
+
+
 class _Product:
     """Powers of SI symbols with a factor, accumulated while an expression is read."""
 
@@ -257,7 +286,19 @@ def _symbol(symbol: str) -> tuple[Fraction, bool, str] | None:
         if rest in _OTHER:
             factor, has_pi, expression = _OTHER[rest]
             return prefix * factor, has_pi, expression
-    return None
+    return _spelled_out(symbol)
+
+
+def _spelled_out(symbol: str) -> tuple[Fraction, bool, str] | None:
+    """A unit in words, with any capitals: `Milliseconds`, `Deg`."""
+    word, factor = symbol.lower(), Fraction(1)
+    for spelled, prefix in _PREFIX_WORDS.items():
+        if word.startswith(spelled):
+            word, factor = word.removeprefix(spelled), _PREFIXES[prefix]
+    if word not in _WORDS or (word == symbol and factor == 1):
+        return None
+    found = _symbol(_WORDS[word])
+    return None if found is None else (factor * found[0], *found[1:])
 
 
 def _read_product(tokens: list[str], sign: int, product: _Product) -> list[str] | None:

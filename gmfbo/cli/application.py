@@ -100,6 +100,12 @@ def program(
     """Tune a controller with few runs of the real axis, guided by its digital twin."""
 
 
+_NO_MEMORY = (
+    "this takes more memory than there is: expected shorter recordings, or fewer at a time; cut "
+    "them, or give --jobs 1"
+)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the program.
 
@@ -129,6 +135,8 @@ def main(arguments: list[str] | None = None) -> int:
         # The reader of our output has ended, as `head` does; no message is needed.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except MemoryError:
+        return _complain(_NO_MEMORY, BAD_INPUT)
     except Exception as error:
         return _complain(f"{_own_fault(error)}", OUR_FAULT)
     return _interrupted() if outcome == INTERRUPTED else int(outcome or 0)

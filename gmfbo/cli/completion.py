@@ -70,6 +70,12 @@ def _dialects() -> Iterable[str]:
     return DIALECTS
 
 
+def _presets() -> Iterable[str]:
+    from gmfbo.recordings.columns.presets import PRESETS
+
+    return PRESETS
+
+
 def _models() -> Iterable[str]:
     """The project's FMUs that can be built from this checkout."""
     sources = Path(__file__).resolve().parents[2] / "fmu_build"
@@ -77,6 +83,7 @@ def _models() -> Iterable[str]:
 
 
 effects, dialects, models = _names_of(_effects), _names_of(_dialects), _names_of(_models)
+presets = _names_of(_presets)
 compilers = _names_of(lambda: ("zig", "system"))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from rich.console import Console
 
@@ -37,6 +37,35 @@ def parse_settings(settings: list[str], *, option: str = "--set") -> dict[str, f
             values[name.strip()] = float(text)
         except ValueError:
             raise InputError(f"{option} {name}: expected a number, got '{text}'") from None
+    return values
+
+
+def parse_words(settings: list[str], known: Collection[str]) -> dict[str, float | str]:
+    """Values by name from `NAME=VALUE` arguments, as they were typed.
+
+    Parameters
+    ----------
+    settings : list of str
+        The arguments.
+    known : collection of str
+        Names that there are. Both a quoted FMI name and a text may hold an equals sign.
+
+    Raises
+    ------
+    InputError
+        An argument has no `=`.
+    """
+    values: dict[str, float | str] = {}
+    for setting in settings:
+        name, equals, text = setting.rpartition("=")
+        if not equals or not name:
+            raise InputError(f"--set: expected NAME=VALUE, got '{setting}'")
+        parts = setting.split("=")
+        for k in range(1, len(parts)):
+            if "=".join(parts[:k]).strip() in known:
+                name, text = "=".join(parts[:k]), "=".join(parts[k:])
+                break
+        values[name.strip()] = text
     return values
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,8 @@ from gmfbo.diagnosis.checking.consistent_recordings import consistent
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
-from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.result.whereabouts import TimeWindow
+from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
 from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.stage_times import Progress, StageTimes
 from gmfbo.diagnosis.steps import Search
@@ -75,20 +76,45 @@ def diagnose(
     SimulationError
         The twin as it is cannot follow the recordings.
     """
-    started = time.perf_counter()
-    told = StageTimes(progress or (lambda stage, share: None), "reading")
+    started, told = time.perf_counter(), StageTimes(progress or _silent, "reading")
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     ruled_out = _checked(opened, assume, exclude)
-    read = [as_recording(recording, opened) for recording in recordings]
-    unseen = [as_recording(recording, opened) for recording in validate or ()]
+    read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
+    unseen, more = on_fmu_clock([as_recording(one, opened) for one in validate or ()], opened)
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
             closing.callback(opened.close)
-        case, other = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
-        search = Search(case, np.random.default_rng(seed), assume, ruled_out, told)
-        found = search.diagnosis(seed, started, other)
-    return replace(found, cost=replace(found.cost, stages=told.seconds))
+        cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
+        search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
+        found = search.diagnosis(seed, started, cases.unseen)
+    found = replace(found, cost=replace(found.cost, stages=told.seconds))
+    return _by_own_clocks(replace(found, not_compared=cases.not_compared), {**later, **more})
+
+
+def _by_own_clocks(found: Diagnosis, later: Mapping[str, float]) -> Diagnosis:
+    """Tell times of recordings by their own clocks, which may begin later than the FMU's."""
+    if not later:
+        return found
+    times = tuple(
+        TimeWindow(one.recording, *(t + later.get(one.recording, 0.0) for t in one[1:]))
+        for one in found.location.times
+    )
+    curves = tuple(
+        replace(one, time=one.time + later.get(one.recording, 0.0)) for one in found.curves
+    )
+    return replace(found, location=replace(found.location, times=times), curves=curves)
+
+
+def _silent(stage: str, share: float) -> None:
+    """Show no progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Cases:
+    seen: Case
+    unseen: Case | None
+    not_compared: tuple[str, ...]
 
 
 def _cases(
@@ -98,10 +124,12 @@ def _cases(
     seed: int,
     jobs: int | None,
     closing: ExitStack,
-) -> tuple[Case, Case | None]:
+) -> _Cases:
     """Open a case of each kind of recordings, under the gain that the drive really had."""
-    recordings, notes = consistent(twin, recordings, seed=seed, jobs=jobs)
-    unseen, more = consistent(twin, unseen, seed=seed, jobs=jobs)
+    given = consistent(twin, recordings, seed=seed, jobs=jobs)
+    held_out = consistent(twin, unseen, seed=seed, jobs=jobs)
+    missing = (*given.missing, *held_out.missing)
+    recordings, unseen = given.recordings, held_out.recordings
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
@@ -109,14 +137,16 @@ def _cases(
         _aligned_case(twin, recordings, seed, jobs), recordings, seed, jobs
     )
     closing.callback(case.simulations.close)
-    case.notes.extend(dict.fromkeys(notes + more))
+    case.notes.extend(dict.fromkeys((*given.notes, *held_out.notes)))
+    case.notes.extend(dict.fromkeys(f"{m.recording}: {m.what}: {m.without}" for m in missing))
+    not_compared = tuple(dict.fromkeys(f"{m.signal} ({m.recording}: {m.what})" for m in missing))
     if gain is not None:
         case.notes.append(gain.note)
     if not unseen:
-        return case, None
+        return _Cases(case, None, not_compared)
     other = open_unseen(case, unseen, seed=seed, jobs=jobs)
     closing.callback(other.simulations.close)
-    return case, other
+    return _Cases(case, other, not_compared)
 
 
 def _aligned_case(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gmfbo.errors import RecordingError, did_you_mean
 from gmfbo.files.durable import cause
-from gmfbo.recordings.columns.columns import RecordedColumns
+from gmfbo.recordings.columns.columns import RecordedColumns, with_short_names
 from gmfbo.recordings.reading_process.reading_process import Reader, read_apart
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ _HDF5 = (".h5", ".hdf5")
 _MDF = (".mdf", ".mf4")
 _FOREIGN = (*_HDF5, *_MDF, ".mat", ".parquet", ".tdms")  # read by other packages' libraries
 
-_TEXT = (".csv", ".txt")
+_TEXT = (".csv", ".txt", ".tsv", ".dat", ".log", ".lvm")
 _ENDINGS = {*_TEXT, *_FOREIGN}
 
 
@@ -64,7 +64,9 @@ def read_columns(
         read = _read_text(path, dialect) if ending in _TEXT else _read_foreign(path, ending)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {cause(error)}") from error
-    return read if isinstance(read, RecordedColumns) else read.columns(wanted, every=every)
+    if isinstance(read, RecordedColumns):
+        return with_short_names(read, wanted or ())
+    return read.columns(wanted, every=every)
 
 
 def _read_text(path: Path, dialect: str) -> RecordedColumns | RecordedChannels:

@@ -13,8 +13,16 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError, did_you_mean
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedReading, rename_columns
+from gmfbo.recordings.columns.columns import RecordedColumns, find_clock
 from gmfbo.recordings.columns.interpretation import interpreted
-from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
+from gmfbo.recordings.columns.row_spacing import check_spacing
+from gmfbo.recordings.columns.signal import (
+    ResampledReading,
+    SignalReading,
+    SignalSpec,
+    SteppedReading,
+)
+from gmfbo.recordings.columns.unit_in_name import notes_on_units, with_units_of_names
 from gmfbo.recordings.reader import read_columns
 
 Status = Literal["ok", "diverged", "failed", "timeout", "crashed", "unsafe"]
@@ -59,6 +67,8 @@ class Recording:
         ISO 8601 time of the first row; empty where unknown.
     written_by : str
         gmfbo version that wrote the file; empty for files of others.
+    notes : tuple of str
+        What its reader took from names of columns, or from one of two statements.
     """
 
     time: NDArray[np.float64]
@@ -70,6 +80,7 @@ class Recording:
     use: tuple[float, float] | None = None
     start_time: str = ""
     written_by: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         time = np.array(self.time, dtype=np.float64)
@@ -234,9 +245,37 @@ def read_recording(
         mapping = twin.column_mapping() if isinstance(twin, MappedReading) else ColumnMapping()
     wanted = mapping.names() | words.names()
     file = read_columns(path, mapping.dialect, wanted if twin is not None else mapping.names())
+    stated, mapping = mapping, with_units_of_names(file, mapping, words.specs)
+    notes = notes_on_units(file, stated, mapping)
     file, specs = rename_columns(file, mapping, words.specs)
     known = None if twin is None else _Words(specs, words.tunable)
-    return recording_of(interpreted(file, known), file.notes.run)
+    resample = twin.resample if isinstance(twin, ResampledReading) else None
+    content = interpreted(file, known, resample)
+    if isinstance(twin, SteppedReading) and not _states_time(stated):
+        _check_spacing(file, mapping, specs, content, twin.step)
+    return recording_of({**content, "notes": (*notes, *content["notes"])}, file.notes.run)
+
+
+def _states_time(mapping: ColumnMapping) -> bool:
+    """Whether the twin file says in which unit the clock is: it has the last word."""
+    clock = mapping.columns.get("time")
+    return clock is not None and (clock.converts or clock.sample_time is not None)
+
+
+def _check_spacing(
+    file: RecordedColumns,
+    mapping: ColumnMapping,
+    specs: Mapping[str, SignalSpec],
+    content: Mapping[str, Any],
+    step: float,
+) -> None:
+    """Refuse a clock that seems to be in another unit."""
+    clock, mapped = find_clock(file.label, file.columns), mapping.columns.get("time")
+    # Set points may lie as far apart as they like, and gmfbo's own clocks are in seconds.
+    compared = any(name in content["signals"] for name, spec in specs.items() if spec.compared)
+    if compared and not file.notes.own:
+        name = clock.name if mapped is None else mapped.column
+        check_spacing(file, clock, name, step)
 
 
 @dataclass(frozen=True)

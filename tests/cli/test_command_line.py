@@ -238,3 +238,16 @@ def test_an_interrupted_study_keeps_its_runs_and_resumes(study_file: Path) -> No
     resumed = subprocess.run([*program, "--resume"], check=False, env={**os.environ})
     assert resumed.returncode == 0
     assert len(list(trials.glob("*.h5"))) >= kept
+
+
+def test_too_little_memory_is_one_line_and_no_fault_of_ours(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fill(*arguments: object, **options: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("gmfbo.cli.application.app", fill)
+    assert main(["check", "axis.toml", "day.csv"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("gmfbo: this takes more memory than there is")
+    assert said.count("\n") == 1

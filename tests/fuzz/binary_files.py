@@ -62,6 +62,22 @@ def odd(make: _Maker) -> st.SearchStrategy[bytes]:
     return st.builds(build, st.lists(pairs, max_size=6), st.integers(0, 2**63)).filter(bool)
 
 
+_MAT_LAYOUTS: list[dict[str, Any]] = [
+    {"scope": {"time": TIME, "signals": {"values": TIME, "label": "reference"}}},
+    {"reference": {"Name": "", "Time": TIME, "Data": TIME.reshape(1, 1, -1)}, "tout": TIME},
+    {"run": {"X": {"Data": TIME}, "Y": {"Name": "m/reference", "Data": TIME, "XIndex": 1.0}}},
+    {"ans": np.vstack([TIME, TIME])},
+    {
+        "Aclass": np.array(["Atrajectory", "1.1        ", "           ", "binNormal  "]),
+        "name": np.array(["time     ", "reference"]),
+        "description": np.array(["[s]  ", "[rad]"]),
+        "dataInfo": np.array([[0, 1, 0, -1], [2, 2, 0, 0]], dtype=np.int32),
+        "data_1": np.zeros((2, 1)),
+        "data_2": np.column_stack([TIME, TIME]),
+    },
+]
+
+
 def hdf5() -> st.SearchStrategy[bytes]:
     """Plain HDF5 files and files of ours."""
     return st.one_of(byte_changes(_hdf5_corpus()), odd(make_hdf5), odd(_odd_hdf5))
@@ -71,6 +87,7 @@ def mat_v5() -> st.SearchStrategy[bytes]:
     """MATLAB files of version 5 and 4."""
     columns = {"time": TIME, "reference": TIME, "s": {"x": TIME, "y": 1.0}}
     corpus = [make_mat(columns, random.Random(k)) for k in range(4)]
+    corpus += [make_mat(layout, random.Random(k)) for layout in _MAT_LAYOUTS for k in range(2)]
     return st.one_of(byte_changes(corpus), odd(make_mat))
 
 

@@ -126,6 +126,21 @@ _LOGGER_CSV = (
     "Name,export\nFile,x\nStarttime of export,132538000000000000\nName,reference,position\n"
     "SymbolName,GVL.ref,GVL.pos\nUnit,(None),mm (Length)\n"
     + "".join(f"{k},1,{k}\n" for k in range(8)),
+    "# time reference position\n" + "".join(f"{k}e-3 1  {k}\n" for k in range(8)),
+    "% run 1\n% time,reference\n% s,rad\n" + "".join(f"{k},1\n" for k in range(8)),
+    "X,reference,Start,Increment,\nSequence,Volt,-1.0e-1,1.0e-3\n"
+    + "".join(f"{k},{k}.5,\n" for k in range(8)),
+    "reference(V),t0 = -2e-3, tInc = 1e-3,\n" + "".join(f"{k}.5,,\n" for k in range(8)),
+    "XInc:,1.0E-03\nXOrg:,-2.0E-03\nData:,\n" + "".join(f"{k}\n" for k in range(8)),
+    "Record Length,8,Points,-0.1,0.5,\nSample Interval,1,ms,-0.099,0.6,\nSource,CH1,,-0.098,0.7,\n"
+    + "".join(f",,,{k * 1e-3 - 0.097:.3f},{k}.5,\n" for k in range(8)),
+    "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tMulti\n"
+    "Date\t2016/08/11\nTime\t14:37:48.2\n***End_of_Header***\t\n\t\nChannels\t2\nSamples\t8\t8\n"
+    "X0\t0\t0\nDelta_X\t1e-3\t1e-3\n***End_of_Header***\nX_Value\treference\tX_Value\tposition\n"
+    + "".join(f"{k}e-3\t1\t{k}e-3\t{k}\n" for k in range(8)),
+    "Date;Time;reference;reference\n"
+    + "".join(f"02.01.2026;11:59:5{k}.5 PM;1;2\n" for k in range(8)),
+    "time,reference,position\n" + "".join(f"{k // 2},{k % 2 or ''},{k}\n" for k in range(12)),
 )
 
 

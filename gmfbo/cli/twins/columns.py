@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gmfbo.cli.arguments import TwinFile
-from gmfbo.cli.completion import dialects
+from gmfbo.cli.completion import dialects, presets
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, did_you_mean
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gmfbo.sources.twin.twin import FmuTwin
 
 _REFERENCE = re.compile(r"ref|set_?(point|pos|val)|target|soll|desired", re.IGNORECASE)
+_TYPO = 0.75  # likeness from which a name is a slip: one letter in four
 _MEASURED = re.compile(r"act|ist|meas|feedback|fb", re.IGNORECASE)
 
 
@@ -27,6 +28,7 @@ MANUAL = Manual(
     files={"FILE": "of --save: the mapping, for the line 'columns = ...' of a twin file"},
     examples={
         "What is in a file:": "gmfbo columns axis.toml log.csv",
+        "Of a VESC:": "gmfbo columns axis.toml vesc.csv --preset vesc --save vesc.toml",
         "Say what it is, and keep it:": (
             "gmfbo columns axis.toml log.csv --set 'position=Pos [deg]' --save log.toml"
         ),
@@ -54,39 +56,111 @@ def columns(
             autocompletion=dialects,
         ),
     ] = None,
+    sample_time: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="Time between two rows, where the file has no clock."),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Columns of a known logger: halsampler, odrive, twincat_scope, vesc.",
+            autocompletion=presets,
+        ),
+    ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the mapping to this .toml file.")
     ] = None,
 ) -> None:
     """Show which column of a recording is which signal of a twin.
 
-    With the unit of each column and its range [that unit]. --set corrects it, --save keeps it
-    for the next recordings; one line in the twin file then names the saved file.
+    With the unit of each column and its range [that unit]. --preset fills in a known logger's
+    columns, --set corrects it, --save keeps it for the next recordings; one line in the twin
+    file then names the saved file.
     """
-    from gmfbo.recordings.columns.column_mapping import DIALECTS, ColumnMapping
+    from gmfbo.recordings.columns.column_mapping import ColumnMapping
     from gmfbo.recordings.reader import read_columns
-    from gmfbo.recordings.recording import read_recording
     from gmfbo.sources.twin.twin import FmuTwin
+
+    _check_options(dialect, save)
+    with FmuTwin(twin) as source:
+        given = source.column_mapping()
+        settings = {**_settings(set_ or []), **_counted_rows(sample_time)}
+        mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
+        file = read_columns(recording, mapping.dialect, _words(source, mapping), every=True)
+        _check_settings(settings, source, file)
+        mapping = _completed(mapping, preset, file, source)
+        file = _as_mapped(file, mapping)
+        found = _found(source, mapping, file)
+        guesses = _guesses(source, found, file)
+        _print_all(source, mapping, file, found, guesses)
+        if save is not None:
+            _print_notes(source, recording, mapping)
+            _save(save, twin, recording, mapping, found, guesses)
+
+
+def _words(source: FmuTwin, mapping: ColumnMapping) -> set[str]:
+    """Names of columns that the twin asks for."""
+    specs = source.signal_specs().values()
+    return {*mapping.names(), *source.parameter_tunable(), *(spec.column for spec in specs)}
+
+
+def _print_all(
+    source: FmuTwin,
+    mapping: ColumnMapping,
+    file: RecordedColumns,
+    found: Mapping[str, str],
+    guesses: Mapping[str, str],
+) -> None:
+    clock = "" if mapping.sample_time else found.get("time") or _clock_name(file)
+    _print_columns(file, {clock: "time", **_by_column(found)}, guesses)
+    if mapping.sample_time:
+        typer.echo(f"time: a row each {mapping.sample_time:g} s, as stated")
+    _print_missing(source, found, file, timed=bool(clock or mapping.sample_time))
+
+
+def _completed(
+    mapping: ColumnMapping, preset: str | None, file: RecordedColumns, source: FmuTwin
+) -> ColumnMapping:
+    """Mapping with what a preset and then the units in names of columns add to it."""
+    from gmfbo.recordings.columns.unit_in_name import with_units_of_names
+
+    if preset is not None:
+        mapping = _with_preset(preset, mapping, file, source)
+    return with_units_of_names(file, mapping, source.signal_specs())
+
+
+def _with_preset(
+    name: str, mapping: ColumnMapping, file: RecordedColumns, source: FmuTwin
+) -> ColumnMapping:
+    """Mapping with a preset's columns under those that are given, and what it leaves out."""
+    from dataclasses import replace
+
+    from gmfbo.recordings.columns.presets import find_preset, preset_columns
+
+    preset = find_preset(name)
+    typer.echo(f"preset {name}, by {preset.page}")
+    if preset.left_out:
+        typer.echo(f"preset {name}: {preset.left_out}")
+    columns = preset_columns(name, file, source.signal_specs().keys())
+    return replace(mapping, columns={**columns, **mapping.columns})
+
+
+def _print_notes(source: FmuTwin, recording: Path, mapping: ColumnMapping) -> None:
+    """Read the recording, which raises for an unreadable mapping, and print what was noted."""
+    from gmfbo.recordings.recording import read_recording
+
+    for note in read_recording(recording, source, mapping=mapping).notes:
+        typer.echo(note)
+
+
+def _check_options(dialect: str | None, save: Path | None) -> None:
+    from gmfbo.recordings.columns.column_mapping import DIALECTS
 
     if dialect is not None and dialect not in DIALECTS:
         raise InputError(f"--dialect: no dialect '{dialect}'" + did_you_mean(dialect, DIALECTS))
     if save is not None and save.suffix.lower() != ".toml":
         raise InputError(f"--save: expected a file ending in .toml, got '{save}'")
-    with FmuTwin(twin) as source:
-        given = source.column_mapping()
-        settings = _settings(set_ or [])
-        mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
-        words = {*mapping.names(), *source.parameter_tunable()}
-        words |= {spec.column for spec in source.signal_specs().values()}
-        file = read_columns(recording, mapping.dialect, words, every=True)
-        _check_columns(settings, file)
-        found = _found(source, mapping, file)
-        guesses = _guesses(source, found, file)
-        _print_columns(file, {_clock_name(file): "time", **_by_column(found)}, guesses)
-        _print_missing(source, found, file)
-        if save is not None:
-            read_recording(recording, source, mapping=mapping)  # raises for an unreadable mapping
-            _save(save, twin, recording, mapping, found, guesses)
 
 
 def _settings(texts: list[str]) -> dict[str, MappedColumn]:
@@ -103,6 +177,33 @@ def _settings(texts: list[str]) -> dict[str, MappedColumn]:
     return settings
 
 
+def _check_settings(
+    settings: Mapping[str, MappedColumn], source: FmuTwin, file: RecordedColumns
+) -> None:
+    _check_names(settings, source)
+    _check_columns({name: entry for name, entry in settings.items() if entry.column}, file)
+
+
+def _check_names(settings: Mapping[str, MappedColumn], source: FmuTwin) -> None:
+    """Refuse a name that is nearly one of the twin's; other names are the user's own."""
+    from difflib import get_close_matches
+
+    known = ["time", *source.signal_specs(), *source.parameter_tunable()]
+    for name in settings:
+        if name not in known and get_close_matches(name.lower(), map(str.lower, known), 1, _TYPO):
+            raise InputError(f"--set: the twin has no '{name}'" + did_you_mean(name, known))
+
+
+def _counted_rows(sample_time: float | None) -> dict[str, MappedColumn]:
+    from gmfbo.recordings.columns.column_mapping import MappedColumn
+
+    if sample_time is None:
+        return {}
+    if not 0.0 < sample_time < float("inf"):
+        raise InputError(f"--sample-time: expected seconds above 0, got {sample_time:g}")
+    return {"time": MappedColumn("", sample_time=sample_time)}
+
+
 def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
     from gmfbo.units import parse_unit
 
@@ -117,6 +218,17 @@ def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) 
             raise InputError(
                 f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
             )
+
+
+def _as_mapped(file: RecordedColumns, mapping: ColumnMapping) -> RecordedColumns:
+    """Columns with the units in which they are read."""
+    from dataclasses import replace
+
+    # With a scale, the unit is that of the value and not of the column.
+    entries = [entry for entry in mapping.columns.values() if entry.scale is None]
+    units = {entry.column: entry.unit for entry in entries if entry.unit}
+    columns = tuple(replace(c, unit=units.get(c.name, c.unit)) for c in file.columns)
+    return replace(file, columns=columns)
 
 
 def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> dict[str, str]:
@@ -196,9 +308,14 @@ def _row(column: Column, width: int) -> str:
     return f"{column.name:<{width}}  {column.unit:<8}  {known.size:>8}  {low:>11}  {high:>11}"
 
 
-def _print_missing(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> None:
-    if "time" not in found and not _clock_name(file):
-        typer.echo("not found: the clock; say where with --set 'time=COLUMN [ms]'")
+def _print_missing(
+    source: FmuTwin, found: Mapping[str, str], file: RecordedColumns, *, timed: bool
+) -> None:
+    if "time" not in found and not timed:
+        typer.echo(
+            "not found: the clock; say where with --set 'time=COLUMN [ms]', or, if there is none, "
+            "how far apart its rows are with --sample-time 0.001"
+        )
     missing = [name for name in source.signal_specs() if name not in found]
     if missing:
         typer.echo(f"not found: {', '.join(missing)}; say where with --set {missing[0]}=COLUMN")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gmfbo.cli.arguments import TwinFile
-from gmfbo.cli.console import parse_settings
+from gmfbo.cli.console import parse_words
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError, SimulationError
 
@@ -38,7 +38,8 @@ def simulate(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
-            help="FMU parameter of this run [its unit in the FMU]; may be repeated.",
+            help="FMU parameter of this run [its unit in the FMU], or text, true, false or an "
+            "enumeration's item; may be repeated.",
         ),
     ] = None,
     reference: Annotated[
@@ -56,18 +57,23 @@ def simulate(
     """
     from gmfbo.recordings import Recording
     from gmfbo.recordings.writing.writer import write_recording
+    from gmfbo.sources.recorded.wrapped_angle import unwrapped
     from gmfbo.sources.twin.twin import FmuTwin
 
     if out.suffix.lower() not in (".csv", ".h5"):
         raise InputError(f"--out: expected a file ending in .csv or .h5, got '{out}'")
     with FmuTwin(twin) as source:
-        followed = Recording.read(reference, source) if reference else _unit_step(source)
-        trajectory = source.run({}, followed, parameters=parse_settings(set_ or []))
+        recorded = Recording.read(reference, source) if reference else _unit_step(source)
+        followed, notes = unwrapped(recorded, source) if reference else (recorded, ())
+        given = parse_words(set_ or [], source.binding.variables)
+        trajectory = source.run({}, followed, parameters=given)
         write_recording(trajectory, out)
         typer.echo(f"{source.name}: {len(trajectory)} rows, {trajectory.duration:g} s -> {out}")
         if trajectory.status != "ok":
             raise SimulationError(f"{trajectory.message}; the rows before it are in {out}")
         if reference:
+            for line in (*_doubts(source, followed, trajectory), *recorded.notes, *notes):
+                typer.echo(f"! {line}")
             _print_fit(source, trajectory, followed)
 
 
@@ -78,6 +84,18 @@ def _unit_step(source: FmuTwin) -> Recording:
     signal = "reference" if "reference" in inputs else (inputs or ["reference"])[0]
     unit = source.signal_specs()[signal].unit if inputs else "rad"
     return step_reference(sample_time=source.step, signal=signal, unit=unit)
+
+
+def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
+    """Lines on what is not compared, and on a recording that contradicts the twin."""
+    from gmfbo.sources.recorded.contradiction import contradiction
+    from gmfbo.sources.recorded.missing_signals import missing_signals
+
+    if not recorded.signals.keys() - source.file.inputs.keys():
+        return []  # a reference alone: there is nothing to compare
+    missing = missing_signals(source, [recorded])
+    lines = [f"{m.recording}: {m.what}; {m.signal} is not compared" for m in missing]
+    return lines + list(filter(None, [contradiction(source, recorded, run)]))
 
 
 def _print_fit(source: FmuTwin, trajectory: Trajectory, recorded: Recording) -> None:

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
-from gmfbo.diagnosis.checking.consistent_recordings import whole_angles
-from gmfbo.diagnosis.checking.contradiction import refuse_columns, refuse_contradictions
+from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
 from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
 from gmfbo.diagnosis.checking.findings import all_findings
 from gmfbo.diagnosis.checking.nominal_case import NominalCase, open_nominal
@@ -22,8 +21,9 @@ from gmfbo.diagnosis.checking.seen_alignment import against_controller
 from gmfbo.diagnosis.checking.showable_sizes import showable_sizes
 from gmfbo.diagnosis.naming.decision_told import units_of
 from gmfbo.diagnosis.result.findings import Cost
-from gmfbo.diagnosis.runs.given_recording import as_recording
+from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.usable import usable
 from gmfbo.sources.twin.twin import FmuTwin
 
 Progress = Callable[[str, float], None]
@@ -74,15 +74,14 @@ def check(
     told("reading", 0.0)
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     try:
-        read = [as_recording(recording, opened) for recording in recordings]
-        read, notes = whole_angles(opened, read)
-        doubts = refuse_contradictions(opened, read)
+        read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
+        given = usable(opened, read)
         counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
-        nominal = open_nominal(opened, read, seed=seed, jobs=jobs, on_run=counted.one)
-        nominal.case.notes.extend(notes)
+        nominal = open_nominal(opened, given.recordings, seed=seed, jobs=jobs, on_run=counted.one)
+        nominal.case.notes.extend(given.notes)
         try:
-            refuse_columns(nominal.case, nominal.checked, doubts)
-            return _seen(nominal, told, started)
+            refuse_columns(nominal.case, nominal.checked, given.doubts)
+            return _seen(nominal, told, started, later)
         finally:
             nominal.case.simulations.close()
     finally:
@@ -102,7 +101,9 @@ class _Counted:
             self._told("running the twin as it is", _OPENED * self._runs / self._expected)
 
 
-def _seen(nominal: NominalCase, told: Progress, started: float) -> Check:
+def _seen(
+    nominal: NominalCase, told: Progress, started: float, later: Mapping[str, float]
+) -> Check:
     case = nominal.case
     told("looking at the columns", _OPENED)
     views = against_controller(case, nominal.checked)
@@ -110,7 +111,8 @@ def _seen(nominal: NominalCase, told: Progress, started: float) -> Check:
     names = _names(case)
     for k, name in enumerate(names):
         view = views[k] if views else None
-        facts[name] = recording_facts(case, k, view, _bandwidth(case, k))
+        own = recording_facts(case, k, view, _bandwidth(case, k))
+        facts[name] = own.later_by(later.get(name, 0.0))
     excited = showable_sizes(
         case,
         lambda share: told("trying the effects", _OPENED + 0.05 + (0.95 - _OPENED) * share),

@@ -1,42 +1,21 @@
-"""Recordings as a diagnosis may use them: unwrapped, and without contradiction to the twin."""
+"""Recordings as a diagnosis may use them: without contradiction to the twin or its controller."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from gmfbo.diagnosis.checking.contradiction import Doubts, refuse_columns, refuse_contradictions
-from gmfbo.diagnosis.checking.missing_signals import missing_signals
+from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
-from gmfbo.diagnosis.checking.wrapped_angle import unwrapped
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.contradiction import Doubts
+from gmfbo.sources.recorded.usable import Usable, usable
 from gmfbo.sources.twin.twin import FmuTwin
-
-
-def whole_angles(
-    twin: FmuTwin, recordings: Sequence[Recording]
-) -> tuple[list[Recording], list[str]]:
-    """Unwrap the angles of all recordings.
-
-    Parameters
-    ----------
-    twin : FmuTwin
-        Tells which signals are angles.
-    recordings : sequence of Recording
-        As they were read.
-
-    Returns
-    -------
-    tuple of list of Recording and list of str
-        The recordings, and what was changed in them.
-    """
-    changed = [unwrapped(recording, twin) for recording in recordings]
-    return [recording for recording, _ in changed], [n for _, notes in changed for n in notes]
 
 
 def consistent(
     twin: FmuTwin, recordings: Sequence[Recording], *, seed: int, jobs: int | None
-) -> tuple[list[Recording], list[str]]:
-    """Unwrap angles, note what is missing, and refuse recordings that contradict the twin.
+) -> Usable:
+    """Unwrap angles, name what is missing, and refuse recordings that contradict the twin.
 
     Parameters
     ----------
@@ -51,8 +30,8 @@ def consistent(
 
     Returns
     -------
-    tuple of list of Recording and list of str
-        The recordings to use, and notes for the reader.
+    Usable
+        The recordings to use, and what there is to tell about them.
 
     Raises
     ------
@@ -61,12 +40,10 @@ def consistent(
     SimulationError
         The twin as it is cannot follow the recordings.
     """
-    whole, notes = whole_angles(twin, recordings)
-    doubts = refuse_contradictions(twin, whole)
-    if doubts:
-        _ask_the_controller(twin, whole, doubts, seed, jobs)
-    missing = [f"{m.recording}: {m.what}: {m.without}" for m in missing_signals(twin, whole)]
-    return whole, notes + missing
+    given = usable(twin, recordings)
+    if given.doubts:
+        _ask_the_controller(twin, given.recordings, given.doubts, seed, jobs)
+    return given
 
 
 def _ask_the_controller(

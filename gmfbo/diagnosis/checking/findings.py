@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched
-from gmfbo.diagnosis.checking.missing_signals import missing_signals
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
     ColumnQuality,
@@ -21,12 +22,14 @@ from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
 from gmfbo.plain_words import number, percent, quantity
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.missing_signals import missing_signals
 
 _LEAST_REPEATS = 3
 _REPEATED_SHARE = 1e-3
 _BLANK_SHARE = 1e-3
 _CLIPPED_SHARE = 3e-3
-_JITTER = 0.05  # of a step; recordings that jitter by more than twice that are not read
+_JITTER = 0.05  # of a step; beyond 0.1 the reader notes how such a recording is followed
 _COARSE = 3.0 * math.sqrt(12.0)  # quanta: rounding is three times what the diagnosis tolerates
 _FARTHEST = 1.5  # standard deviations of a nuisance's prior above which an error is reported
 _SHIFT = 0.5  # of a sample: a smaller shift is not reported
@@ -192,10 +195,12 @@ def _of_column(
             f"{quality.repeated} of {quality.rows} rows repeat the one before while it moves",
             "find out why the logger misses samples; leave those cells blank",
         )
-    if quality.blank > _BLANK_SHARE * quality.rows:
+    blank = _blank(case.simulations.records[record].plan.recording, quality)
+    if blank:
+        samples = "1 sample is" if blank == 1 else f"{blank} samples are"
         add(
             "blank_samples",
-            f"{quality.blank} samples are blank beyond its own rate",
+            f"{samples} blank beyond its own rate",
             "log without losses; what is blank is not scored or is interpolated",
         )
     if is_output and quality.resolution:
@@ -219,6 +224,15 @@ def _of_column(
             "check the logger's range and the drive's limit, or move less",
         )
     return found
+
+
+def _blank(recording: Recording, quality: ColumnQuality) -> int:
+    """Samples of a column to be told as blank; rows that are blank throughout are lost rows."""
+    if quality.rows + quality.blank < len(recording):
+        # It has a rate of its own, by which few blank cells may be counted wrongly.
+        return quality.blank if quality.blank > _BLANK_SHARE * quality.rows else 0
+    empty = np.isnan([*recording.signals.values()]).all(axis=0)
+    return max(0, quality.blank - int(empty.sum()))
 
 
 def _twin_clips(case: Case, record: int, signal: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from gmfbo.diagnosis.result.findings import Cost
@@ -172,6 +172,17 @@ class RecordingFacts:
     columns: Mapping[str, ColumnQuality]
     alignment: Mapping[str, SeenAlignment]
     parity: float
+
+    def later_by(self, seconds: float) -> RecordingFacts:
+        """Tell times by a clock that shows more.
+
+        Parameters
+        ----------
+        seconds : float
+            [s] What it shows more.
+        """
+        lost_at = tuple(time + seconds for time in self.clock.lost_at)
+        return replace(self, clock=replace(self.clock, lost_at=lost_at))
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from gmfbo.diagnosis.page.saving import CONFIRMATION_FILE
 from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
 from gmfbo.errors import InputError
 from gmfbo.files.durable import cause, write_whole
 from gmfbo.plain_words import number, words
 
-FILE_NAME = "confirmation.json"
+FILE_NAME = CONFIRMATION_FILE
 SCHEMA = 1
 
 FAR = 4.0

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
 
 NEXT_FILE = "next.csv"
+CONFIRMATION_FILE = "confirmation.json"
+"""What a recording said of an earlier diagnosis in the folder."""
+
 TWIN_FILES = ("augmented.fmu", "augmented.toml")
 
 
@@ -45,8 +48,11 @@ def save(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
         told = replace(diagnosis, notes=(*diagnosis.notes, note)) if note else diagnosis
         played = _write_reference(diagnosis, folder)
         report, content = folder / "report.html", folder / "diagnosis.json"
+        text = diagnosis_text(told).encode("utf-8")
+        if not (content.is_file() and content.read_bytes() == text):
+            (folder / CONFIRMATION_FILE).unlink(missing_ok=True)
         write_whole(report, diagnosis_page(told).encode("utf-8"))
-        write_whole(content, diagnosis_text(told).encode("utf-8"))
+        write_whole(content, text)
     except OSError as error:
         raise InputError(f"cannot write '{error.filename or folder}': {cause(error)}") from None
     return content, report, *twin_files, *played

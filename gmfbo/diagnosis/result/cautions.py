@@ -16,10 +16,17 @@ NOT_CONVERGED = "The fit of these values was stopped before it had converged."
 
 def cautions(diagnosis: Findings) -> tuple[str, ...]:
     """Sentences that belong beside the values of a diagnosis; none where all is well."""
-    told = (too_narrow_ranges(diagnosis), range_ends(diagnosis))
+    told = (not_compared(diagnosis), too_narrow_ranges(diagnosis), range_ends(diagnosis))
     moving = f"{NOT_CONVERGED} They, and their intervals, may still move."
     stopped = "" if diagnosis.converged else moving
     return tuple(filter(None, (*told, stopped)))
+
+
+def not_compared(diagnosis: Findings) -> str:
+    """A sentence about outputs that a recording does not hold; empty where all were compared."""
+    first, *others = diagnosis.not_compared or ("",)
+    more = f" and {len(others)} more" if others else ""
+    return f"Not compared: {first}{more}." if first else ""
 
 
 def combinations_text(diagnosis: Findings) -> str:

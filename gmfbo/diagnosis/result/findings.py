@@ -88,6 +88,8 @@ class Findings:
         Whether a residual still follows the reference, on held-out recordings.
     converged : bool
         Whether the fit that gave these values ended by itself; False where it was stopped.
+    not_compared : tuple of str
+        Outputs of the twin that a recording does not hold: signal, recording and nearest column.
     curves : tuple of Curve
         Signals before and after, for plots; not part of the JSON.
     augmentation : Augmentation or None
@@ -118,6 +120,7 @@ class Findings:
     latent: Shape | None = None
     residual_tests: tuple[ResidualTest, ...] = ()
     converged: bool = True
+    not_compared: tuple[str, ...] = ()
     curves: tuple[Curve, ...] = field(default=(), compare=False)
     augmentation: Augmentation | None = field(default=None, compare=False)
     exported: Path | None = field(default=None, compare=False)

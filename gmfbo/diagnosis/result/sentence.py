@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.result.cautions import range_ends, too_narrow_ranges
+from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
 from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, still_follows
 from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
@@ -29,7 +29,8 @@ def verdict_sentence(diagnosis: Findings) -> str:
     narrow, ends = too_narrow_ranges(diagnosis), range_ends(diagnosis)
     # What a range holds back could do what is missing: it is said before anything is blamed.
     parts = (narrow, ends, told) if diagnosis.verdict == "outside_library" else (narrow, told, ends)
-    return " ".join(filter(None, parts))
+    # What was not looked at comes before anything that is called right.
+    return " ".join(filter(None, (not_compared(diagnosis), *parts)))
 
 
 def _nothing(diagnosis: Findings) -> str:
@@ -40,10 +41,11 @@ def _nothing(diagnosis: Findings) -> str:
         f"{words(name)} error {percent(fit.nominal)}{_floor(fit.noise_floor)}"
         for name, fit in list(fits.items())[:3]
     )
+    where = "In what was compared, nothing" if diagnosis.not_compared else "Nothing"
     return (
-        f"Nothing is missing: the twin meets unseen recordings to the noise ({errors})."
+        f"{where} is missing: the twin meets unseen recordings to the noise ({errors})."
         if (errors)
-        else "Nothing is missing: the twin meets the recordings to the noise."
+        else f"{where} is missing: the twin meets the recordings to the noise."
     )
 
 

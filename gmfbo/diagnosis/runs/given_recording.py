@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
@@ -40,3 +42,37 @@ def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
             "which would take gigabytes of memory; cut out minutes in which the axis moves"
         )
     return read
+
+
+def on_fmu_clock(
+    recordings: Sequence[Recording], twin: FmuTwin
+) -> tuple[list[Recording], dict[str, float]]:
+    """Count time as the FMU does: laws that depend on time have their parameters in its time.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        By their own clocks.
+    twin : FmuTwin
+        Tells when its FMUs begin.
+
+    Returns
+    -------
+    tuple of list of Recording and dict of str to float
+        The recordings, and what is added to a time for the clock of the recording of a name [s].
+    """
+    moved, later = [], {}
+    for recording in recordings:
+        first = float(recording.time[0])
+        start = twin.binding.start_time(first)
+        if first != start:
+            later[recording.name] = first - start
+            use = recording.use and (
+                recording.use[0] - first + start,
+                recording.use[1] - first + start,
+            )
+            time = recording.time - first + start
+            moved.append(replace(recording, time=time, use=use))
+        else:
+            moved.append(recording)
+    return moved, later

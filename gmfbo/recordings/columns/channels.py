@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.clock import is_steady
-from gmfbo.recordings.columns.columns import Column, FileNotes, RecordedColumns
+from gmfbo.recordings.columns.columns import Column, FileNotes, RecordedColumns, last_part
+from gmfbo.recordings.columns.equal_length import columns_of_equal_length
 
 # Instants closer than this share of the shortest step are the same: clocks of several channels
 # differ by round-off, less than a nanosecond in a microsecond.
@@ -42,6 +43,8 @@ class Channel:
         Another name that the file gives, such as the full path of a variable; empty without one.
     fault : str
         Why the channel cannot be used; empty where it can.
+    counted : bool
+        Whether `time` only counts the samples, since the file states no clock; `fault` says so.
     """
 
     name: str
@@ -51,6 +54,7 @@ class Channel:
     group: str = ""
     alias: str = ""
     fault: str = ""
+    counted: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +95,7 @@ class RecordedChannels:
         Returns
         -------
         RecordedColumns
-            With a column `time` [s] in front.
+            With a column `time` [s] in front, unless the file states no clock at all.
 
         Raises
         ------
@@ -107,6 +111,8 @@ class RecordedChannels:
                 "record again"
             )
         chosen = [c for c in named if c.time.size] if every else _chosen(named, wanted)
+        if all(channel.counted for channel in chosen):
+            return self._without_clock(chosen)
         grid = _grid([channel.time for channel in chosen])
         columns = [_on_grid(self.label, channel, grid) for channel in chosen]
         return RecordedColumns(
@@ -115,6 +121,13 @@ class RecordedChannels:
             scalars=self.scalars,
             notes=self.notes,
         )
+
+    def _without_clock(self, channels: Sequence[Channel]) -> RecordedColumns:
+        """Columns without a time; the twin file may state the time between their rows."""
+        arrays = {channel.name: channel.values for channel in channels}
+        units = {channel.name: channel.unit for channel in channels}
+        read = columns_of_equal_length(self.label, arrays, units)
+        return replace(read, scalars={**read.scalars, **self.scalars}, notes=self.notes)
 
 
 def _named(channels: Sequence[Channel], wanted: set[str]) -> list[Channel]:
@@ -138,6 +151,12 @@ def _named(channels: Sequence[Channel], wanted: set[str]) -> list[Channel]:
             for k, (old, new) in enumerate(zip(channels, named, strict=True))
             if want in (new.alias, f"{old.group}/{old.name}")
         ]
+        if not places:
+            places = [
+                k
+                for k, channel in enumerate(named)
+                if last_part(channel.name) == want and channel.name not in wanted
+            ]
         if len(places) == 1:  # an alias of several channels is ambiguous
             named[places[0]] = replace(named[places[0]], name=want)
     return named

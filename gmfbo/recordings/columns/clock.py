@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 
-JITTER = 0.1  # largest deviation of a step from the mean step, as a share of it
+JITTER = 0.1  # deviation of a step from the mean step, as a share of it, up to which it is even
+GAP = 2.5
+"""Longest step, in median steps: one lost row lengthens a hold by a step, two are a gap."""
 
 
 def check_clock(
@@ -17,10 +19,11 @@ def check_clock(
     time: NDArray[np.float64],
     sampled: Sequence[NDArray[np.bool_]],
     row_name: Callable[[int], str],
-) -> None:
-    """Raise for a clock that stands still, goes back, has gaps or jitters.
+) -> str:
+    """Raise for a clock that stands still, goes back or has gaps; tell whether it jitters.
 
-    Steps may differ by 10 % from their mean. Where signals have different rates, the sampling
+    Steps may differ by 10 % from their mean. Beyond that each signal counts at its own instants,
+    unless a step is longer than 2.5 usual ones. Where signals have different rates, the sampling
     instants of each signal are checked separately.
 
     Parameters
@@ -34,10 +37,51 @@ def check_clock(
     row_name : callable
         Place of row k (from 0) in the file.
 
+    Returns
+    -------
+    str
+        A note about jitter beyond 10 %; empty without.
+
     Raises
     ------
     RecordingError
-        Names the first bad row and its time; for jitter the worst one.
+        Names the first bad row and its time; for a gap the worst one.
+    """
+    check_order(label, time, row_name)
+    steps = np.diff(time)
+    row = _worst_step(time)
+    if row is None or _each_on_its_own_clock(time, sampled):
+        return ""
+    usual, longest = float(np.median(steps)), int(np.argmax(steps)) + 1
+    if steps[longest - 1] > GAP * usual:
+        raise RecordingError(
+            f"{label}, {row_name(longest)}, at {time[longest]:.9g} s: there is a gap of "
+            f"{steps[longest - 1]:.6g} s, expected steps of about {usual:.6g} s; cut the "
+            f"recording there, or have it interpolated by [recording] resample = {usual:.3g} in "
+            "the twin file"
+        )
+    return (
+        f"{label}: rows come {steps.min():.3g} to {steps.max():.3g} s apart: the twin runs at its "
+        "own step, inputs are held, each signal is compared at its own instants by interpolation"
+    )
+
+
+def check_order(label: str, time: NDArray[np.float64], row_name: Callable[[int], str]) -> None:
+    """Raise for a clock with blanks, or one that stands still or goes back.
+
+    Parameters
+    ----------
+    label : str
+        File name.
+    time : ndarray, shape (n,)
+        [s]
+    row_name : callable
+        Place of row k (from 0) in the file.
+
+    Raises
+    ------
+    RecordingError
+        Names the first bad row and its time.
     """
     for row in np.flatnonzero(~np.isfinite(time))[:1]:
         raise RecordingError(
@@ -56,16 +100,6 @@ def check_clock(
             f"{label}, {row_name(row)}: time goes back from {was:.9g} s to {now:.9g} s; "
             "expected rows in the order of time, cut the recording there"
         )
-    row = _worst_step(time)
-    if row is None or _each_on_its_own_clock(time, sampled):
-        return
-    step, mean = time[row] - time[row - 1], float(np.mean(steps))
-    what = "there is a gap of" if step > 1.5 * float(np.median(steps)) else "a step takes"
-    raise RecordingError(
-        f"{label}, {row_name(row)}, at {time[row]:.9g} s: {what} {step:.6g} s, expected steps "
-        f"within {100 * JITTER:.0f} % of their mean {mean:.6g} s; cut the recording there or "
-        "resample it"
-    )
 
 
 def is_steady(time: NDArray[np.float64]) -> bool:

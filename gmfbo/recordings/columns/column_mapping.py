@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from gmfbo.recordings.columns.columns import Column, RecordedColumns
 from gmfbo.recordings.columns.signal import SignalSpec
 
@@ -26,12 +28,15 @@ class MappedColumn:
         [unit / column unit]; if given, the file's unit is ignored, and an empty `unit` means SI.
     offset : float
         [unit]
+    sample_time : float or None
+        [s] Of `time` in files without a clock: time between two rows; `column` is then empty.
     """
 
     column: str
     unit: str = ""
     scale: float | None = None
     offset: float = 0.0
+    sample_time: float | None = None
 
     @property
     def converts(self) -> bool:
@@ -56,7 +61,13 @@ class ColumnMapping:
 
     def names(self) -> frozenset[str]:
         """Names in the file."""
-        return frozenset(entry.column for entry in self.columns.values())
+        return frozenset(entry.column for entry in self.columns.values() if entry.column)
+
+    @property
+    def sample_time(self) -> float | None:
+        """[s] Time between two rows of files without a clock; None where they have one."""
+        clock = self.columns.get("time")
+        return None if clock is None else clock.sample_time
 
 
 @runtime_checkable
@@ -94,6 +105,7 @@ def rename_columns(
     """
     if file.notes.own or not mapping.columns:
         return file, specs
+    file = _counted(file, mapping.sample_time)
     by_name = {column.name: column for column in file.columns}
     present = {n: e for n, e in mapping.columns.items() if e.column in by_name}
     if not present:
@@ -109,6 +121,15 @@ def rename_columns(
     used = {entry.column for entry in present.values()}
     kept = [c for c in file.columns if c.name not in used and c.name not in renamed]
     return replace(file, columns=(*renamed.values(), *kept)), changed
+
+
+def _counted(file: RecordedColumns, sample_time: float | None) -> RecordedColumns:
+    """The file with a column `time` [s] that counts its rows, instead of one that it may have."""
+    if sample_time is None or not file.columns:
+        return file
+    rows = np.arange(file.columns[0].values.size, dtype=np.float64)
+    others = [column for column in file.columns if column.name != "time"]
+    return replace(file, columns=(Column("time", sample_time * rows, "s"), *others))
 
 
 def _converted(column: Column, entry: MappedColumn, name: str) -> Column:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.units import parse_unit
+
+CLOCK_NAMES = ("time", "t", "timestamp", "zeit", "tout")
+"""Names by which a clock is found, in lower case, the likeliest first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,14 +103,14 @@ class RecordedColumns:
 
 
 def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
-    """Column `time`, `t`, `timestamp` or `Zeit`, or else the first whose unit is one of time.
+    """Column with one of `CLOCK_NAMES`, or else the first whose unit is one of time.
 
     Raises
     ------
     RecordingError
         There is none; the message names the columns.
     """
-    for name in ("time", "t", "timestamp", "zeit"):
+    for name in CLOCK_NAMES:
         for column in columns:
             # T is a temperature.
             if column.name == name or (name != "t" and column.name.lower() == name):
@@ -122,5 +126,43 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     names = ", ".join(column.name for column in columns[:8])
     raise RecordingError(
         f"{label}: expected a column 'time' or 't', or one in [s] or [ms], got columns {names}; "
-        "name the clock 'time'"
+        "name the clock 'time'; where there is none, state [columns] time = { sample_time = 1e-3 } "
+        "in the twin file"
     )
+
+
+def has_clock(columns: tuple[Column, ...]) -> bool:
+    """Whether `find_clock` finds one among these columns."""
+    try:
+        find_clock("", columns)
+    except RecordingError:
+        return False
+    return True
+
+
+def last_part(name: str) -> str:
+    """`position` of `log.position`, `drive/position` or `Model Root/plant/position`."""
+    return re.split(r"[./]", name)[-1]
+
+
+def with_short_names(file: RecordedColumns, wanted: Iterable[str]) -> RecordedColumns:
+    """Name a column `log.position` simply `position`, where that is wanted and means no other.
+
+    Parameters
+    ----------
+    file : RecordedColumns
+        As read.
+    wanted : iterable of str
+        Names that a twin or a mapping asks for.
+    """
+    wanted = set(wanted)
+    known = {column.name for column in file.columns}
+    new: dict[str, str] = {}
+    for want in wanted - known:
+        full = [name for name in known - wanted if last_part(name) == want]
+        if len(full) == 1:
+            new[full[0]] = want
+    if not new:
+        return file
+    columns = tuple(replace(c, name=new.get(c.name, c.name)) for c in file.columns)
+    return replace(file, columns=columns)

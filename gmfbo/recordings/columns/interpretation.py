@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError, did_you_mean
-from gmfbo.recordings.columns.clock import check_clock
+from gmfbo.recordings.columns.clock import check_clock, check_order
 from gmfbo.recordings.columns.columns import Column, RecordedColumns, find_clock
+from gmfbo.recordings.columns.instants import one_row_an_instant, resampled
 from gmfbo.recordings.columns.signal_values import plain_values, signal_values
 from gmfbo.units import parse_unit
 
@@ -27,7 +28,9 @@ class _Reading:
     schedules: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
-def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, Any]:
+def interpreted(
+    file: RecordedColumns, twin: SignalReading | None, resample: float | None = None
+) -> dict[str, Any]:
     """Interpret a file's columns as signals and parameters.
 
     Parameters
@@ -38,6 +41,8 @@ def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, 
         Tells which columns are signals and which names are FMU parameters. Columns that it does
         not name are kept as signals under their own name. Without it each column with numbers
         is a signal, and each scalar a parameter.
+    resample : float or None
+        [s] Step of an even clock that the rows are put on; None leaves them as they are.
 
     Returns
     -------
@@ -51,6 +56,7 @@ def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, 
     """
     if not file.columns or file.columns[0].values.size == 0:
         raise file.refuse("expected a header and at least one row, got no row; record again")
+    file, note = one_row_an_instant(file, find_clock(file.label, file.columns))
     clock = find_clock(file.label, file.columns)
     time = _time(file, clock)
     others = {column.name: column for column in file.columns if column is not clock}
@@ -67,11 +73,9 @@ def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, 
         # A schedule of a parameter unknown to this twin is an ordinary column.
         _read_all(kept, reading, schedules=frozenset())
         reading.parameters.update(_known_scalars(file, tunable))
-    # A schedule keeps its value between its entries, so it has no instants of its own.
-    columns = reading.signals or reading.schedules
-    sampled = [np.isfinite(values) for values in columns.values()]
-    check_clock(file.label, time, sampled, file.row_name)
+    time, told = _on_its_clock(file, reading, time, twin, resample)
     return {
+        "notes": tuple(filter(None, (note, told))),
         "time": time,
         "signals": reading.signals,
         "units": reading.units,
@@ -82,6 +86,43 @@ def interpreted(file: RecordedColumns, twin: SignalReading | None) -> dict[str, 
         "start_time": file.notes.start_time,
         "written_by": file.notes.written_by,
     }
+
+
+def _checked_clock(file: RecordedColumns, reading: _Reading, time: NDArray[np.float64]) -> str:
+    # A schedule keeps its value between its entries, so it has no instants of its own.
+    columns = reading.signals or reading.schedules
+    sampled = [np.isfinite(values) for values in columns.values()]
+    return check_clock(file.label, time, sampled, file.row_name)
+
+
+def _on_its_clock(
+    file: RecordedColumns,
+    reading: _Reading,
+    time: NDArray[np.float64],
+    twin: SignalReading | None,
+    resample: float | None,
+) -> tuple[NDArray[np.float64], str]:
+    """Times of the rows, as recorded or resampled, and a note; raises for a clock that is none."""
+    if resample is None:
+        return time, _checked_clock(file, reading, time)
+    check_order(file.label, time, file.row_name)
+    return _resampled(file.label, reading, time, twin, resample)
+
+
+def _resampled(
+    label: str,
+    reading: _Reading,
+    time: NDArray[np.float64],
+    twin: SignalReading | None,
+    step: float,
+) -> tuple[NDArray[np.float64], str]:
+    """Put all signals and schedules on an even clock; returns it and a note."""
+    specs = {} if twin is None else twin.signal_specs()
+    held = frozenset(n for n, spec in specs.items() if spec.interpolation == "hold" and spec.driven)
+    even, reading.signals = resampled(time, reading.signals, held, step, label)
+    schedules = frozenset(reading.schedules)
+    _, reading.schedules = resampled(time, reading.schedules, schedules, step, label)
+    return even, f"{label}: resampled to a row each {step:g} s, as stated"
 
 
 def _time(file: RecordedColumns, clock: Column) -> NDArray[np.float64]:
@@ -122,6 +163,7 @@ def _read_signals(
         ours = file.notes.own and name in columns
         column = columns.get(name if ours else spec.column)
         if column is None:
+            _refuse_one_of_several(file, spec.column, name, columns)
             if spec.required:
                 raise file.refuse(
                     f"no column '{spec.column}' for signal '{name}'"
@@ -151,6 +193,19 @@ def _read_signals(
         )
     for name in taken:
         del columns[name]
+
+
+def _refuse_one_of_several(
+    file: RecordedColumns, wanted: str, signal: str, columns: Mapping[str, Column]
+) -> None:
+    """Refuse a name that several columns have, which the reader numbered."""
+    same = [name for name in columns if name.startswith(f"{wanted} (") and name[-1] in ")'"]
+    numbered = [name for name in same if name[len(wanted) + 2 :].rstrip("')").isdecimal()]
+    if len(numbered) > 1:
+        raise file.refuse(
+            f"{len(numbered)} columns are named '{wanted}': say which is signal '{signal}', "
+            f'[columns] {signal} = "{numbered[0]}" in the twin file, or rename one'
+        )
 
 
 # Squares of larger ones overflow, of smaller ones vanish; no sensor measures either.

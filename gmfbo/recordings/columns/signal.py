@@ -29,6 +29,10 @@ class SignalSpec:
         Between rows, where the signal drives an FMU input.
     required : bool
         Whether a recording without this column is refused.
+    compared : bool
+        Whether it is compared with the twin, so that a recording with it is a log of an axis.
+    driven : bool
+        Whether it drives an FMU input.
     """
 
     name: str
@@ -39,6 +43,15 @@ class SignalSpec:
     unit: str = ""
     interpolation: Literal["hold", "linear"] = "hold"
     required: bool = False
+    compared: bool = False
+    driven: bool = False
+
+
+@runtime_checkable
+class SteppedReading(Protocol):
+    """A twin that is simulated in steps."""
+
+    step: float
 
 
 @runtime_checkable
@@ -52,3 +65,10 @@ class SignalReading(Protocol):
     def parameter_tunable(self) -> Mapping[str, bool]:
         """Each FMU parameter, and whether it may change during a run."""
         ...
+
+
+@runtime_checkable
+class ResampledReading(Protocol):
+    """A twin whose file has recordings put on an even clock."""
+
+    resample: float | None

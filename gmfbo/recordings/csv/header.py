@@ -8,6 +8,14 @@ from collections import Counter
 from gmfbo.errors import RecordingError
 from gmfbo.units import parse_unit
 
+# Words of oscilloscopes for units, in rows of units only; further spellings are in gmfbo.units.
+_WORDS = {
+    "second": "s", "seconds": "s", "sec": "s", "millisecond": "ms", "microsecond": "us",
+    "volt": "V", "volts": "V", "ampere": "A", "amperes": "A", "amp": "A", "amps": "A",
+    "watt": "W", "watts": "W", "degree": "deg", "degrees": "deg", "hertz": "Hz",
+    "radian": "rad", "radians": "rad", "ohm": "Ohm",
+}  # fmt: skip
+_NO_UNIT = {"sequence", "unknown", "none", "unit", "units"}
 # `x[1,2]` is an element of an array, `x [1]`, `x [N.m]` and `x[N.m]` carry a unit.
 _BRACKETS = re.compile(r"(?P<name>.*?)(?P<gap>\s*)\[(?P<unit>[^\[\]]*)\]")
 _PARENTHESES = re.compile(r"(?P<name>.*\S)\s+\((?P<unit>.+)\)")
@@ -49,7 +57,7 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
     Raises
     ------
     RecordingError
-        The line holds numbers, or a name twice.
+        The line holds numbers.
     """
     names, units = [], []
     for index, cell in enumerate(cells):
@@ -62,12 +70,20 @@ def read_header(cells: list[str], label: str) -> tuple[list[str], list[str]]:
             f"{label}: expected a header such as 'time [s],position [rad]', got numbers; add a "
             "line with the names of the columns"
         )
-    for name, count in Counter(names).items():
-        if count > 1:
-            raise RecordingError(
-                f"{label}: expected each column name once, got '{name}' {count} times; rename one"
-            )
-    return names, units
+    return _each_once(names), units
+
+
+def _each_once(names: list[str]) -> list[str]:
+    """Number equal names: `pos (1)`, `pos (2)`; whoever needs `pos` has to say which."""
+    total, seen = Counter(names), Counter[str]()
+    told = []
+    for name in names:
+        seen[name] += 1
+        numbered = name if total[name] == 1 else f"{name} ({seen[name]})"
+        while numbered in told or (numbered != name and numbered in total):
+            numbered += "'"  # the file itself has a column of that name
+        told.append(numbered)
+    return told
 
 
 def read_units_row(cells: list[str]) -> list[str] | None:
@@ -75,7 +91,19 @@ def read_units_row(cells: list[str]) -> list[str] | None:
     bare = [_bare(cell) for cell in cells]
     if is_number(bare[0]) or all(is_number(cell) for cell in bare if cell):
         return None
-    return bare if all(not cell or parse_unit(cell) is not None for cell in bare) else None
+    units = [_unit(cell) for cell in bare]
+    if any(unit is None for unit in units) or not any(units):
+        return None
+    return [unit or "" for unit in units]
+
+
+def _unit(cell: str) -> str | None:
+    """Unit of a cell of a row of units, empty for none; None where the cell is something else."""
+    word = cell.lower()
+    if not cell or word in _NO_UNIT:
+        return ""
+    unit = _WORDS.get(word, cell)
+    return unit if parse_unit(unit) is not None else None
 
 
 def _bare(cell: str) -> str:

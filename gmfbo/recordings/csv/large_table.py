@@ -10,6 +10,7 @@ import numpy as np
 
 from gmfbo.errors import RecordingError, in_short
 from gmfbo.recordings.columns.columns import Column, RecordedColumns
+from gmfbo.recordings.csv.cells import BLANKS
 
 LARGE_BYTES = 16 * 2**20
 LARGEST_LENIENT_BYTES = 256 * 2**20
@@ -45,7 +46,10 @@ def read_numbers(path: Path, head: RecordedColumns, delimiter: str, first: int) 
     """
     with path.open(encoding="utf-8-sig", newline=None) as lines:
         table = np.loadtxt(
-            _filled(lines, delimiter, first), delimiter=delimiter, comments="#", ndmin=2
+            _filled(lines, delimiter, first),
+            delimiter=None if delimiter == BLANKS else delimiter,
+            comments="#",
+            ndmin=2,
         )
     if table.shape[1] != len(head.columns) or (not head.notes.own and np.isinf(table).any()):
         raise ValueError("expected a finite number in each cell below the header")
@@ -71,7 +75,10 @@ def _filled(lines: Iterator[str], delimiter: str, first: int) -> Iterator[str]:
         if number < first:
             continue
         line = line.rstrip("\n")
-        if twice in line or line.startswith(delimiter) or line.endswith(delimiter):
+        if delimiter == BLANKS:
+            yield line
+        elif twice in line or line.startswith(delimiter) or line.endswith(delimiter):
             cells = line.split(delimiter)
-            line = delimiter.join(cell if cell.strip() else "nan" for cell in cells)
-        yield line
+            yield delimiter.join(cell if cell.strip() else "nan" for cell in cells)
+        else:
+            yield line

@@ -19,8 +19,9 @@ from gmfbo.recordings.formats.hdf5_group import group_content, is_recording_grou
 def read_hdf5(path: Path) -> RecordedColumns:
     """Read the columns of an HDF5 file.
 
-    Plain files hold datasets of equal length, also in groups (`group/name`), with an attribute
-    `unit` or `units`; single values and numeric attributes of the root are scalars.
+    Plain files hold datasets of equal length, also in groups (`group/name`) and in tables of
+    several fields (`table/field`), with an attribute `unit` or `units`;
+    single values and numeric attributes of the root are scalars.
 
     Raises
     ------
@@ -110,6 +111,10 @@ def _plain(label: str, file: Any) -> RecordedColumns:
             raise RecordingError(
                 f"{label}: '{name}' keeps its numbers in another file; write them into this one"
             )
+        if item.dtype.names:  # a table: each field is a column
+            content = item[()]
+            arrays.update({f"{name}/{part}": content[part] for part in item.dtype.names})
+            return
         arrays[name] = item[()]
         unit = item.attrs.get("unit", item.attrs.get("units", ""))
         units[name] = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)

@@ -101,6 +101,7 @@ def _on_one_clock(label: str, group: str, plain: list[tuple[Any, NDArray[Any]]])
                 group,
                 "",
                 str(error),
+                counted=True,
             )
             for c in columns
         ]

@@ -46,7 +46,7 @@ def write_columns(stream: IO[bytes], read: RecordedColumns | RecordedChannels | 
         head["columns"] = [(c.name, place(c.values), c.unit, c.fault) for c in read.columns]
     else:
         head["channels"] = [
-            (c.name, place(c.time), place(c.values), c.unit, c.group, c.alias, c.fault)
+            (c.name, place(c.time), place(c.values), c.unit, c.group, c.alias, c.fault, c.counted)
             for c in read.channels
         ]
     head["sizes"] = [array.size for array in arrays]

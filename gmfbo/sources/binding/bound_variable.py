@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from gmfbo.errors import InputError
 from gmfbo.sources.fmu_file.fmu_variable import FmuVariable
-from gmfbo.sources.fmu_file.job import Port, Setting, ValueType, Wire
+from gmfbo.sources.fmu_file.job import Port, Setting, TextSetting, ValueType, Wire
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,15 @@ class BoundVariable:
     def setting(self, value: float) -> Setting:
         """Setting of a value [FMU's unit] before initialisation."""
         return Setting(self.fmu, self.variable.reference, self._type, value)
+
+    def text_setting(self, value: str) -> TextSetting:
+        """Setting of a text before initialisation."""
+        return TextSetting(self.fmu, self.variable.reference, value)
+
+    @property
+    def items_told(self) -> str:
+        """Items of an enumeration for a message: Position=1, Velocity=2."""
+        return ", ".join(f"{name}={value}" for name, value in self.variable.items)
 
     def wire_from(self, source: BoundVariable) -> Wire:
         """Drive this input by an output."""
@@ -65,6 +74,10 @@ class BoundVariable:
             raise InputError(
                 f"parameter '{self.name}': expected a value within [{', '.join(shown)}]{unit}, "
                 f"the FMU's bounds, got {value:g}"
+            )
+        if self.variable.items and value not in {number for _, number in self.variable.items}:
+            raise InputError(
+                f"parameter '{self.name}': expected one of {self.items_told}, got {value:g}"
             )
         if not ValueType(self._type).is_real and value != round(value):
             raise InputError(

@@ -74,8 +74,8 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
     elif shape := found.variable.shape:
         size = " x ".join(map(str, shape))
         yield (
-            f"{where}: expected a single number, '{name}' is an array of {size}; ask its vendor "
-            "for an export with scalar variables"
+            f"{where}: expected a single number, '{name}' is an array of {size}; "
+            + _element_hint(binding, name)
         )
     elif found.variable.value_type is None:
         yield f"{where}: expected a number, '{name}' is of type {found.variable.type}"
@@ -86,6 +86,13 @@ def _misfit(binding: Binding, where: str, name: str, part: Part) -> Iterator[str
         valid = f"; such are {shown}" if choices else "; it has none"
         is_a = f"'{name}' is of causality {found.variable.causality}"
         yield f"{where}: expected {words} of the FMU, {is_a}{valid}"
+
+
+def _element_hint(binding: Binding, name: str) -> str:
+    if not binding.variables[name].variable.split:
+        return "ask its vendor for an export with scalar variables"
+    first = next(known for known in binding.variables if known.startswith(f"{name}["))
+    return f"name one of its elements, such as '{first}'"
 
 
 def _fixed_problems(binding: Binding) -> Iterator[str]:
@@ -178,6 +185,7 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         "a parameter, or an input that nothing drives,",
         lambda v: is_parameter(v) or _is_input(v),
     )
+    yield from _word_problems(binding)
     for table, name, numbers in values:
         where = f"[{table}]"
         part = held if table == "parameters" and name not in moved else _PARAMETER
@@ -185,6 +193,18 @@ def _value_problems(binding: Binding) -> Iterator[str]:
         yield from misfit
         for value in () if misfit else numbers:
             yield from _bounds_problem(binding, where, name, value)
+
+
+def _word_problems(binding: Binding) -> Iterator[str]:
+    """Texts of [parameters] that are no value of their parameter's type."""
+    for name, word in binding.file.words.items():
+        try:
+            given = binding.given({name: word})
+        except InputError as error:
+            yield "[parameters] " + str(error).removeprefix(f"{binding.file.name}: ")
+            continue
+        for number in given.numbers.values():
+            yield from _bounds_problem(binding, "[parameters]", name, number)
 
 
 def _bounds_problem(binding: Binding, where: str, name: str, value: float) -> Iterator[str]:

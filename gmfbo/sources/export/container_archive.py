@@ -119,7 +119,9 @@ def _describe(container: Container, wiring: Wiring, content: Content) -> ET.Elem
         name: _start(binding.variables[name].variable.type, value)
         for name, value in content.values.items()
     }
-    heading = Heading(name, content.identifier, content.description, content.step)
+    heading = Heading(
+        name, content.identifier, content.description, content.step, binding.default_start
+    )
     return describe_container(heading, parts, content.exposed, references, starts)
 
 

@@ -66,12 +66,15 @@ class Heading:
         Of the model.
     step : float
         [s] Communication step.
+    start : float
+        [s] Start time of the twin's FMUs.
     """
 
     name: str
     identifier: str
     description: str
     step: float
+    start: float = 0.0
 
 
 def describe_container(
@@ -177,6 +180,9 @@ def _experiment(heading: Heading, parts: Sequence[Part]) -> ET.Element:
     stated = (part.xml.find("DefaultExperiment") for part in parts)
     first = next((element for element in stated if element is not None), None)
     attributes = dict(first.attrib) if first is not None else {}
+    if float(attributes.get("startTime", 0.0)) != heading.start:
+        attributes["startTime"] = repr(heading.start)
+        attributes.pop("stopTime", None)  # of another FMU, and perhaps before that start
     return ET.Element("DefaultExperiment", {**attributes, "stepSize": repr(heading.step)})
 
 

@@ -34,9 +34,16 @@ def check_exportable(binding: Binding) -> None:
     Raises
     ------
     ExportError
-        An FMU is not FMI 2.0, needs its own tool, or may be instantiated once only and is in the
-        twin twice.
+        A parameter is another text than its FMU's, or an FMU is not FMI 2.0, needs its own tool,
+        or may be instantiated once only and is in the twin twice.
     """
+    for name, text in binding.words.texts.items():
+        if text != binding.variables[name].variable.start_text:
+            raise ExportError(
+                f"parameter '{name}' is a text, which the augmented FMU cannot hold; expected the "
+                "FMU's own value, ask its vendor for an export with this one; the diagnosis holds "
+                "without"
+            )
     seen: dict[str, FmuDescription] = {}
     for fmu, content in zip(binding.fmus, binding.content, strict=True):
         if fmu.major != 2:

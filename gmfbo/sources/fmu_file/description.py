@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gmfbo.errors import FmuFileError, in_short
-from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, number_from, variable_from
+from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, elements_of, variable_from
+from gmfbo.sources.fmu_file.numbers import number_from
 from gmfbo.sources.fmu_file.platforms import Platform, this_platform
 from gmfbo.sources.fmu_file.prolog import check_prolog
 from gmfbo.sources.fmu_file.unpacking import member_path, open_archive, read_member
 
 if TYPE_CHECKING:
-    from fmpy.model_description import ModelDescription
+    from fmpy.model_description import ModelDescription, ModelVariable
 
 _CAPABILITIES = (
     "canHandleVariableCommunicationStepSize",
@@ -55,8 +56,10 @@ class FmuDescription:
         Flags of co-simulation by their names in the standard.
     variables : mapping of str to FmuVariable
         By name, in the order of the file.
-    default_step : float or None
-        [s] Step of the default experiment.
+    default_step, default_start : float or None
+        [s] Step and start time of the default experiment.
+    with_sources : bool
+        Whether C sources lie in it.
     """
 
     path: Path
@@ -72,6 +75,8 @@ class FmuDescription:
     capabilities: Mapping[str, bool | int]
     variables: Mapping[str, FmuVariable]
     default_step: float | None = None
+    default_start: float | None = None
+    with_sources: bool = False
 
     @property
     def major(self) -> int:
@@ -142,6 +147,8 @@ class FmuDescription:
     def _no_binary(self, here: Platform) -> str:
         wanted = self._folders(here)[0]
         has = ", ".join(self.platforms) if self.platforms else "no binaries at all"
+        if self.with_sources and not self.platforms:
+            has = "C sources only, which gmfbo does not compile"
         systems = sorted({_system_of(folder) for folder in self.platforms})
         other = f", or use it on {' or '.join(systems)}" if systems else ""
         return (
@@ -170,16 +177,8 @@ def read_description(path: Path) -> FmuDescription:
         names = archive.namelist()
         described = "modelDescription.xml" in names
         content = read_member(path, archive, "modelDescription.xml") if described else b""
-    if "modelDescription.xml" not in names and "SystemStructure.ssd" in names:
-        raise FmuFileError(
-            f"'{path}' is an SSP package of several FMUs: gmfbo import '{path.name}' --out FOLDER "
-            "makes a twin of it"
-        )
-    if "modelDescription.xml" not in names:
-        raise FmuFileError(
-            f"'{path}' is no FMU: expected a modelDescription.xml at the top of the archive; "
-            "export it again"
-        )
+    if not described:
+        raise _no_fmu(path, names)
     check_prolog(path.name, content)
     raw = _parse(path)
     interface = raw.coSimulation or raw.modelExchange or raw.scheduledExecution
@@ -188,10 +187,13 @@ def read_description(path: Path) -> FmuDescription:
             f"'{path.name}' offers neither co-simulation nor model exchange; export it again"
         )
     version = raw.fmiVersion or ""
-    libraries = tuple(name for name in names if _is_library(member_path(path, name)))
+    # Exporters on Windows were seen to write backslashes; the paths below have slashes.
+    members = [member_path(path, name) for name in names]
+    libraries = tuple(str(member) for member in members if _is_library(member))
     units = {unit.name: unit.baseUnit for unit in raw.unitDefinitions}
     fmi = 3 if version.startswith("3") else 2
-    variables = [variable_from(variable, units, fmi) for variable in raw.modelVariables]
+    variables = _with_elements(raw.modelVariables, units, fmi)
+    default = raw.defaultExperiment
     return FmuDescription(
         path=path,
         model_name=raw.modelName or path.stem,
@@ -205,8 +207,38 @@ def read_description(path: Path) -> FmuDescription:
         libraries=libraries,
         capabilities=MappingProxyType(_capabilities(raw)),
         variables=MappingProxyType({variable.name: variable for variable in variables}),
-        default_step=number_from(raw.defaultExperiment.stepSize) if raw.defaultExperiment else None,
+        with_sources=any(m.parts[:1] == ("sources",) and m.suffix == ".c" for m in members),
+        default_step=number_from(default.stepSize) if default else None,
+        default_start=number_from(default.startTime) if default else None,
     )
+
+
+def _no_fmu(path: Path, names: Sequence[str]) -> FmuFileError:
+    """Error for an archive without a model description, by what else it holds."""
+    if "SystemStructure.ssd" in names:
+        return FmuFileError(
+            f"'{path}' is an SSP package of several FMUs: gmfbo import '{path.name}' --out FOLDER "
+            "makes a twin of it"
+        )
+    return FmuFileError(
+        f"'{path}' is no FMU: expected a modelDescription.xml at the top of the archive; "
+        "export it again"
+    )
+
+
+def _with_elements(
+    raw: Sequence[ModelVariable], units: Mapping[str, Any], fmi: int
+) -> list[FmuVariable]:
+    """All variables; behind an array of fixed size its elements, as variables of their own."""
+    names = {variable.name for variable in raw}
+    variables: list[FmuVariable] = []
+    for variable in raw:
+        read = variable_from(variable, units, fmi)
+        elements = elements_of(read, variable, fmi) if read.shape else []
+        if any(element.name in names for element in elements):
+            elements = []  # the FMU has variables of these names
+        variables += [replace(read, split=bool(elements)), *elements]
+    return variables
 
 
 def _parse(path: Path) -> ModelDescription:

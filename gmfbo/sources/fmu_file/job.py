@@ -35,6 +35,34 @@ class ValueType(IntEnum):
         return self in (ValueType.REAL, ValueType.FLOAT32)
 
 
+_REFERENCE_BITS = 32  # of a value reference; what lies above tells an element of an array
+LARGEST_SIZE = 1000
+"""Most elements of an array that are variables of their own; nobody maps more by name."""
+
+
+class ArrayElement(NamedTuple):
+    """An element of an array of FMI 3.0: value reference, place from 0, and size of the array."""
+
+    reference: int
+    place: int
+    size: int
+
+    @property
+    def packed(self) -> int:
+        """The element as one whole number, in place of a value reference."""
+        above = self.place * (LARGEST_SIZE + 1) + self.size
+        return self.reference + (above << _REFERENCE_BITS)
+
+    @classmethod
+    def of(cls, reference: int) -> ArrayElement | None:
+        """Element of a packed number; None for a value reference, which is a scalar's."""
+        above = reference >> _REFERENCE_BITS
+        if not above:
+            return None
+        place, size = divmod(above, LARGEST_SIZE + 1)
+        return cls(reference & (2**_REFERENCE_BITS - 1), place, size)
+
+
 class Port(NamedTuple):
     """A variable of one FMU, and the array column that it is read from or written to."""
 
@@ -65,6 +93,14 @@ class Setting(NamedTuple):
     value: float
 
 
+class TextSetting(NamedTuple):
+    """A parameter of type String that is set before initialisation."""
+
+    fmu: int
+    reference: int
+    value: str
+
+
 @dataclass(frozen=True)
 class Job:
     """A whole run, without its arrays.
@@ -74,7 +110,7 @@ class Job:
     steps : int
         Communication steps.
     start : float
-        [s] Time of row 0.
+        [s] FMU time of row 0.
     step : float
         [s] Communication step; row k is at start + k * step.
     settings : tuple of Setting
@@ -83,6 +119,12 @@ class Job:
         Columns of u (steps, n_u), s (steps, n_s) and y (steps + 1, n_y).
     wires : tuple of Wire
         From outputs to inputs.
+    told_start : float or None
+        [s] Time of row 0 by the recording's clock, for messages; `start` unless given.
+    texts : tuple of TextSetting
+        Parameters of type String, before initialisation.
+    stop : float or None
+        [s] Stop time that is announced to the FMUs; None announces none.
     """
 
     steps: int
@@ -93,6 +135,32 @@ class Job:
     schedules: tuple[Port, ...] = ()
     wires: tuple[Wire, ...] = ()
     outputs: tuple[Port, ...] = ()
+    told_start: float | None = None
+    texts: tuple[TextSetting, ...] = ()
+    stop: float | None = None
+
+    @property
+    def has_arrays(self) -> bool:
+        """Whether an element of an array is set or read at each step."""
+        ports = (*self.inputs, *self.schedules, *self.outputs)
+        references = [port.reference for port in ports]
+        references += [r for wire in self.wires for r in (wire.to_reference, wire.from_reference)]
+        return any(reference >> _REFERENCE_BITS for reference in references)
+
+    @property
+    def duration(self) -> float:
+        """[s] Simulated time."""
+        return self.steps * self.step
+
+    def told_time(self, row: int) -> float:
+        """[s] Time of a row by the recording's clock.
+
+        Parameters
+        ----------
+        row : int
+            Its place, from 0.
+        """
+        return (self.start if self.told_start is None else self.told_start) + row * self.step
 
     @property
     def shapes(self) -> tuple[tuple[int, int], tuple[int, int], tuple[int, int]]:
@@ -115,6 +183,9 @@ class Job:
             schedules=tuple(Port(*entry) for entry in raw["schedules"]),
             wires=tuple(Wire(*entry) for entry in raw["wires"]),
             outputs=tuple(Port(*entry) for entry in raw["outputs"]),
+            told_start=raw["told_start"],
+            texts=tuple(TextSetting(*entry) for entry in raw["texts"]),
+            stop=raw["stop"],
         )
 
 

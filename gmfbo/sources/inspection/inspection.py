@@ -70,7 +70,9 @@ def try_fmu(report: FmuReport) -> str:
 
 
 def _of(description: FmuDescription, causality: str) -> tuple[FmuVariable, ...]:
-    return tuple(v for v in description.variables.values() if v.causality == causality)
+    known = description.variables.values()
+    # In place of an array of fixed size stand its elements.
+    return tuple(v for v in known if v.causality == causality and not v.split)
 
 
 def _obstacle(description: FmuDescription) -> str:

@@ -217,7 +217,7 @@ def _is_gain(variable: FmuVariable) -> bool:
 
 
 def _has_unit(variable: FmuVariable, units: Iterable[str]) -> bool:
-    found = parse_unit(variable.unit) if variable.unit else None
+    found = parse_unit(variable.si_unit) if variable.unit else None
     return found is not None and found.dimension in [_DIMENSIONS[u] for u in units if u]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import unquote
 
-from gmfbo.errors import FmuFileError
+from gmfbo.errors import FmuFileError, in_short
 from gmfbo.sources.fmu_file.unpacking import open_archive, read_member
 
 STRUCTURE = "SystemStructure.ssd"
@@ -149,12 +149,12 @@ class _Flat:
                 raise FmuFileError(f"'{self.path.name}': two components are named '{inner}'")
             self.fmus[inner] = unquote(str(element.source)).removeprefix("./")
             self._add_connectors(element, inner)
-            for name, value in _parameters(element):
+            for name, value in _parameters(element, self.path):
                 self.parameters[inner, name] = value
         for connection in system.connections:
             self._connect(connection, place)
         # Set after the components' values, since an outer system overrides them.
-        for name, value in _parameters(system):
+        for name, value in _parameters(system, self.path):
             self.parameters[self._parameter(place, name)] = value
 
     def _add_connectors(self, element: Any, place: str) -> None:
@@ -241,12 +241,19 @@ def _inner(place: str, name: str) -> str:
     return f"{place}_{plain}" if place else plain
 
 
-def _parameters(element: Any) -> Iterator[tuple[str, float]]:
+def _parameters(element: Any, path: Path) -> Iterator[tuple[str, float]]:
     for binding in element.parameterBindings:
         for values in binding.parameterValues:
             for parameter in values.parameters:
-                if parameter.type in ("Real", "Integer", "Boolean"):
-                    yield f"{binding.prefix or ''}{parameter.name}", _number(parameter.value)
+                name = f"{binding.prefix or ''}{parameter.name}"
+                if parameter.type not in ("Real", "Integer", "Boolean"):
+                    raise FmuFileError(
+                        f"'{path.name}': parameter '{name}' of '{element.name}' is of type "
+                        f"{parameter.type} ({in_short(str(parameter.value), 60)}): expected Real, "
+                        "Integer or Boolean; make the value the FMU's own start value, and take "
+                        "the parameter out of the package"
+                    )
+                yield name, _number(parameter.value)
 
 
 def _number(text: str) -> float:

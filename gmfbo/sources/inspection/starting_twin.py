@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gmfbo.sources.fmu_file.fmu_variable import FmuVariable
+from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, is_text_parameter
 from gmfbo.sources.inspection.role_guesses import Guess, Guesses, guess_roles
 from gmfbo.sources.twin_file.toml_lines import bare_key, free_key, toml_table, toml_text
 
@@ -53,9 +53,9 @@ def starting_twin_file(report: FmuReport) -> str:
             "parameters",
             "values over the FMU's own; remove the # to change one",
             (
-                _line(v, f"# {toml_text(v.name)} = {v.start!r}", _bounds(v))
+                _line(v, f"# {toml_text(v.name)} = {_start(v)}", _choices(v))
                 for v in report.parameters
-                if v.value_type is not None and v.start is not None
+                if is_text_parameter(v) or (v.value_type is not None and v.start is not None)
             ),
         ),
         *_guessed(guesses),
@@ -144,6 +144,24 @@ def _line(variable: FmuVariable, entry: str, more: str = "") -> str:
     unit = f"[{variable.unit}]" if variable.unit else ""
     words = " ".join(part for part in (unit, more, variable.description) if part)
     return f"{entry}  # {' '.join(words.split())}" if words else entry
+
+
+def _start(variable: FmuVariable) -> str:
+    """Start value in the words of its type."""
+    if variable.type == "String":
+        return toml_text(variable.start_text)
+    if variable.type == "Boolean":
+        return "true" if variable.start else "false"
+    names = {value: name for name, value in variable.items}
+    if variable.start in names:
+        return toml_text(names[int(variable.start)])
+    return repr(variable.start)
+
+
+def _choices(variable: FmuVariable) -> str:
+    if not variable.items:
+        return _bounds(variable)
+    return "one of " + ", ".join(f"{name}={value}" for name, value in variable.items)
 
 
 def _bounds(variable: FmuVariable) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -73,6 +74,31 @@ class Policy:
             return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
         except (AttributeError, ValueError, OSError):
             return 0
+
+
+_SHUT_OUT = re.compile(
+    r"not permitted|permission denied|access (is )?denied|licen[cs]e|socket|connect|spawn|fork|"
+    r"subprocess|start (the |a )?process|execut(e|ing) (the |a )?(process|program|command)",
+    re.IGNORECASE,
+)
+"""Words of FMUs for what the sandbox refuses: EPERM and EACCES, and what they tried."""
+
+
+def way_out(policy: Policy, message: str) -> str:
+    """Words for a failed run that the sandbox may have caused, to append; empty for others.
+
+    Parameters
+    ----------
+    policy : Policy
+        In force.
+    message : str
+        Of the FMU.
+    """
+    if not policy.enclosed or not _SHUT_OUT.search(message):
+        return ""
+    ways = [] if policy.network else [f"{VARIABLE}=network lets it open connections"]
+    ways += [f"{VARIABLE}=read=PATH lets it read that", f"{VARIABLE}=off lets it do all you may"]
+    return f"; gmfbo shuts FMUs in, without programs, connections, your files: {', '.join(ways)}"
 
 
 def _with(policy: Policy, word: str) -> Policy:

@@ -13,10 +13,11 @@ import fmpy.fmi2
 from fmpy.fmi1 import FMICallException
 
 from gmfbo.errors import FmuFileError, SimulationError
-from gmfbo.sources.fmu_file.job import Setting, Stage, ValueType
+from gmfbo.sources.fmu_file.job import ArrayElement, Setting, Stage, TextSetting, ValueType
 from gmfbo.sources.fmu_file.unpacked_fmu import UnpackedFmu
 from gmfbo.sources.stepping.fmu_log import FmuLog
 from gmfbo.sources.stepping.interface import FMI2, Interface, Values, crossing
+from gmfbo.sources.stepping.library_beside import with_libraries_beside
 
 STATUS_WORDS = ("ok", "warning", "discard", "error", "fatal", "pending")
 ERROR = 3
@@ -96,11 +97,14 @@ class LoadedFmu:
         self._log = FmuLog()
         folder = Path.cwd()
         try:
-            self._slave: Any = self.slave_class(
-                guid=unpacked.guid,
-                modelIdentifier=unpacked.identifier,
-                unzipDirectory=unpacked.folder,
-                libraryPath=unpacked.library,
+            self._slave: Any = with_libraries_beside(
+                Path(unpacked.library),
+                lambda: self.slave_class(
+                    guid=unpacked.guid,
+                    modelIdentifier=unpacked.identifier,
+                    unzipDirectory=unpacked.folder,
+                    libraryPath=unpacked.library,
+                ),
             )
         except Exception as error:
             # fmpy raises a bare Exception with the loader's text.
@@ -159,15 +163,25 @@ class Instance:
         self.component = component
         self._slave = slave
 
-    def initialise(self, start: float, settings: Sequence[Setting]) -> None:
-        """Set parameters and go through initialisation; no stop time is announced.
+    def initialise(
+        self,
+        start: float,
+        settings: Sequence[Setting],
+        texts: Sequence[TextSetting] = (),
+        stop: float | None = None,
+    ) -> None:
+        """Set parameters and go through initialisation.
 
         Parameters
         ----------
         start : float
             [s] Time of the first communication point.
         settings : sequence of Setting
-            Parameters of this FMU.
+            Parameters of this FMU that are numbers.
+        texts : sequence of TextSetting
+            Parameters of this FMU that are texts.
+        stop : float or None
+            [s] Stop time that is announced; None announces none.
 
         Raises
         ------
@@ -175,13 +189,17 @@ class Instance:
             The FMU refused.
         """
         for kind in self.interface.words:
-            chosen = [setting for setting in settings if setting.type == kind]
+            of_kind = [setting for setting in settings if setting.type == kind]
+            self._set_arrays(kind, [s for s in of_kind if ArrayElement.of(s.reference)])
+            chosen = [s for s in of_kind if not ArrayElement.of(s.reference)]
             if chosen:
                 values = self.interface.room(kind, len(chosen))
                 values[:] = [crossing(setting.value, kind) for setting in chosen]
                 references = _references(setting.reference for setting in chosen)
                 self.set_values(kind, references, values, Stage.INITIALISE)
-        self._enter(start)
+        if texts:
+            self._set_texts(_references(text.reference for text in texts), [t.value for t in texts])
+        self._enter(start, stop)
 
     def set_values(
         self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
@@ -273,9 +291,26 @@ class Instance:
         """Free the instance; the library stays loaded."""
         self._slave.fmi2FreeInstance(self.component)
 
-    def _enter(self, start: float) -> None:
+    def _set_arrays(self, kind: ValueType, settings: Sequence[Setting]) -> None:
+        """Set whole arrays of which each element is given."""
+        arrays: dict[int, Values] = {}
+        for setting in settings:
+            element = ArrayElement.of(setting.reference)
+            assert element is not None  # the caller has chosen them
+            if element.reference not in arrays:
+                arrays[element.reference] = self.interface.room(kind, element.size)
+            arrays[element.reference][element.place] = crossing(setting.value, kind)
+        for reference, values in arrays.items():
+            self.set_values(kind, _references([reference]), values, Stage.INITIALISE)
+
+    def _set_texts(self, references: Any, values: Sequence[str]) -> None:
+        raw = (ctypes.c_char_p * len(values))(*(value.encode() for value in values))
+        self.call("fmi2SetString", Stage.INITIALISE, references, len(values), raw)
+
+    def _enter(self, start: float, stop: float | None) -> None:
         # Of 78 third-party FMUs, 27 refuse the last step when a stop time was announced.
-        self.call("fmi2SetupExperiment", Stage.INITIALISE, 0, 0.0, start, 0, 0.0)
+        announced = (0, 0.0) if stop is None else (1, stop)
+        self.call("fmi2SetupExperiment", Stage.INITIALISE, 0, 0.0, start, *announced)
         self.call("fmi2EnterInitializationMode", Stage.INITIALISE)
         self.call("fmi2ExitInitializationMode", Stage.INITIALISE)
 

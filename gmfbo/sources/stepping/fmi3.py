@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -115,13 +116,13 @@ class Instance3(Instance):
         self, kind: ValueType, references: Values, values: Values, stage: Stage = Stage.STEP
     ) -> int:
         """Set values of one type; FMI 3.0 counts values and variables separately."""
-        count = len(references)
-        return self.call(FMI3.setter(kind), stage, references, count, values, count)
+        sizes = len(references), len(values)
+        return self.call(FMI3.setter(kind), stage, references, sizes[0], values, sizes[1])
 
     def get_values(self, kind: ValueType, references: Values, values: Values) -> int:
         """Read values of one type; FMI 3.0 counts values and variables separately."""
-        count = len(references)
-        return self.call(FMI3.getter(kind), Stage.STEP, references, count, values, count)
+        sizes = len(references), len(values)
+        return self.call(FMI3.getter(kind), Stage.STEP, references, sizes[0], values, sizes[1])
 
     def step(self, time: float, step: float) -> int:
         """Make one communication step, without event mode and early return.
@@ -154,6 +155,12 @@ class Instance3(Instance):
         """Free the instance; the library stays loaded."""
         self._slave.fmi3FreeInstance(self.component)
 
-    def _enter(self, start: float) -> None:
-        self.call("fmi3EnterInitializationMode", Stage.INITIALISE, False, 0.0, start, False, 0.0)
+    def _set_texts(self, references: Any, values: Sequence[str]) -> None:
+        raw = (ctypes.c_char_p * len(values))(*(value.encode() for value in values))
+        count = len(values)
+        self.call("fmi3SetString", Stage.INITIALISE, references, count, raw, count)
+
+    def _enter(self, start: float, stop: float | None) -> None:
+        announced = (False, 0.0) if stop is None else (True, stop)
+        self.call("fmi3EnterInitializationMode", Stage.INITIALISE, False, 0.0, start, *announced)
         self.call("fmi3ExitInitializationMode", Stage.INITIALISE)

@@ -83,9 +83,10 @@ def step_all(
     y : ndarray, shape (steps + 1, n)
         Outputs, C-contiguous; filled row by row.
     native : bool
-        Use the C master if there is one; Python gives the same bits.
+        Use the C master if there is one; Python gives the same bits. Elements of arrays are for
+        Python only.
     """
-    path = master_path() if native else None
+    path = master_path() if native and not job.has_arrays else None
     if path is None:
         return step_in_python(instances, job, u, s, y)
     return _step_natively(path, instances, job, u, s, y)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.sources.fmu_file.job import Job, ValueType
+from gmfbo.sources.fmu_file.job import ArrayElement, Job, ValueType
 from gmfbo.sources.stepping.fmi2 import FmuCallError, Instance
 from gmfbo.sources.stepping.interface import Values, crossing
 from gmfbo.sources.stepping.stop import LoopStage, Stop
@@ -29,24 +29,47 @@ class _Group:
 
     def read(self, instance: Instance) -> int:
         """Read all values; returns the number of warnings."""
-        if not self.values:
-            return 0
-        references, raw = self._arrays(instance)
-        status = instance.get_values(self.type, references, raw)
-        self.values = dict(zip(self.values, map(float, raw), strict=True))
+        status = 0
+        scalars = [r for r in self.values if not ArrayElement.of(r)]
+        if scalars:
+            raw = instance.interface.room(self.type, len(scalars))
+            status = instance.get_values(self.type, _references(scalars), raw)
+            self.values.update(zip(scalars, map(float, raw), strict=True))
+        for array, elements in self._arrays().items():
+            raw = instance.interface.room(self.type, elements[0].size)
+            status += instance.get_values(self.type, _references([array]), raw)
+            self.values.update({e.packed: float(raw[e.place]) for e in elements})
         return status
 
     def write(self, instance: Instance) -> int:
         """Set all values; returns the number of warnings."""
-        if not self.values:
-            return 0
-        references, raw = self._arrays(instance)
-        raw[:] = [crossing(value, self.type) for value in self.values.values()]
-        return instance.set_values(self.type, references, raw)
+        status = 0
+        scalars = [r for r in self.values if not ArrayElement.of(r)]
+        if scalars:
+            raw = instance.interface.room(self.type, len(scalars))
+            raw[:] = [crossing(self.values[r], self.type) for r in scalars]
+            status = instance.set_values(self.type, _references(scalars), raw)
+        for array, elements in self._arrays().items():
+            raw = instance.interface.room(self.type, elements[0].size)
+            if len(elements) < elements[0].size:  # the others keep their values
+                status += instance.get_values(self.type, _references([array]), raw)
+            for element in elements:
+                raw[element.place] = crossing(self.values[element.packed], self.type)
+            status += instance.set_values(self.type, _references([array]), raw)
+        return status
 
-    def _arrays(self, instance: Instance) -> tuple[Values, Values]:
-        references = (ctypes.c_uint * len(self.values))(*self.values)
-        return references, instance.interface.room(self.type, len(self.values))
+    def _arrays(self) -> dict[int, list[ArrayElement]]:
+        """Elements by the value references of their arrays."""
+        arrays: dict[int, list[ArrayElement]] = {}
+        for reference in self.values:
+            element = ArrayElement.of(reference)
+            if element is not None:
+                arrays.setdefault(element.reference, []).append(element)
+        return arrays
+
+
+def _references(references: Sequence[int]) -> Values:
+    return (ctypes.c_uint * len(references))(*references)
 
 
 class _Loop:

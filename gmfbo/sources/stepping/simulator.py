@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -15,6 +16,7 @@ from gmfbo.sources.stepping.stop import LoopStage, Stop
 
 Mark = Callable[[Stage, int], None]
 _DISCARD = 2
+_STOP_TIME = re.compile(r"(stop|end|final)[ _]?time", re.IGNORECASE)
 _CALLS = {
     LoopStage.SET: "setting its inputs",
     LoopStage.GET: "reading its outputs",
@@ -86,9 +88,12 @@ class Simulator:
             for index, instance in enumerate(self._instances):
                 self._mark(Stage.INITIALISE, index)
                 own = [setting for setting in job.settings if setting.fmu == index]
-                instance.initialise(job.start, own)
+                texts = [text for text in job.texts if text.fmu == index]
+                instance.initialise(job.start, own, texts, job.stop)
         except FmuCallError as error:
             message = f"{error} while it was {error.stage.words}"
+            if job.stop is None and _STOP_TIME.search(message):
+                message += "; put 'stop_time = true' above the tables of the twin file"
             return Outcome("failed", 0, message, stage=error.stage)
         self._mark(Stage.STEP, 0)
         stop = step_all(self._instances, job, u, s, y, native=self._native)
@@ -106,9 +111,9 @@ class Simulator:
         if not stop.stopped:
             return Outcome("ok", job.steps + 1, warnings=stop.warnings)
         fmu, stage, rows = self._fmus[stop.fmu], LoopStage(stop.stage), stop.step + 1
-        time = job.start + max(stop.step, 0) * job.step
+        time = job.told_time(max(stop.step, 0))
         if stage == LoopStage.NOT_FINITE:
-            after = job.start + rows * job.step
+            after = job.told_time(rows)
             message = (
                 f"'{fmu.name}' diverged: an output is not finite at t = {after:g} s; the gains or "
                 "parameters make it unstable, or its own step is too long"

@@ -124,8 +124,9 @@ class AugmentedTwin:
         Steps of physics and twin within one communication step.
     isolated : bool
         Run in a worker process; False is for FMUs that are trusted.
-    time_limit_s : float
-        [s] Wall-clock time that one simulation may take in the worker.
+    time_limit_s : float, optional
+        [s] Wall-clock time that one simulation may take in the worker; else the twin file's, or
+        10 s and 20 times the simulated time.
     sensor_included : bool
         Whether the state `position` is the reading, which contains the sensor port's signal.
 
@@ -141,12 +142,12 @@ class AugmentedTwin:
         *,
         substeps: int = 10,
         isolated: bool = True,
-        time_limit_s: float = 60.0,
+        time_limit_s: float | None = None,
         sensor_included: bool = False,
     ) -> None:
         self.twin, self.substeps, self._sensor_included = twin, substeps, sensor_included
         self._augmented: AugmentedBinding = augment(twin.binding)
-        self._isolated, self._time_limit_s = isolated, time_limit_s
+        self._isolated, self._time_limit_s = isolated, time_limit_s or twin.file.time_limit
         self._runner: Runner | None = None
 
     @property
@@ -191,8 +192,10 @@ class AugmentedTwin:
         """
         binding = self._augmented.binding
         override = {**self.twin.parameters, **parameters}
-        chosen = run_parameters(binding, recording, override, {})
-        experiment = Experiment.prepare(binding, recording, chosen, self.twin.step)
+        chosen = run_parameters(binding, recording, override, {}, self.twin.texts)
+        experiment = Experiment.prepare(
+            binding, recording, chosen, self.twin.step, substeps=self.substeps
+        )
         lead = 0 if starts_as_recorded(binding, recording) else self._settles_after(experiment)
         return RunPlan.after(recording, experiment, lead, self.substeps)
 
@@ -230,7 +233,7 @@ class AugmentedTwin:
         """
         binding = self._augmented.binding
         override = {**self.twin.parameters, **parameters}
-        chosen = run_parameters(binding, plan.recording, override, {})
+        chosen = run_parameters(binding, plan.recording, override, {}, self.twin.texts)
         experiment = replace(plan.experiment, parameters=chosen)
         coarse = experiment.order(plan.lead).job
         inputs, columns = self._driven(plan, excitation or {}, measured, held or {})
@@ -238,12 +241,15 @@ class AugmentedTwin:
         job = Job(
             steps=coarse.steps * self.substeps,
             start=coarse.start,
+            told_start=coarse.told_start,
             step=self.step,
             settings=(*coarse.settings, *self._physics_settings(physics or {})),
             inputs=(*self._through_physics(coarse.inputs, plan), *inputs),
             schedules=coarse.schedules,
             wires=(*coarse.wires, *self._augmented.wires),
             outputs=(*coarse.outputs, *outputs),
+            texts=coarse.texts,
+            stop=coarse.stop,
         )
         u = np.ascontiguousarray(np.column_stack([plan.inputs, *columns]))
         result = self._started().run(Order(job, u, plan.schedules))[0]

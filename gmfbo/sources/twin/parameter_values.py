@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.errors import InputError, RecordingError, did_you_mean
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.binding.binding import Binding
-from gmfbo.sources.fmu_file.job import Setting
+from gmfbo.sources.fmu_file.job import ArrayElement, Setting, TextSetting
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,11 +26,14 @@ class RunParameters:
         Values [FMU's unit] that this run set over the twin file's, by name.
     schedules : mapping of str to ndarray, shape (n,)
         Parameters that change, at the recording's times.
+    texts : tuple of TextSetting
+        Texts set before initialisation.
     """
 
     settings: tuple[Setting, ...]
     in_force: Mapping[str, float]
     schedules: Mapping[str, NDArray[np.float64]]
+    texts: tuple[TextSetting, ...] = ()
 
 
 def run_parameters(
@@ -38,6 +41,7 @@ def run_parameters(
     recording: Recording,
     override: Mapping[str, float],
     gains: Mapping[str, float],
+    texts: Mapping[str, str] | None = None,
 ) -> RunParameters:
     """Choose each parameter's value: twin file < recording < [initial] < override < gains.
 
@@ -51,6 +55,8 @@ def run_parameters(
         Given for the twin or the run [FMU's unit].
     gains : mapping of str to float
         Given for the run [FMU's unit].
+    texts : mapping of str to str, optional
+        Parameters of type String, over the twin file's.
 
     Raises
     ------
@@ -78,8 +84,26 @@ def run_parameters(
     }
     for name, value in values.items():
         binding.variables[name].check_value(float(value))
+    values = _with_whole_arrays(binding, values)
     settings = tuple(binding.variables[n].setting(float(v)) for n, v in values.items())
-    return RunParameters(settings, in_force, changing)
+    words = {**binding.words.texts, **(texts or {})}
+    told = tuple(binding.variables[name].text_setting(word) for name, word in words.items())
+    return RunParameters(settings, in_force, changing, told)
+
+
+def _with_whole_arrays(binding: Binding, values: Mapping[str, float]) -> dict[str, float]:
+    """Values, and the nominal ones of the other elements of arrays: FMI sets whole arrays."""
+    set_arrays = {
+        (bound.fmu, element.reference)
+        for bound in (binding.variables[name] for name in values)
+        if (element := ArrayElement.of(bound.variable.reference)) is not None
+    }
+    whole = dict(values)
+    for name, bound in binding.variables.items() if set_arrays else ():
+        element = ArrayElement.of(bound.variable.reference)
+        if element is not None and (bound.fmu, element.reference) in set_arrays:
+            whole.setdefault(name, binding.nominal(name))
+    return whole
 
 
 def check_parameters(binding: Binding, override: Mapping[str, float]) -> None:

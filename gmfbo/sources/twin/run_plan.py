@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.fmu_file.job import Job, Port
 from gmfbo.sources.twin.parameter_values import RunParameters
 from gmfbo.sources.twin.sampling import sample, steps_to_cover
 from gmfbo.sources.twin.signals import as_logged, input_columns, to_fmu, to_si
+from gmfbo.sources.twin_file.twin_file import TwinFile
 from gmfbo.sources.worker.runner import Order, Result
 
 
@@ -49,7 +51,13 @@ class Experiment:
 
     @classmethod
     def prepare(
-        cls, binding: Binding, recording: Recording, parameters: RunParameters, step: float
+        cls,
+        binding: Binding,
+        recording: Recording,
+        parameters: RunParameters,
+        step: float,
+        *,
+        substeps: int = 1,
     ) -> Experiment:
         """Sample a recording on the communication grid.
 
@@ -63,13 +71,16 @@ class Experiment:
             Parameters of the run.
         step : float
             [s] Communication step.
+        substeps : int
+            Steps of the FMUs within each.
 
         Raises
         ------
         RecordingError
-            The recording cannot drive this twin.
+            The recording cannot drive this twin, or takes more steps than [limits] allows.
         """
         steps = steps_to_cover(recording.time, step)
+        _check_steps(binding, recording, steps, substeps)
         grid = recording.time[0] + np.arange(steps + 1) * step
         return cls(
             binding=binding,
@@ -92,18 +103,18 @@ class Experiment:
             self.binding.variables[name].port(column) for column, name in enumerate(self.schedules)
         )
         return Order(
-            self._job(lead + steps, self.grid[0] - lead * self.step, schedules),
+            self._job(lead + steps, -lead, schedules),
             np.ascontiguousarray(self._driven()[rows]),
             np.ascontiguousarray(_table(self.schedules, self.grid.size)[rows]),
         )
 
     def probe_at_start(self, steps: int) -> Order:
         """Order of some steps under the first row, from the first communication point."""
-        return self._probe(steps, self.grid[0])
+        return self._probe(steps, 0)
 
     def probe_before_start(self, steps: int) -> Order:
         """Order of some steps under the first row, up to the first communication point."""
-        return self._probe(steps, self.grid[0] - steps * self.step)
+        return self._probe(steps, -steps)
 
     def trajectory(self, result: Result, lead: int, seconds: float) -> Trajectory:
         """Make the trajectory of a run; one row of NaN where the run gave none.
@@ -140,21 +151,26 @@ class Experiment:
             seconds=seconds,
         )
 
-    def _probe(self, steps: int, start: float) -> Order:
+    def _probe(self, steps: int, first_row: int) -> Order:
         first = self._driven()[:1]
         return Order(
-            self._job(steps, start, ()),
+            self._job(steps, first_row, ()),
             np.ascontiguousarray(np.repeat(first, steps, axis=0)),
             np.empty((steps, 0)),
         )
 
-    def _job(self, steps: int, start: float, schedules: tuple[Port, ...]) -> Job:
+    def _job(self, steps: int, first_row: int, schedules: tuple[Port, ...]) -> Job:
         file, variables = self.binding.file, self.binding.variables
+        recorded = float(self.grid[0])
+        start = self.binding.start_time(recorded) + first_row * self.step
         return Job(
             steps=steps,
-            start=float(start),
+            start=start,
+            told_start=recorded + first_row * self.step,
             step=self.step,
             settings=self.parameters.settings,
+            texts=self.parameters.texts,
+            stop=announced_stop(file, start, steps, self.step),
             inputs=tuple(
                 variables[file.inputs[name].variable].port(column)
                 for column, name in enumerate(self.inputs)
@@ -187,6 +203,39 @@ class Experiment:
             for name, unit in units.items()
             if unit and (name in file.outputs or name in self.inputs)
         }
+
+
+def _check_steps(binding: Binding, recording: Recording, steps: int, substeps: int) -> None:
+    """Refuse a run that [limits] excludes, before its arrays take memory."""
+    most = binding.file.limits.steps
+    if steps * substeps <= most:
+        return
+    each = "" if substeps == 1 else f" of {substeps} substeps"
+    raise RecordingError(
+        f"{recording.name or 'recording'}: expected at most {most:,} steps of the twin, got "
+        f"{steps:,}{each} for {recording.duration:,.9g} s; is its time in another unit? else cut "
+        "the recording, or raise steps in [limits] of the twin file"
+    )
+
+
+def announced_stop(file: TwinFile, start: float, steps: int, step: float) -> float | None:
+    """[s] Stop time that the twin file has announced to the FMUs; None for none.
+
+    Parameters
+    ----------
+    file : TwinFile
+        The twin file.
+    start : float
+        [s] FMU time of the first communication point.
+    steps : int
+        Communication steps.
+    step : float
+        [s] Communication step. The end of the run and one step are announced, since many FMUs
+        refuse a step that ends at their stop time within round-off.
+    """
+    if file.stop_time is True:
+        return start + (steps + 1) * step
+    return None if file.stop_time is False else float(file.stop_time)
 
 
 def _table(columns: Mapping[str, NDArray[np.float64]], rows: int) -> NDArray[np.float64]:

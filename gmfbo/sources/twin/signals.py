@@ -37,6 +37,8 @@ def signal_specs(binding: Binding, override: Mapping[str, float]) -> dict[str, S
             offset=0.0 if entry.offset == "fit" else float(entry.offset),
             unit=binding.variables[entry.variable].variable.si_unit,
             interpolation=getattr(entry, "interpolation", "hold"),
+            compared=name in binding.file.outputs,
+            driven=name in binding.file.inputs,
         )
         for name, entry in entries.items()
     }

@@ -47,6 +47,10 @@ class FmuTwin:
     t_k act. For an output with `logged = "new"` it holds the output one communication step later,
     as such a logger stores it; the last row repeats the one before.
 
+    The FMUs begin at the start time of their default experiment, or at 0 s, whatever the first
+    recorded time is; `[recording] clock = "fmu"` hands the recorded time over. Trajectories keep
+    the recording's clock.
+
     Without [initial], or if the recording lacks its signals, the first reference is held until the
     outputs are at rest, for at most 5 s. A twin that does not settle starts with its FMU's own
     start values.
@@ -55,12 +59,14 @@ class FmuTwin:
     ----------
     path : str or Path
         Twin file (`.toml`).
-    parameters : mapping of str to float, optional
-        FMU parameters [FMU's unit] for all runs, over the twin file's and the recording's.
+    parameters : mapping of str to float or str, optional
+        FMU parameters [FMU's unit] for all runs, over the twin file's and the recording's; texts,
+        truth values and enumeration items as words.
     isolated : bool
         Run in a worker process; False is for FMUs that are trusted.
-    time_limit_s : float
-        [s] Wall-clock time that one simulation may take in the worker.
+    time_limit_s : float, optional
+        [s] Wall-clock time that one simulation may take in the worker; else the twin file's, or
+        10 s and 20 times the simulated time.
     step : float, optional
         [s] Communication step instead of the twin file's.
 
@@ -78,23 +84,24 @@ class FmuTwin:
         self,
         path: str | Path,
         *,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
         isolated: bool = True,
-        time_limit_s: float = 60.0,
+        time_limit_s: float | None = None,
         step: float | None = None,
     ) -> None:
         path = self._path = Path(path)
         if step is not None and not (step > 0.0 and np.isfinite(step)):
             raise InputError(f"step: expected a positive communication step [s], got {step}")
-        if not time_limit_s > 0.0:
+        if time_limit_s is not None and not time_limit_s > 0.0:
             raise InputError(f"time_limit_s: expected more than 0 s, got {time_limit_s}")
         self.file: TwinFile = TwinFile.read(path)
         self.name: str = self.file.name
         self.step: float = step or self.file.step
         self._binding = bind(self.file, path.resolve().parent, path.name)
-        self._parameters = dict(parameters or {})
+        given = self._binding.given(parameters or {})
+        self._parameters, self._texts = given.numbers, given.texts
         check_parameters(self._binding, self._parameters)
-        self._isolated, self._time_limit_s = isolated, time_limit_s
+        self._isolated, self._time_limit_s = isolated, time_limit_s or self.file.time_limit
         self._runner: Runner | None = None
         self._lock = threading.Lock()
         if (once := once_only(self._binding)) and not isolated:
@@ -118,6 +125,16 @@ class FmuTwin:
     def parameters(self) -> Mapping[str, float]:
         """FMU parameters [FMU's unit] given over the twin file's."""
         return MappingProxyType(self._parameters)
+
+    @property
+    def resample(self) -> float | None:
+        """[s] Step of an even clock that recordings are put on; None leaves them as they are."""
+        return self.file.recording.resample
+
+    @property
+    def texts(self) -> Mapping[str, str]:
+        """Parameters of type String given over the twin file's."""
+        return MappingProxyType(self._texts)
 
     def nominal(self, name: str) -> float:
         """Value [FMU's unit] of a parameter in the twin's runs, unless a run overrides it.
@@ -149,7 +166,7 @@ class FmuTwin:
     @cached_property
     def content_hash(self) -> str:
         """Hash of the twin file's content, the FMUs' bytes, the parameters and the step."""
-        return content_hash(self._binding, self._parameters, self.step)
+        return content_hash(self._binding, {**self._parameters, **self._texts}, self.step)
 
     @cached_property
     def gains(self) -> GainSpace:
@@ -182,7 +199,7 @@ class FmuTwin:
         gains: Mapping[str, float] | Sequence[float],
         reference: Recording,
         *,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
     ) -> Trajectory:
         """Simulate the twin at some gains; a failed simulation is a result, not an exception.
 
@@ -194,8 +211,8 @@ class FmuTwin:
         reference : Recording
             Signals of [inputs] in SI, schedules, and parameters in force. The communication
             grid begins at its first row and covers its last.
-        parameters : mapping of str to float, optional
-            [FMU's unit] Over the twin's, the recording's and [initial].
+        parameters : mapping of str to float or str, optional
+            [FMU's unit] Over the twin's, the recording's and [initial]; words as for the twin.
 
         Returns
         -------
@@ -213,8 +230,9 @@ class FmuTwin:
         """
         started = time.perf_counter()
         named = self._named(gains)
-        override = {**self._parameters, **(parameters or {})}
-        chosen = run_parameters(self._binding, reference, override, named)
+        given = self._binding.given(parameters or {})
+        override, texts = {**self._parameters, **given.numbers}, {**self._texts, **given.texts}
+        chosen = run_parameters(self._binding, reference, override, named, texts)
         experiment = Experiment.prepare(self._binding, reference, chosen, self.step)
         with self._lock:
             runner = self._runner = self._runner or self._start()
@@ -256,7 +274,8 @@ class FmuTwin:
         """
         from gmfbo.sources.twin.values_at_start import initial_order
 
-        order = initial_order(self._binding, names, {**self._parameters, **(parameters or {})})
+        override = {**self._parameters, **(parameters or {})}
+        order = initial_order(self._binding, names, override, self._texts)
         with self._lock:
             runner = self._runner = self._runner or self._start()
             outcome, read = runner.run(order)[0]
@@ -276,7 +295,7 @@ class FmuTwin:
         opened = partial(
             FmuTwin,
             self._path.resolve(),
-            parameters=self._parameters,
+            parameters={**self._parameters, **self._texts},
             isolated=self._isolated,
             time_limit_s=self._time_limit_s,
             step=self.step,

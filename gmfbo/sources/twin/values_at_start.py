@@ -11,10 +11,16 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.fmu_file.job import Job
 from gmfbo.sources.twin.parameter_values import run_parameters
+from gmfbo.sources.twin.run_plan import announced_stop
 from gmfbo.sources.worker.runner import Order
 
 
-def initial_order(binding: Binding, names: Sequence[str], parameters: Mapping[str, float]) -> Order:
+def initial_order(
+    binding: Binding,
+    names: Sequence[str],
+    parameters: Mapping[str, float],
+    texts: Mapping[str, str] | None = None,
+) -> Order:
     """Order of one communication step that reads some variables.
 
     Parameters
@@ -25,6 +31,8 @@ def initial_order(binding: Binding, names: Sequence[str], parameters: Mapping[st
         Variables to read.
     parameters : mapping of str to float
         [FMU's unit] Over the twin file's.
+    texts : mapping of str to str, optional
+        Parameters of type String, over the twin file's.
 
     Raises
     ------
@@ -35,11 +43,14 @@ def initial_order(binding: Binding, names: Sequence[str], parameters: Mapping[st
         if name not in binding.variables:
             raise InputError(f"no FMU variable '{name}'" + did_you_mean(name, binding.variables))
     still = Recording(time=np.array([0.0, binding.file.step]), signals={})
+    chosen = run_parameters(binding, still, parameters, {}, texts)
     job = Job(
         steps=1,
         start=0.0,
         step=binding.file.step,
-        settings=run_parameters(binding, still, parameters, {}).settings,
+        settings=chosen.settings,
+        texts=chosen.texts,
+        stop=announced_stop(binding.file, 0.0, 1, binding.file.step),
         wires=binding.wires,
         outputs=tuple(binding.variables[name].port(k) for k, name in enumerate(names)),
     )

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError
 from gmfbo.files.toml_text import parse_toml, read_toml_text
 from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
-from gmfbo.sources.twin_file.entries import Number, Table, Text
+from gmfbo.sources.twin_file.entries import Number, Positive, Table, Text
 from gmfbo.sources.twin_file.pydantic_message import describe_problems
 from gmfbo.units import parse_unit
 
@@ -33,17 +33,28 @@ class ColumnEntry(Table):
         [unit / column unit]
     offset : float
         [unit]
+    sample_time : float or None
+        [s] Of `time` in files without a clock: time between two rows, instead of a column.
     """
 
-    column: Text
+    column: Text | None = None
     unit: Text | None = None
     scale: Number | None = None
     offset: Number = 0.0
+    sample_time: Positive | None = None
 
     @model_validator(mode="before")
     @classmethod
     def _from_name(cls, value: object) -> object:
         return {"column": value} if isinstance(value, str) else value
+
+    @model_validator(mode="after")
+    def _column_or_sample_time(self) -> Self:
+        if self.column is None and self.sample_time is None:
+            raise ValueError("expected column = NAME")
+        if self.sample_time is not None and self.model_fields_set != {"sample_time"}:
+            raise ValueError("sample_time: expected it alone, it stands for a column")
+        return self
 
     @model_validator(mode="after")
     def _known_unit(self) -> Self:
@@ -65,6 +76,11 @@ class ColumnFile(Table):
 
     dialect: Dialect = "auto"
     columns: dict[str, ColumnEntry] = Field(default_factory=dict)
+
+    @field_validator("columns")
+    @classmethod
+    def _sampled_clock(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        return only_time_is_counted(value)
 
     @classmethod
     def read(cls, path: Path) -> ColumnFile:
@@ -95,6 +111,14 @@ class ColumnFile(Table):
             raise TwinFileError(f"{path.name}: {describe_problems(error, cls)}") from None
 
 
+def only_time_is_counted(columns: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+    """Entries unchanged; a `sample_time` elsewhere than in `time` is refused by ValueError."""
+    for name, entry in columns.items():
+        if entry.sample_time is not None and name != "time":
+            raise ValueError(f"{name}: sample_time is for 'time' only; expected column = NAME")
+    return columns
+
+
 def column_mapping(columns: Mapping[str, ColumnEntry], dialect: str) -> ColumnMapping:
     """Column mapping for a reader.
 
@@ -107,7 +131,9 @@ def column_mapping(columns: Mapping[str, ColumnEntry], dialect: str) -> ColumnMa
     """
     return ColumnMapping(
         {
-            name: MappedColumn(entry.column, entry.unit or "", entry.scale, entry.offset)
+            name: MappedColumn(
+                entry.column or "", entry.unit or "", entry.scale, entry.offset, entry.sample_time
+            )
             for name, entry in columns.items()
         },
         dialect,
@@ -146,6 +172,8 @@ def column_file_text(
 
 
 def _entry(entry: MappedColumn) -> str:
+    if entry.sample_time is not None:
+        return f"{{ sample_time = {float(entry.sample_time)!r} }}"
     if not entry.converts:
         return _text(entry.column)
     pairs = [f"column = {_text(entry.column)}"]

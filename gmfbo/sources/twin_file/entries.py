@@ -51,6 +51,33 @@ class FixedNames(Table):
     names: list[Text] = Field(default_factory=list)
 
 
+class RecordingTable(Table):
+    """How recordings are followed.
+
+    Attributes
+    ----------
+    clock : {"own", "fmu"}
+        Whether an FMU's time counts from its own start time, or is the recorded time.
+    resample : float or None
+        [s] Step of an even clock that the rows of recordings are put on.
+    """
+
+    clock: Literal["own", "fmu"] = "own"
+    resample: Positive | None = None
+
+
+class LimitsTable(Table):
+    """What a run may cost.
+
+    Attributes
+    ----------
+    steps : int
+        Steps of the FMUs in a run along a recording, substeps counted.
+    """
+
+    steps: Annotated[int, Field(strict=True, gt=0)] = 20_000_000
+
+
 class TableEntry(Table):
     """A lookup table inside the FMU whose nodes are uncertain.
 
@@ -129,6 +156,8 @@ class SignalEntry(Table):
         Share of the scale that the diagnosis may refit.
     shift_range : tuple of float or None
         [s] Range of the time shift that the diagnosis may fit.
+    wrapped : bool or None
+        Whether the column is an angle that the logger wraps into one turn; recognised unless given.
     """
 
     variable: Text
@@ -137,6 +166,7 @@ class SignalEntry(Table):
     offset: Number | Literal["fit"] = 0.0
     uncertain_scale: Positive | None = None
     shift_range: Pair | None = None
+    wrapped: bool | None = None
 
     @model_validator(mode="before")
     @classmethod

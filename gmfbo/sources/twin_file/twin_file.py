@@ -5,23 +5,30 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Self
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, StrictBool, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError, did_you_mean
 from gmfbo.files.toml_text import parse_toml, read_toml_text
-from gmfbo.sources.twin_file.column_file import ColumnEntry, ColumnFile, Dialect
+from gmfbo.sources.twin_file.column_file import (
+    ColumnEntry,
+    ColumnFile,
+    Dialect,
+    only_time_is_counted,
+)
 from gmfbo.sources.twin_file.entries import (
     CONTROLLER_KINDS,
     ControllerEntry,
     FixedNames,
     GainRange,
     InputEntry,
+    LimitsTable,
     NotNegative,
     Number,
     OutputEntry,
     Pair,
     ParameterValue,
     Positive,
+    RecordingTable,
     SignalEntry,
     Table,
     TableEntry,
@@ -91,6 +98,16 @@ class TwinFile(Table):
         the path of a file that holds it.
     dialect : str
         How the logger's text files are written.
+    recording : RecordingTable
+        How recordings are followed.
+    limits : LimitsTable
+        What a run may cost.
+    words : dict of str to str
+        Entries of [parameters] that are texts: a text, true or false, or an enumeration's item.
+    stop_time : bool or float
+        [s] Stop time that is announced to the FMUs; True for the end of each run and one step.
+    time_limit : float or None
+        [s] Wall-clock time of one run; None for 10 s and 20 times its simulated time.
     """
 
     name: Text
@@ -112,6 +129,21 @@ class TwinFile(Table):
     initial: dict[str, Number | Text] = Field(default_factory=dict)
     columns: dict[str, ColumnEntry] = Field(default_factory=dict)
     dialect: Dialect = "auto"
+    recording: RecordingTable = Field(default_factory=RecordingTable)
+    limits: LimitsTable = Field(default_factory=LimitsTable)
+    words: dict[str, str] = Field(default_factory=dict)
+    stop_time: StrictBool | Number = False
+    time_limit: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _words_apart(cls, value: object) -> object:
+        if not isinstance(value, dict) or not isinstance(value.get("parameters"), dict):
+            return value
+        given = value["parameters"]
+        words = {name: word for name, word in given.items() if isinstance(word, str)}
+        numbers = {name: number for name, number in given.items() if name not in words}
+        return {**value, "parameters": numbers, "words": {**value.get("words", {}), **words}}
 
     @field_validator("fmus", mode="before")
     @classmethod
@@ -136,6 +168,11 @@ class TwinFile(Table):
             if name not in KNOWN_STATES:
                 raise ValueError(f"no state '{name}'" + did_you_mean(name, KNOWN_STATES))
         return value
+
+    @field_validator("columns")
+    @classmethod
+    def _sampled_clock(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        return only_time_is_counted(value)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

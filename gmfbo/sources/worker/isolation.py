@@ -6,7 +6,7 @@ import sys
 import warnings
 import weakref
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from gmfbo.errors import FmuFileError, SimulationError
 from gmfbo.files.private_folder import PrivateFolder
 from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.fmu_file.job import Outcome, Stage
-from gmfbo.sources.sandbox.policy import Policy
+from gmfbo.sources.sandbox.policy import Policy, way_out
 from gmfbo.sources.worker.answer import filled_rows, read_outcomes
 from gmfbo.sources.worker.post_mortem import (
     WhereItStood,
@@ -36,6 +36,9 @@ from gmfbo.sources.worker.worker_process import (
 
 START_LIMIT_S = 60.0
 """[s] Time for a worker to start and load the libraries; a cold disk is slow."""
+
+LEAST_LIMIT_S, LIMIT_PER_SIMULATED_S = 10.0, 20.0
+"""[s], [1] Time of a run: a slow FMU runs in real time, and is given 20 times that."""
 
 _WARM_UP_ANSWERS = 20
 _WARM_UP_BYTES = 256 * 2**20  # an FMU may fill its caches first; later growth is a leak
@@ -74,8 +77,8 @@ class Isolated:
     ----------
     binding : Binding
         The twin.
-    time_limit_s : float
-        [s] Wall-clock time of one run.
+    time_limit_s : float or None
+        [s] Wall-clock time of one run; None for 10 s and 20 times its simulated time.
 
     Raises
     ------
@@ -85,7 +88,7 @@ class Isolated:
         GMFBO_SANDBOX is invalid.
     """
 
-    def __init__(self, binding: Binding, *, time_limit_s: float) -> None:
+    def __init__(self, binding: Binding, *, time_limit_s: float | None) -> None:
         self._binding, self._time_limit_s = binding, time_limit_s
         self._names = [fmu.path.name for fmu in binding.fmus]
         self._once_only = bool(once_only(binding))
@@ -201,7 +204,7 @@ class Isolated:
         command = {"arrays": self._arrays_path, "jobs": [vars(order.job) for order in orders]}
         outputs = tables[2::3]
         try:
-            answer = self._worker().ask(command, self._time_limit_s)
+            answer = self._worker().ask(command, self._limit(orders))
         except WorkerTimeout:
             outcomes = self._lost(orders, outputs, None)
         except WorkerGarbled:
@@ -210,6 +213,7 @@ class Isolated:
             outcomes = self._lost(orders, outputs, death.exit_code)
         else:
             outcomes = read_outcomes(answer, outputs) or self._garbled()
+            outcomes = [self._with_way_out(outcome) for outcome in outcomes]
             self._replace_if_grown(answer.get("memory"))
         return [Result(outcome, y.copy()) for outcome, y in zip(outcomes, outputs, strict=False)]
 
@@ -284,6 +288,7 @@ class Isolated:
         said = worker.last_words() if worker else ""
         self._drop_worker()
         held = worker.peak_memory() if worker else 0
+        versions = [fmu.fmi for fmu in self._fmus]
         outcomes = []
         for order, y, rows in zip(orders, outputs, filled, strict=True):
             complete = stage in (Stage.ANSWER, *_BETWEEN_RUNS)
@@ -292,10 +297,10 @@ class Isolated:
                 continue
             if stage in _BETWEEN_RUNS:
                 break
-            time = order.job.start + (rows - 1) * order.job.step if rows else None
-            where = WhereItStood(self._names, stage, fmu, time, said, self._policy, held)
+            time = order.job.told_time(rows - 1) if rows else None
+            where = WhereItStood(self._names, stage, fmu, time, said, self._policy, held, versions)
             if exit_code is None:
-                limit = START_LIMIT_S if stage == Stage.LOAD else self._time_limit_s
+                limit = START_LIMIT_S if stage == Stage.LOAD else self._limit(orders)
                 outcomes.append(Outcome("timeout", rows, timeout_message(where, limit), 0, stage))
             else:
                 message = crash_message(where, exit_code)
@@ -304,6 +309,19 @@ class Isolated:
         if stage == Stage.ANSWER:
             self._warn("closes files of the process that it runs in: each run gets a fresh one")
         return outcomes
+
+    def _with_way_out(self, outcome: Outcome) -> Outcome:
+        """The outcome; its message names the sandbox where that may have refused something."""
+        if outcome.status != "failed" or sys.platform != "linux":
+            return outcome
+        return replace(outcome, message=outcome.message + way_out(self._policy, outcome.message))
+
+    def _limit(self, orders: Sequence[Order]) -> float:
+        """[s] Wall-clock time in which a worker has to answer."""
+        if self._time_limit_s is not None:
+            return self._time_limit_s
+        simulated = sum(order.job.duration for order in orders)
+        return LEAST_LIMIT_S + LIMIT_PER_SIMULATED_S * simulated
 
     def _garbled(self) -> list[Outcome]:
         self._drop_worker()

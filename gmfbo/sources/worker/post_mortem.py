@@ -10,6 +10,16 @@ from gmfbo.sources.fmu_file.job import Stage
 from gmfbo.sources.sandbox.policy import VARIABLE, Policy
 
 _WINDOWS_FAULTS = {0xC0000005: "access violation", 0xC00000FD: "stack overflow"}
+_CALLS = {
+    (Stage.INSTANTIATE, 2): "fmi2Instantiate",
+    (Stage.INSTANTIATE, 3): "fmi3InstantiateCoSimulation",
+    (Stage.INITIALISE, 2): "between fmi2SetupExperiment and fmi2ExitInitializationMode",
+    (Stage.INITIALISE, 3): "fmi3EnterInitializationMode or fmi3ExitInitializationMode",
+    (Stage.STEP, 2): "fmi2DoStep, or setting or reading values",
+    (Stage.STEP, 3): "fmi3DoStep, or setting or reading values",
+    (Stage.FREE, 2): "fmi2FreeInstance",
+    (Stage.FREE, 3): "fmi3FreeInstance",
+}
 _NEARLY_ALL = 0.8
 _LONGEST_LINE = 2000
 _CURES = {
@@ -39,6 +49,8 @@ class WhereItStood:
         Sandbox policy of the worker.
     held : int
         [bytes] Its peak memory; 0 where unknown.
+    versions : sequence of int
+        Major version of FMI of each FMU.
     """
 
     names: Sequence[str]
@@ -48,6 +60,14 @@ class WhereItStood:
     said: str
     policy: Policy
     held: int
+    versions: Sequence[int] = ()
+
+    @property
+    def call(self) -> str:
+        """FMI call that it worked on, in brackets with a blank in front; empty while loading."""
+        majors = self.versions if self.stage == Stage.STEP else self.versions[self.fmu :][:1]
+        calls = [_CALLS.get((self.stage, major), "") for major in dict.fromkeys(majors)]
+        return f" ({' or '.join(filter(None, calls))})" if any(calls) else ""
 
     @property
     def ran_out_of_memory(self) -> bool:
@@ -93,7 +113,10 @@ def crash_message(where: WhereItStood, exit_code: int) -> str:
     elif signal_name(exit_code) == "SIGKILL":
         cure = "somebody killed it, or the system did for want of memory"
     elif signal_name(exit_code) == "SIGXCPU":
-        cure = "it used more processor time than time_limit_s on all cores; raise it if it is slow"
+        cure = (
+            "it used more processor time than its time limit on all cores; raise time_limit in the "
+            "twin file if it is slow"
+        )
     elif where.stage in _CURES and where.policy.enclosed:
         cure += f"; if it needs a licence server or files of yours, {VARIABLE} can let it"
     return f"{where.who} {_end(exit_code)} while {where.doing}; {cure}{where.quote}"
@@ -136,8 +159,9 @@ def timeout_message(where: WhereItStood, limit_s: float) -> str:
             f"licence server; ask its vendor{where.quote}"
         )
     return (
-        f"{where.who} did not finish within {limit_s:g} s, stopped while {where.doing}; raise "
-        f"time_limit_s if it is slow, else it hangs there{where.quote}"
+        f"{where.who} did not finish within {limit_s:g} s, stopped while {where.doing}"
+        f"{where.call}; raise time_limit in the twin file if it is slow, else it hangs there"
+        f"{where.quote}"
     )
 
 

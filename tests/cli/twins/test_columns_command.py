@@ -84,12 +84,21 @@ def test_without_settings_it_lists_columns_guesses_and_what_is_missing(
     assert "not found: reference, position, torque_command" in shown
 
 
+def test_a_name_of_ones_own_is_kept(twin: Path, log: Path, tmp_path: Path) -> None:
+    saved = tmp_path / "own.toml"
+    own = (*SETTINGS, "--set", "winding=AX7.ActTorque")
+    assert run("columns", twin, log, *own, "--save", saved) == 0
+    assert 'winding = "AX7.ActTorque"' in saved.read_text()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("--set", "position=AX7.ActPoss"), "did you mean 'AX7.ActPos'?"),
         (("--set", "position"), "expected NAME=COLUMN, such as position=ActPos, got 'position'"),
         (("--set", "position=AX7.ActPos [blinks]"), "unit [blinks] of 'position' is not known"),
+        (("--set", "positon=AX7.ActPos"), "the twin has no 'positon'; did you mean 'position'?"),
+        (("--set", "Inertia=AX7.ActPos"), "the twin has no 'Inertia'; did you mean 'inertia'?"),
         (("--dialect", "twincat"), "no dialect 'twincat'; did you mean 'twincat_scope'?"),
         (("--save", "out.csv"), "--save: expected a file ending in .toml, got 'out.csv'"),
         (("--save", "out.toml"), "expected a column 'time'"),

@@ -86,6 +86,15 @@ def without(rows: list[int], *, by_clock: bool) -> Fault:
     return lose
 
 
+def all_blank(row: int) -> Fault:
+    def lose(recording: Recording) -> Recording:
+        rows = np.arange(len(recording)) == row
+        signals = {n: np.where(rows, np.nan, column) for n, column in recording.signals.items()}
+        return replace(recording, signals=signals)
+
+    return lose
+
+
 FAULTS: dict[str, tuple[Fault, str, str]] = {
     "command repeats": (
         changed("torque_command", repeated),
@@ -100,6 +109,12 @@ FAULTS: dict[str, tuple[Fault, str, str]] = {
     ),
     "rows missing by the clock": (without([300, 301, 700], by_clock=True), "lost_rows", ""),
     "rows missing in silence": (without([300, 301, 700], by_clock=False), "lost_rows", ""),
+    "one cell without a value": (
+        changed("position", lambda q: np.where(np.arange(q.size) == 500, np.nan, q)),
+        "blank_samples",
+        "position",
+    ),
+    "one row without a value": (all_blank(500), "lost_rows", ""),
     "coarse position": (changed("position", rounded(4e-3)), "coarse_column", "position"),
     "clipped command": (
         changed("torque_command", lambda u: np.clip(u, -0.6, 0.6)),

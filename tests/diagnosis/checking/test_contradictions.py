@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, check, diagnose
 from gmfbo.diagnosis.checking.consistent_recordings import consistent
-from gmfbo.diagnosis.checking.contradiction import likeness, refuse_contradictions
-from gmfbo.diagnosis.checking.mistaken_unit import mistaken_unit
 from gmfbo.errors import RecordingError
 from gmfbo.physics import CATALOGUE, Excitation
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.contradiction import refuse_contradictions
+from gmfbo.sources.recorded.likeness import likeness
+from gmfbo.sources.recorded.mistaken_unit import mistaken_unit
 from tests.diagnosis.servo_recordings import rewritten
 from tests.diagnosis.short_recordings import (
     QUIET_SERVO,
@@ -106,7 +107,8 @@ def test_check_and_diagnose_build_nothing_on_a_contradiction(
 
 def test_sound_recordings_pass_without_a_word(twin: FmuTwin, sound: list[Recording]) -> None:
     assert not refuse_contradictions(twin, sound)
-    assert consistent(twin, sound, seed=0, jobs=1) == (sound, [])
+    given = consistent(twin, sound, seed=0, jobs=1)
+    assert (list(given.recordings), given.notes, given.missing) == (sound, (), ())
 
 
 LARGEST = (

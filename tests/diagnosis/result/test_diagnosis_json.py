@@ -142,6 +142,7 @@ EXTENSIONS = (
     "latent",
     "residual_tests",
     "converged",
+    "not_compared",
     "statement_probability",
 )
 
@@ -184,6 +185,7 @@ def test_json_is_the_published_layout(tmp_path: Path) -> None:
     assert again.pop("latent") is None
     assert again.pop("residual_tests") == []
     assert again.pop("converged") is True
+    assert again.pop("not_compared") == []
     assert [effect.pop("rivals") for effect in again["effects"]] == [[]]
     assert [effect.pop("set") for effect in again["effects"]] == [["coulomb_friction"]]
     assert again.pop("statement_probability") == 0.97

@@ -117,3 +117,13 @@ def test_a_folder_that_cannot_be_made_is_refused_in_words(tmp_path: Path) -> Non
     (tmp_path / "file").write_text("x")
     with pytest.raises(InputError, match=r"cannot write .*a part of the path is a file"):
         nothing().save(tmp_path / "file" / "below")
+
+
+def test_what_was_said_of_an_earlier_diagnosis_goes_with_it(tmp_path: Path) -> None:
+    told = tmp_path / "confirmation.json"
+    friction().save(tmp_path)
+    told.write_text("{}")
+    friction().save(tmp_path)
+    assert told.exists(), "the same diagnosis again"
+    nothing().save(tmp_path)
+    assert not told.exists()

@@ -1,4 +1,4 @@
-"""Jitter up to a tenth of the mean step passes, more does not."""
+"""Jitter up to a tenth of the mean step is even, more is told; gaps and equal times are refused."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.clock import check_clock
 
 
-def check(time: NDArray[np.floating[Any]]) -> None:
-    check_clock(
+def check(time: NDArray[np.floating[Any]]) -> str:
+    return check_clock(
         "run.csv",
         time.astype(np.float64),
         [np.ones(time.size, dtype=np.bool_)],
@@ -33,7 +33,7 @@ def test_small_jitter_on_any_clock_is_accepted(
 ) -> None:
     # Instants off by 4.5 % make steps off by at most 9 %, and move the mean by 3 % at most.
     shifts[0] = shifts[-1] = 0.0
-    check((start + np.arange(len(shifts)) + np.array(shifts)) * step)
+    assert check((start + np.arange(len(shifts)) + np.array(shifts)) * step) == ""
 
 
 @given(rows=st.integers(20, 200), late=st.data())
@@ -41,8 +41,17 @@ def test_one_late_row_is_named(rows: int, late: st.DataObject) -> None:
     row = late.draw(st.integers(2, rows - 2))
     time = 1e-3 * np.arange(rows, dtype=np.float64)
     time[row:] += 2e-4
-    with pytest.raises(RecordingError, match=rf"row {row + 1}, at .* a step takes 0\.0012 s"):
+    assert "rows come 0.001 to 0.0012 s apart: the twin runs at its own step" in check(time)
+    time[row:] += 2e-3
+    with pytest.raises(RecordingError, match=rf"row {row + 1}, at .* a gap of 0\.0032 s"):
         check(time)
+
+
+def test_a_lost_row_is_no_gap_and_two_in_a_row_are() -> None:
+    time = 1e-3 * np.arange(100, dtype=np.float64)
+    assert "0.001 to 0.002 s apart" in check(np.delete(time, 50))
+    with pytest.raises(RecordingError, match=r"a gap of 0.003 s, .* resample = 0.001 in the twin"):
+        check(np.delete(time, [50, 51]))
 
 
 def test_seconds_since_1970_have_no_jitter_of_their_own() -> None:

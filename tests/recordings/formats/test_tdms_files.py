@@ -84,7 +84,7 @@ def test_a_channel_of_points_in_time_is_a_clock(tmp_path: Path) -> None:
 
 def test_a_needed_channel_without_a_clock_or_of_another_length_is_refused(tmp_path: Path) -> None:
     bare = [nptdms.ChannelObject("Data", "reference", FAST)]
-    with pytest.raises(RecordingError, match=r"group 'Data': expected a column 'time'"):
+    with pytest.raises(RecordingError, match=r"expected a column 'time'.* sample_time = "):
         Recording.read(write(tmp_path / "bare.tdms", bare), AXIS)
     uneven = [
         nptdms.ChannelObject("Data", "time", np.arange(400) * 1e-3),

@@ -174,3 +174,37 @@ def test_two_exports_are_the_same_bytes_and_another_value_another_guid(tmp_path:
     other = PhysicsParameter("coulomb_friction.level", 21.0, "N", COULOMB.description)
     fourth = export_case(CASES["axis"], tmp_path / "fourth", physics=[other])
     assert read_description(third.fmu).guid != read_description(fourth.fmu).guid
+
+
+LOOP = """
+name = "loop"
+step = 1e-3
+[fmus]
+controller = { kind = "pd_filtered", sample_time = 1e-3, kp = 500.0 }
+plant = "FMU"
+[wires]
+"controller.measured" = "plant.true_position"
+"plant.port.force" = "controller.u"
+[inputs]
+reference = "controller.reference"
+[outputs]
+position = "plant.true_position"
+[ports]
+torque = "plant.port.force"
+[states]
+velocity = "plant.velocity"
+"""
+
+
+def test_it_begins_at_the_start_time_of_the_twins_fmu(
+    write_twin: WriteTwin, repack: Repack, tmp_path: Path
+) -> None:
+    """The first FMU is a controller of gmfbo, whose start time is 0."""
+    late = repack(edits={'startTime="0"': 'startTime="2.5"'})
+    with FmuTwin(write_twin(LOOP, late)) as twin:
+        made = export_augmented(
+            twin, tmp_path, parameters={}, physics=[COULOMB], settings={}, substeps=2
+        )
+        assert twin.binding.default_start == 2.5
+    assert read_description(made.fmu).default_start == 2.5
+    assert validate_fmu(str(made.fmu)) == []

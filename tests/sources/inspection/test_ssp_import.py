@@ -183,6 +183,16 @@ FACTOR = wire("plant", "true_position", "", "position").removesuffix("/>") + ">"
             f'{FACTOR}<ssc:LinearTransformation factor="2.0"/></ssd:Connection>',
             "has a LinearTransformation: expected connections and parameters that pass values",
         ),
+        (
+            '<ssv:Real value="99.0"/>',
+            '<ssv:String value="steel"/>',
+            r"parameter 'kp' of 'controller' is of type String \(steel\): expected Real, Integer",
+        ),
+        (
+            '<ssv:Real value="1e-3"/>',
+            '<ssv:Enumeration value="fast"/>',
+            r"parameter 'sample_time' of 'controller' is of type Enumeration \(fast\)",
+        ),
         ("pd_filtered.fmu", "gone.fmu", "component 'controller': no FMU 'resources/gone.fmu' in"),
         ("pd_filtered.fmu", "../pd_filtered.fmu", r"no FMU 'resources/\.\./pd_filtered.fmu' in"),
         ("resources/pd_filtered.fmu", "inner.ssp", "is 'inner.ssp': expected an FMU in the packa"),

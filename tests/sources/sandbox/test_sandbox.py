@@ -257,7 +257,7 @@ def test_processor_time_beyond_the_limit_ends_a_process_with_a_reason() -> None:
     where = WhereItStood(["x.fmu"], Stage.STEP, 0, 0.1, "", Policy(), 0)
     assert crash_message(where, done.returncode) == (
         "'x.fmu' crashed (SIGXCPU) while stepping after t = 0.1 s; it used more processor time "
-        "than time_limit_s on all cores; raise it if it is slow"
+        "than its time limit on all cores; raise time_limit in the twin file if it is slow"
     )
 
 

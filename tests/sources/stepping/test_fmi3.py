@@ -177,12 +177,15 @@ def test_a_step_that_does_not_end_well_is_told(
     assert native.outcome.warnings == (7 if demand == 5 else 0)
 
 
-def test_an_array_is_refused_by_name_and_the_rest_of_its_fmu_runs(write_twin: WriteTwin) -> None:
+def test_an_array_is_refused_by_name_and_its_elements_are_told(write_twin: WriteTwin) -> None:
     shown = CliRunner().invoke(app, ["inspect", str(TYPES)]).output
     assert "runs here: yes" in shown
-    assert "  vector array of 3, not used\n" in shown
+    assert "  vector[1] = 0\n  vector[2] = 0\n  vector[3] = 0\n" in shown
     text = PASS_THROUGH.replace('"in.float64"', '"vector"')
-    with pytest.raises(TwinFileError, match="single number, 'vector' is an array of 3; ask its"):
+    with pytest.raises(
+        TwinFileError,
+        match=r"'vector' is an array of 3; name one of its elements, such as 'vector\[1\]'",
+    ):
         binding_of(write_twin(text, TYPES))
 
 

@@ -104,7 +104,7 @@ def test_a_stop_is_the_same_with_its_rows_and_its_words(
     fault: int, status: str, words: str, stepped: Stepped, write_twin: WriteTwin
 ) -> None:
     path = write_twin(FAULTY, TEST_FMUS / "faulty.fmu")
-    native, python = stepped(path, chirp(), fault=fault, at=0.3195)
+    native, python = stepped(path, chirp(), fault=fault, at=0.0195)
     assert_same(native, python)
     assert native.outcome.status == status
     assert words in native.outcome.message
@@ -114,7 +114,7 @@ def test_a_stop_is_the_same_with_its_rows_and_its_words(
 
 def test_warnings_are_counted_alike(stepped: Stepped, write_twin: WriteTwin) -> None:
     path = write_twin(FAULTY, TEST_FMUS / "faulty.fmu")
-    native, python = stepped(path, chirp(), fault=9, at=0.3195)
+    native, python = stepped(path, chirp(), fault=9, at=0.0195)
     assert_same(native, python)
     assert native.outcome.warnings == 379
 

@@ -156,8 +156,8 @@ def test_fmus_are_paths_or_our_own_controllers() -> None:
             "ax7.toml: states: no state 'speed'",
         ),
         (
-            MINIMAL + "[parameters]\nJ = 'big'\n",
-            "ax7.toml: [parameters] 'J': expected number, got 'big'",
+            MINIMAL + "[parameters]\nJ = [1.0]\n",
+            "ax7.toml: [parameters] 'J': expected number, got [1.0]",
         ),
         (
             MINIMAL.replace('fmu = "a.fmu"\n', "") + "[fmus]\nc = { kind = 'pdi' }\n",

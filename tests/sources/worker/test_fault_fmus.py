@@ -68,7 +68,9 @@ def in_step(status: str, says: str) -> Gets:
 VENDOR = "while being instantiated; check that its licence and resources are in place, or ask its"
 INITIAL = "while initialising; check its parameters and initial values, or ask its vendor"
 OTHER = "while stepping after t = 0.05 s; try other gains or parameters, or ask its vendor"
-SLOW = "raise time_limit_s if it is slow, else it hangs there"
+SLOW = "raise time_limit in the twin file if it is slow, else it hangs there"
+SETUP = "between fmi2SetupExperiment and fmi2ExitInitializationMode"
+CALL = "fmi2DoStep, or setting or reading values"
 ONE_A_PROCESS = "each run gets a process of its own from now on"
 GETS = {
     "none": Gets("ok"),
@@ -77,16 +79,18 @@ GETS = {
     "hang_on_load": at_start("timeout", "did not load within 2 s: it hangs there, or waits for a"),
     "segfault_on_instantiate": at_start("crashed", f"crashed (SIGSEGV) {VENDOR}"),
     "exit_on_instantiate": at_start("crashed", f"ended its process with exit code 0 {VENDOR}"),
-    "hang_on_instantiate": at_start("timeout", f"stopped while being instantiated; {SLOW}"),
+    "hang_on_instantiate": at_start(
+        "timeout", f"stopped while being instantiated (fmi2Instantiate); {SLOW}"
+    ),
     "segfault_on_setup": at_start("crashed", f"crashed (SIGSEGV) {INITIAL}"),
     "segfault_on_initialise": at_start("crashed", f"crashed (SIGSEGV) {INITIAL}"),
-    "hang_on_initialise": at_start("timeout", f"stopped while initialising; {SLOW}"),
+    "hang_on_initialise": at_start("timeout", f"stopped while initialising ({SETUP}); {SLOW}"),
     "segfault_on_set": at_start("crashed", "crashed (SIGSEGV) while stepping after t = 0 s; try"),
     "segfault_on_get": at_start("crashed", "crashed (SIGSEGV) while stepping; try other gains"),
     "segfault_in_step": in_step("crashed", f"crashed (SIGSEGV) {OTHER}"),
     "abort_in_step": in_step("crashed", f"crashed (SIGABRT) {OTHER}"),
     "exit_in_step": in_step("crashed", f"ended its process with exit code 0 {OTHER}"),
-    "hang_in_step": in_step("timeout", f"stopped while stepping after t = 0.05 s; {SLOW}"),
+    "hang_in_step": in_step("timeout", f"stopped while stepping after t = 0.05 s ({CALL}); {SLOW}"),
     "segfault_on_free": Gets("ok", warns=f"falls when it is freed: {ONE_A_PROCESS}"),
     "hang_on_free": Gets("ok", warns=f"falls when it is freed: {ONE_A_PROCESS}"),
     "nan": in_step("diverged", "diverged: an output is not finite at t = 0.051 s; the gains or p"),

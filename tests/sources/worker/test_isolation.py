@@ -94,10 +94,14 @@ def test_a_hang_ends_at_the_limit_and_the_next_run_is_well(stage: int, faulty: P
         failed = twin.run({}, RAMP, parameters={"fault": 3, "stage": stage, "at": 0.05})
         assert time.monotonic() - started < 5.0
         assert failed.status == "timeout"
-        where = "stepping after t = 0.05 s" if stage == 2 else "initialising"
+        where = (
+            "stepping after t = 0.05 s (fmi2DoStep, or setting or reading values)"
+            if stage == 2
+            else "initialising (between fmi2SetupExperiment and fmi2ExitInitializationMode)"
+        )
         assert failed.message == (
-            f"'faulty.fmu' did not finish within 0.5 s, stopped while {where}; raise time_limit_s "
-            "if it is slow, else it hangs there"
+            f"'faulty.fmu' did not finish within 0.5 s, stopped while {where}; raise time_limit "
+            "in the twin file if it is slow, else it hangs there"
         )
         assert len(failed) == (51 if stage == 2 else 1)
         assert twin.run({}, RAMP).status == "ok"

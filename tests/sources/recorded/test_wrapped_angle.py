@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, check
-from gmfbo.diagnosis.checking.wrapped_angle import unwrapped, without_jumps
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.wrapped_angle import unwrapped, without_jumps
+from tests.diagnosis.servo_recordings import rewritten
 from tests.diagnosis.short_recordings import SERVO
 
 Array = NDArray[np.float64]
@@ -109,3 +112,36 @@ def test_check_finds_nothing_wrong_with_a_wrapped_position(
     seen = check(twin, [wrapped], jobs=1)
     assert not [f for f in seen.findings if f.kind != "no_reversal"]
     assert "rec0.csv: position jumps by a full turn: it wraps; unwrapped" in seen.notes
+
+
+def stated(wrapped: bool, tmp_path: Path) -> FmuTwin:
+    entry = f'position = {{ variable = "position", wrapped = {str(wrapped).lower()} }}'
+    plain = '[outputs]\nposition = "position"'
+    return rewritten("servo_axis", tmp_path, {plain: f"[outputs]\n{entry}"})
+
+
+def test_wrapped_true_unwraps_what_moves_too_fast_to_be_recognised(
+    turned: Recording, tmp_path: Path
+) -> None:
+    """Every 100th row: steps of up to 0.38 of a turn."""
+    position = turned.signal("position")[::100]
+    assert without_jumps(centred(position), "rad") is None
+    few = Recording(
+        time=turned.time[::100], signals={"position": centred(position)}, name="few.csv"
+    )
+    whole, notes = unwrapped(few, stated(True, tmp_path))
+    np.testing.assert_allclose(whole.signal("position"), position, atol=1e-9)
+    assert notes == ("few.csv: position jumps by a full turn: it wraps; unwrapped",)
+
+
+def test_wrapped_false_leaves_an_angle_as_it_is(turned: Recording, tmp_path: Path) -> None:
+    wrapped = turned.with_signals({"position": centred(turned.signal("position"))})
+    assert unwrapped(wrapped, stated(False, tmp_path)) == (wrapped, ())
+
+
+def test_wrapped_true_changes_nothing_where_nothing_jumps(
+    turned: Recording, tmp_path: Path
+) -> None:
+    whole, notes = unwrapped(turned, stated(True, tmp_path))
+    assert notes == ()
+    np.testing.assert_array_equal(whole.signal("position"), turned.signal("position"))

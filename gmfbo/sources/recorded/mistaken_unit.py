@@ -8,7 +8,7 @@ from gmfbo.units import parse_unit
 
 _COMMON = ("deg", "rev", "deg/s", "rpm", "rev/s", "mm", "cm", "in", "mm/s", "m/min")
 
-_AXIS_GAIN = 1.3
+AXIS_GAIN = 1.3
 """Factor by which a right column may differ from a twin that follows the same reference.
 
 The largest of the library's effects, a wrong scale of the sensor, makes 1 / 0.77.
@@ -33,7 +33,7 @@ def mistaken_unit(unit: str, gain: float) -> str | None:
     found = {name: times_si(name) for name in _candidates(unit)}
     away = {name: abs(math.log(abs(gain) / ratio)) for name, ratio in found.items()}
     nearest = min(away, key=lambda name: away[name], default=None)
-    if nearest is None or away[nearest] > math.log(_AXIS_GAIN):
+    if nearest is None or away[nearest] > math.log(AXIS_GAIN):
         return None
     return nearest if away[nearest] < abs(math.log(abs(gain))) else None
 

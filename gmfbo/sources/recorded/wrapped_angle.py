@@ -21,6 +21,7 @@ def unwrapped(recording: Recording, twin: FmuTwin) -> tuple[Recording, tuple[str
     """Undo the wrapping of angles, unless the twin wraps them as well.
 
     A reference is unwrapped only beside a position: alone, it may have been asked to jump.
+    `wrapped` in an entry of the twin file decides instead.
 
     Parameters
     ----------
@@ -34,29 +35,44 @@ def unwrapped(recording: Recording, twin: FmuTwin) -> tuple[Recording, tuple[str
     tuple of Recording and tuple of str
         The recording, and a note for each signal that was unwrapped.
     """
-    file, units = twin.file, _units(twin)
-    angles = [n for n in units if n in recording.signals and units[n] in ("rad", "")]
-    changed = {
-        name: whole
-        for name in angles
-        if name in file.outputs
-        and (whole := without_jumps(recording.signal(name), units[name])) is not None
+    changed = _whole_angles(recording, twin, _units(twin))
+    label = recording.name or "recording"
+    notes = tuple(
+        f"{label}: {n} jumps by a full turn: it wraps; unwrapped"
+        for n in changed
+        if not np.array_equal(changed[n], recording.signal(n), equal_nan=True)
+    )
+    return (recording.with_signals(changed) if changed else recording), notes
+
+
+def _whole_angles(recording: Recording, twin: FmuTwin, units: dict[str, str]) -> dict[str, Array]:
+    """Signals that wrap, without their jumps; outputs begin in the turn of their reference."""
+    file = twin.file
+    stated = {n: e.wrapped for n, e in (file.inputs | file.outputs).items()}
+    forced = {
+        name: _without_any_jump(recording.signal(name), units[name])
+        for name, wraps in stated.items()
+        if wraps and np.isfinite(recording.signals.get(name, np.nan)).any()
     }
-    if not changed or _wraps_itself(twin, recording, changed, units):
-        return recording, ()
-    for name in angles:
-        whole = without_jumps(recording.signal(name), units[name])
-        if name in file.inputs and whole is not None:
-            changed[name] = whole
-    turns = {name: _turn(recording.signal(name), units[name]) for name in changed}
+    seen = {
+        name: whole
+        for name, unit in units.items()
+        if name in recording.signals and unit in ("rad", "") and stated[name] is None
+        if (whole := without_jumps(recording.signal(name), unit)) is not None
+    }
+    outputs = {name: whole for name, whole in seen.items() if name in file.outputs}
+    if outputs and _wraps_itself(twin, recording, outputs, units):
+        outputs = {}
+    changed = outputs | forced
+    if any(name in file.outputs for name in changed):
+        changed |= {name: whole for name, whole in seen.items() if name in file.inputs}
     for name in [n for n in changed if n in file.outputs]:
         start = _reference_start(recording, changed, units, name)
         if start is not None:
+            turn = _turn(recording.signal(name), units[name])
             own = changed[name][np.isfinite(changed[name])][0]
-            changed[name] = changed[name] + turns[name] * np.round((start - own) / turns[name])
-    label = recording.name or "recording"
-    notes = tuple(f"{label}: {n} jumps by a full turn: it wraps; unwrapped" for n in changed)
-    return recording.with_signals(changed), notes
+            changed[name] = changed[name] + turn * np.round((start - own) / turn)
+    return changed
 
 
 def without_jumps(values: Array, unit: str) -> Array | None:
@@ -86,6 +102,14 @@ def without_jumps(values: Array, unit: str) -> Array | None:
         return None
     found = values.copy()
     found[known] = whole
+    return found
+
+
+def _without_any_jump(values: Array, unit: str) -> Array:
+    """Return an angle that is stated to wrap without its jumps, however fast it moves."""
+    found, known = values.copy(), np.isfinite(values)
+    if known.any():
+        found[known] = np.unwrap(values[known], period=_turn(values, unit))
     return found
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, check
-from gmfbo.diagnosis.checking.missing_signals import missing_signals
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.missing_signals import missing_signals
 from tests.diagnosis.short_recordings import SERVO
 
 

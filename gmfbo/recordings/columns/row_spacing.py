@@ -1,0 +1,75 @@
+"""Row spacing of a recording against the step of its twin: a clock in another unit shows there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gmfbo.recordings.columns.columns import Column, RecordedColumns
+from gmfbo.units import number, parse_unit
+
+_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+_MOST_STEPS = 100.0
+"""Steps of a twin between two rows, beyond which the rows show nothing of what it computes.
+
+Loggers are a tenth to ten times as fast as the twin steps; times in ms that are read as seconds
+make that 100 to 10,000.
+"""
+
+_FEWEST_STEPS = 10.0
+"""Steps of a twin in a whole recording, below which there is nothing to compare."""
+
+_LEAST_ROWS = 64
+"""Fewest rows that a recording needs; so many in so few steps are no slow logger."""
+
+
+def check_spacing(file: RecordedColumns, clock: Column, name: str, step: float) -> None:
+    """Raise where rows lie as far apart, or as close, as only another unit of time explains.
+
+    Parameters
+    ----------
+    file : RecordedColumns
+        For the message.
+    clock : Column
+        Times as they were recorded, increasing or equal; its unit is one of time.
+    name : str
+        Of the clock's column in the file.
+    step : float
+        [s] Communication step of the twin.
+
+    Raises
+    ------
+    RecordingError
+        The message names the likely unit, and the line that states it.
+    """
+    # Rows of one instant are read as one.
+    recorded = clock.values[np.append(True, np.diff(clock.values) != 0.0)]
+    unit = parse_unit(clock.unit or "s")
+    if recorded.size < 2 or unit is None:
+        return
+    time, apart = unit.to_si(recorded), float(np.median(np.diff(recorded)))
+    spacing, duration = float(np.median(np.diff(time))), float(time[-1] - time[0])
+    # A step of 1 ms that was written as 0.99 ms is no other number of steps.
+    far = spacing > 1.01 * _MOST_STEPS * step
+    close = duration < _FEWEST_STEPS * step and time.size >= _LEAST_ROWS
+    if not (far or close):
+        return
+    likely = _likely(apart, step)
+    if math.isclose(spacing, apart * _UNITS[likely]):
+        return
+    steps = round(spacing / step)
+    seen = f"rows {spacing:,.9g} s apart, {steps:,} steps of the twin each"
+    if close:
+        seen = f"{time.size:,} rows in {number(duration / step)} steps of the twin"
+    stated = clock.unit or "s"
+    raise file.refuse(
+        f'{seen}; is the time in {likely}? write time = {{ column = "{name}", unit = "{likely}" }} '
+        f'in [columns] of the twin file, or unit = "{stated}" there if it is right'
+    )
+
+
+def _likely(spacing: float, step: float) -> str:
+    """Unit of time in which a spacing is nearest to the step, by its logarithm."""
+    return min(_UNITS, key=lambda unit: abs(math.log(spacing * _UNITS[unit] / step)))
