@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,12 +31,16 @@ from gmfbo.diagnosis.naming.decision_told import (
 )
 from gmfbo.diagnosis.naming.open_explanations import predictions_of
 from gmfbo.diagnosis.outside.free_function import Unnamed
+from gmfbo.diagnosis.result.estimated import EstimatedParameter
+from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.result.whereabouts import Location, Shape
 from gmfbo.diagnosis.stage_times import Progress
+from gmfbo.diagnosis.validating.drifting_parameters import drifts_of
 from gmfbo.diagnosis.validating.reference_tests import residual_tests
+from gmfbo.diagnosis.validating.remainder_place import remainder_of
 from gmfbo.diagnosis.validating.validation import Validated
 from gmfbo.physics import CATALOGUE, Units
 
@@ -88,7 +92,9 @@ class Conclusion:
         progress("aligning the columns", 0.93)
         alignment = alignments(case, result.augmented, self.reasons)
         progress("locating", 0.95)
-        named = named_effects(decision, result.augmented, spread, self.units)
+        names = [found.winner.name for found in decision.rounds]
+        shares = {name: result.squares.share(name) for name in names}
+        named = named_effects(decision, result.augmented, spread, self.units, shares)
         tests = residual_tests(self.unseen or case, result.curves, result.scored)
         verdict = self._verdict(tests)
         location = self._location(verdict)
@@ -99,7 +105,7 @@ class Conclusion:
             verdict=verdict,
             evidence=self._sufficiency,
             effects=named,
-            parameters=estimated(self._measured, spread, case.twin, stated_ranges(case.twin)),
+            parameters=self._parameters(spread),
             combinations=combinations_of(self._measured),
             alignment=alignment,
             detectable=detectable_sizes(
@@ -118,14 +124,45 @@ class Conclusion:
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
             seed=seed,
             versions=_versions(),
-            notes=tuple(case.notes),
+            notes=(*case.notes, *self._no_twin),
             predictions=predictions_of(case, decision, result.augmented, self.units),
             latent=self._latent,
             residual_tests=tests,
+            remainder=self._remainder,
             converged=result.augmented.converged,
             curves=result.curves,
-            augmentation=augmentation_of(case, result.augmented, self.units),
+            augmentation=(
+                None
+                if result.nominal_is_better
+                else augmentation_of(case, result.augmented, self.units)
+            ),
         )
+
+    @property
+    def _no_twin(self) -> tuple[str, ...]:
+        """Why no corrected twin is handed back; nothing where one is."""
+        if not self.result.nominal_is_better:
+            return ()
+        return (
+            "no corrected twin is handed back: the twin as it came meets the held-out recordings "
+            "better",
+        )
+
+    def _parameters(self, spread: Spread) -> dict[str, EstimatedParameter]:
+        case, decision = self.case, self.decision
+        found = estimated(self._measured, spread, case.twin, stated_ranges(case.twin))
+        drifts = drifts_of(case, decision.compared, decision.row)
+        return {
+            name: replace(one, drifts=drifts.get(name) if one.identifiable else None)
+            for name, one in found.items()
+        }
+
+    @cached_property
+    def _remainder(self) -> Remainder | None:
+        share = self.result.squares.remainder
+        if share is None:
+            return None
+        return remainder_of(self.case, self.decision.compared, self.decision.row, share)
 
     @cached_property
     def _measured(self) -> Fitted:

@@ -54,11 +54,14 @@ def compensate(
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.compensation.compensation import compensation_of
     from gmfbo.diagnosis.compensation.text import c_text, csv_text, formula, target_words
+    from gmfbo.diagnosis.result.diagnosis_json import read_diagnosis
     from gmfbo.files.durable import cause, write_whole
     from gmfbo.plain_words import number, words
     from gmfbo.units import unit_words
 
-    made = compensation_of(Diagnosis.from_json(folder), str(folder), smoothing)
+    # What version 0.1 found can be cancelled as well.
+    found = read_diagnosis(Diagnosis, folder, also=(1,))
+    made = compensation_of(found, str(folder), smoothing)
     text = csv_text(made) if out.suffix.lower() == ".csv" else c_text(made)
     try:
         write_whole(out, text.encode("utf-8"))

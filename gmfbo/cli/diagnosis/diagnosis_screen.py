@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.result.cautions import NOT_CONVERGED, combinations_text
+from gmfbo.diagnosis.result.cautions import NOT_CONVERGED, combinations_text, drifts_words
 from gmfbo.diagnosis.result.certainty import claim_of_set
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
-from gmfbo.diagnosis.result.removed_error import removed_words
+from gmfbo.diagnosis.result.removed_error import remainder_words, removed_words, share_words
 from gmfbo.diagnosis.result.summary import fit_lines, parameter_texts
 from gmfbo.plain_words import WIDTH, interval, listed, number, probability, words
 
@@ -63,14 +63,16 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     wraps = detail.wraps
     lines = [*_cut(textwrap.wrap(diagnosis.sentence, WIDTH), detail.sentence), ""]
     for effect in diagnosis.effects[: detail.entries]:
-        lines += _effect(effect, wraps)
+        lines += _effect(effect, wraps, len(diagnosis.effects) == 1)
     lines += _entry("or", misaligned_sentence(diagnosis), wraps + 1)
     table = fit_lines(diagnosis)
     lines += table[: detail.entries + 1]
     lines += _entry("removed", removed_words(diagnosis), 2)
+    lines += _entry("left", remainder_words(diagnosis.remainder), wraps)
     lines += _entry("parameters", _refitted(diagnosis), wraps)
     lines += _entry("known only", combinations_text(diagnosis), wraps)
     lines += _entry("caution", "" if diagnosis.converged else NOT_CONVERGED, 1)
+    lines += _entry("drifts", drifts_words(diagnosis), wraps)
     lines += _entry("where", _where(diagnosis), wraps)
     lines += _entry("not testable", _not_testable(diagnosis), wraps)
     lines += _entry("next", _next(diagnosis), wraps)
@@ -110,9 +112,12 @@ def _left_out(diagnosis: Diagnosis, detail: _Detail) -> str:
     return f"{listed(told)}, see the report" if told else ""
 
 
-def _effect(effect: NamedEffect, most: int) -> list[str]:
-    told = f"{claim_of_set(effect)}, probability {probability(effect.probability)}"
-    lines = most + 1 if effect.indistinguishable_from else 1
+def _effect(effect: NamedEffect, most: int, alone: bool) -> list[str]:
+    told = f"{claim_of_set(effect)}, probability {probability(effect.set_probability)}"
+    explained = share_words(effect)
+    if explained and not alone:  # of one alone, it is what is removed
+        told += f"; {explained}"
+    lines = most + 1 if effect.indistinguishable_from or not alone else 1
     return [
         *_entry("missing", told, lines),
         *_entry("", ", ".join(parameter_texts(effect)), most),

@@ -127,6 +127,33 @@ def seen_on(
     return Part(problem, whitening, there)
 
 
+def squares_on(search: Search, ledger: Ledger, parts: Sequence[Part]) -> Array:
+    """Whitened squares by noise alone, shape (1 + n_parts, n_stretches).
+
+    The first row is what noise gives: the number of whitened values.
+
+    Parameters
+    ----------
+    search, ledger
+        As of `part_of`.
+    parts : sequence of Part
+        Fits stated on the same windows; noise is whitened about the last one.
+    """
+    there = replace(search, problem=parts[0].problem)
+    whitening = there.quiet_at(parts[-1].fitted, ledger)
+    whitened = [whitening(part.fitted.residual) for part in parts]
+    counts = _by_stretch(parts[0], [(z != 0.0).astype(float) for z in whitened[0]])
+    return np.array([counts, *(_by_stretch(parts[0], [z**2 for z in zs]) for zs in whitened)])
+
+
+def _by_stretch(part: Part, rows: Sequence[Array]) -> list[float]:
+    return [
+        float(np.sum(values[:, s]))
+        for values, stretches in zip(rows, part.problem.stretches(), strict=True)
+        for s in stretches
+    ]
+
+
 def gains_on(before: Part, after: Part) -> Array:
     """[nats] What one fit has more log density than another on the same stretches, shape (n,).
 
@@ -135,13 +162,9 @@ def gains_on(before: Part, after: Part) -> Array:
     before, after : Part
         Stated on the same windows.
     """
-    squares = []
-    for part in (before, after):
-        rows = []
-        for z, stretches in zip(
-            before.whitening(part.fitted.residual), before.problem.stretches(), strict=True
-        ):
-            rows += [float(np.sum(z[:, s] ** 2)) for s in stretches]
-        squares.append(rows)
+    squares = [
+        _by_stretch(before, [z**2 for z in before.whitening(part.fitted.residual)])
+        for part in (before, after)
+    ]
     fallen: Array = 0.5 * (np.array(squares[0]) - np.array(squares[1]))
     return fallen

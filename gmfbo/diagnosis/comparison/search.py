@@ -96,6 +96,12 @@ class Search:
             )
         )
 
+    def quiet_at(self, fitted: Fitted, ledger: Ledger) -> Whitening:
+        """Whitening by noise alone, without any inadequacy."""
+        levels = ledger.levels
+        ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
+        return self.whitening_at(fitted, ledger.kernels, levels.with_ports(**ports))
+
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
         kernels = self.kernels_at(first)
@@ -199,13 +205,25 @@ class Search:
         rows = dict(ledger.rows)
         for name in elements:
             if elements - {name} not in rows:
-                found = self._without(ledger, rows[elements], name)
+                found = self.without(ledger, rows[elements], name, _WITHOUT)
                 if found is not None:
                     rows[found.elements] = found
         return replace(ledger, rows=rows)
 
-    def _without(self, ledger: Ledger, row: Fitted, name: str) -> Fitted | None:
-        """The row without one of its elements, fitted again."""
+    def without(self, ledger: Ledger, row: Fitted, name: str, iterations: int) -> Fitted | None:
+        """Fit a row without one of its elements.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            Whose whitening it is fitted under.
+        row : Fitted
+            Where the fit begins.
+        name : str
+            The element.
+        iterations : int
+            Most steps.
+        """
         effects = tuple(c for c in row.hypothesis.effects if c.effect != name)
         gone = name.removeprefix("parameter:")
         freed = tuple(f for f in row.freed if f != gone)
@@ -215,7 +233,7 @@ class Search:
             setting = replace(setting, uncertain=kept)
         hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
         search = ModeSearch(self.problem, ledger.whitening, hypothesis, freed)
-        return search.fitted(row.parameters, row.nuisances, iterations=_WITHOUT)
+        return search.fitted(row.parameters, row.nuisances, iterations=iterations)
 
     def _fitted(
         self,

@@ -103,10 +103,10 @@ def _remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
         if effect.indistinguishable_from
     )
     weak = tuple(
-        f"{set_words(effect)} has a probability of {probability(effect.probability)} only: see on "
-        "the axis whether this helps"
+        f"{set_words(effect)} has a probability of {probability(effect.set_probability)} only: "
+        "see on the axis whether this helps"
         for effect in diagnosis.effects
-        if not is_sure(effect.probability)
+        if not is_sure(effect.set_probability)
     )
     return sets + weak
 

@@ -228,9 +228,7 @@ def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, 
 
 def _share(compared: Compared, base: Row, row: Row) -> float | None:
     """Of the square that the refitted twin leaves beyond noise, what the model explains."""
-    quiet = compared.ledger.levels
-    quiet = quiet.with_ports(**dict.fromkeys(set(quiet.ports) - {"sensor"}, 0.0))
-    whitening = compared.search.whitening_at(base, compared.ledger.kernels, quiet)
+    whitening = compared.search.quiet_at(base, compared.ledger)
     left = [sum(float(np.sum(z**2)) for z in whitening(one.residual)) for one in (base, row)]
     size = sum(z.size for z in whitening(base.residual))
     beyond = left[0] - size

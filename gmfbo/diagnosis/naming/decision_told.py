@@ -15,6 +15,7 @@ from gmfbo.diagnosis.fitting.intervals import Spread
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.diagnosis.result.certainty import statement_of
+from gmfbo.diagnosis.result.explained import Share
 from gmfbo.diagnosis.result.named_effect import (
     DetectableSize,
     IdentifiedValue,
@@ -51,7 +52,11 @@ def units_of(case: Case) -> Units:
 
 
 def named_effects(
-    decision: Decision, augmented: Fitted, spread: Spread, units: Units
+    decision: Decision,
+    augmented: Fitted,
+    spread: Spread,
+    units: Units,
+    shares: Mapping[str, Share | None],
 ) -> tuple[NamedEffect, ...]:
     """Accepted effects at the values that the held-out recordings were scored with.
 
@@ -65,6 +70,8 @@ def named_effects(
         Of that fit.
     units : Units
         Of the twin.
+    shares : mapping of str to Share or None
+        What each effect explains.
     """
     place = len(augmented.hypothesis.setting.uncertain)
     identified: dict[str, dict[str, IdentifiedValue]] = {}
@@ -88,7 +95,7 @@ def named_effects(
             NamedEffect(
                 name=name,
                 port=law.port,
-                probability=found.probability,
+                probability=found.shares[0].probability if found.shares else found.probability,
                 statement=statement_of(fact, found.names, found.probability),
                 equation=law.equation,
                 parameters=identified[name],
@@ -97,6 +104,7 @@ def named_effects(
                 evidence_per_recording=found.per_recording,
                 indistinguishable_from=found.names[1:],
                 rivals=found.shares,
+                share=shares.get(name),
             )
         )
     return tuple(named)

@@ -12,6 +12,7 @@ from gmfbo.pages.html_page import columns, paragraph, table
 from gmfbo.pages.marked_number import (
     marked_interval,
     marked_number,
+    marked_percent,
     marked_probability,
 )
 from gmfbo.physics import CATALOGUE
@@ -38,8 +39,10 @@ def effect_account(place: int, diagnosis: Findings) -> str:
     own, said = ("effects", place), claim(effect)
     evidence = marked_number((*own, "evidence"), effect.evidence)
     threshold = marked_number((*own, "threshold"), effect.threshold)
+    known = marked_probability((*own, "probability"), effect.probability)
+    whose = f" that it is {escape(words(effect.name))}" if effect.indistinguishable_from else ""
     sure = (
-        f"<p>Probability <b>{marked_probability((*own, 'probability'), effect.probability)}</b>. "
+        f"<p>Probability{whose} <b>{known}</b>. "
         f"Log odds {evidence} against the best explanation without it ({threshold} is a "
         "probability of 0.95). It acts at the "
         f"{escape(words(effect.port))} port.</p>"
@@ -50,10 +53,24 @@ def effect_account(place: int, diagnosis: Findings) -> str:
             paragraph(effect.statement),
             f'<p class="law">{law_html(effect.equation)}</p>',
             sure,
+            _share(own, effect),
             _parameters(place, effect),
             columns(_rivals(place, effect), _recordings(place, effect, diagnosis)),
             "</article>",
         )
+    )
+
+
+def _share(own: tuple[str | int, ...], effect: NamedEffect) -> str:
+    if effect.share is None:
+        return ""
+    value, low, high = (
+        marked_percent((*own, "share", end), getattr(effect.share, end))
+        for end in ("value", "low", "high")
+    )
+    return (
+        f"<p>Of what is more than noise in the held-out recordings, it explains <b>{value}</b> "
+        f"({low} to {high}).</p>"
     )
 
 
@@ -94,8 +111,7 @@ def _rivals(place: int, effect: NamedEffect) -> str:
         rows.append([escape(words(name)), share, escape(apart.get(name, ""))])
     told = (
         "These explain the recordings as well; equation and values above are those of the first. "
-        "The probability above is that of all of them "
-        "together; here it is divided by how well each fits."
+        "The probability on top is that one of them is at work; here is that of each."
     )
     listed = table(["rival", "probability", "what would tell it apart"], rows, numbers=(1,), best=0)
     return f"<h4>Rivals</h4>{paragraph(told)}{listed}"

@@ -11,7 +11,12 @@ from typing import TYPE_CHECKING
 from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
 from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
-from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, removed_percent, still_follows
+from gmfbo.diagnosis.result.removed_error import (
+    STILL_FOLLOWS,
+    remainder_words,
+    removed_percent,
+    still_follows,
+)
 from gmfbo.diagnosis.result.sentence import verdict_sentence
 from gmfbo.pages.html_page import paragraph, table
 from gmfbo.pages.marked_number import (
@@ -27,6 +32,7 @@ from gmfbo.plain_words import percent, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
+    from gmfbo.diagnosis.result.held_out_errors import Fit
     from gmfbo.diagnosis.result.named_effect import NamedEffect
 
 VERDICTS: Mapping[str, str] = {
@@ -45,6 +51,7 @@ _QUANTITY = re.compile(
 )
 _ASSURING = ("coulomb_friction", "backlash", "transport_delay", "cogging_torque")
 _MODELS = ("nominal", "parameters_only", "augmented", "unnamed_spline", "noise_floor")
+_UNCORRECTED = ("nominal", "parameters_only", "augmented")
 _SWATCHES = {**STYLES, "unnamed_spline": "spline", "noise_floor": "floor"}
 
 
@@ -89,7 +96,7 @@ def _head(diagnosis: Findings) -> str:
 
 def verdict_words(diagnosis: Findings) -> str:
     """Name of the verdict; physics of which no name is sure only "may be missing"."""
-    sure = any(is_sure(effect.probability) for effect in diagnosis.effects)
+    sure = any(is_sure(effect.set_probability) for effect in diagnosis.effects)
     told = VERDICTS[diagnosis.verdict]
     return told if sure or diagnosis.verdict != "missing_physics" else "physics may be missing"
 
@@ -138,15 +145,37 @@ def _error_table(diagnosis: Findings) -> str:
         ]
         for model in known
     ]
+    rows += _free_runs(fit)
     heads = ["error, unseen recordings", *(words(name) for name in fit.signals)]
     best = known.index("augmented") if "augmented" in known else None
     told = table(heads, rows, numbers=range(1, len(heads)), style="wide errors", best=best)
     return told + paragraph("RMS error over the range of the recorded signal.", "soft small")
 
 
+def _free_runs(fit: Fit) -> list[list[str]]:
+    """Errors of an open-loop twin that nothing corrects."""
+    if not any(one.free_run for one in fit.signals.values()):
+        return []
+    return [
+        [
+            f"{swatch(_SWATCHES[model])}{WORDS[model]}, whole and uncorrected",
+            *(
+                marked_percent(
+                    ("fit", "signals", name, "free_run", model), getattr(one.free_run, model)
+                )
+                if one.free_run
+                else ""
+                for name, one in fit.signals.items()
+            ),
+        ]
+        for model in _UNCORRECTED
+    ]
+
+
 def _key_facts(diagnosis: Findings) -> str:
     facts = [_effect_fact(place, effect) for place, effect in enumerate(diagnosis.effects)]
     facts += _removed(diagnosis)
+    facts += _left(diagnosis)
     if not diagnosis.effects and diagnosis.shape is None:
         facts += [*_moved_parameters(diagnosis), *_would_have_shown(diagnosis)]
     if misaligned := misaligned_sentence(diagnosis):
@@ -169,6 +198,15 @@ def _removed(diagnosis: Findings) -> list[str]:
     shown = marked(path, told.removesuffix(" %"), factor=0.01, digits=digits)
     left = f"; {STILL_FOLLOWS}" if still_follows(diagnosis) else ""
     return [f"<b>{shown}\u00a0%</b> of the error that physics can explain is removed{left}"]
+
+
+def _left(diagnosis: Findings) -> list[str]:
+    """What no law explains."""
+    told, remainder = remainder_words(diagnosis.remainder), diagnosis.remainder
+    if not told or remainder is None:
+        return []
+    shown = marked_percent(("remainder", "share"), remainder.share)
+    return [f"<b>{shown}</b>{escape(told.removeprefix(percent(remainder.share)))}"]
 
 
 def _moved_parameters(diagnosis: Findings) -> list[str]:
@@ -203,7 +241,7 @@ def _would_have_shown(diagnosis: Findings) -> list[str]:
 
 def _effect_fact(place: int, effect: NamedEffect) -> str:
     own = ("effects", place)
-    sure = marked_probability((*own, "probability"), effect.probability)
+    sure = marked_probability((*own, "set_probability"), effect.set_probability)
     values = []
     for name, one in list(effect.parameters.items())[:2]:
         path = (*own, "parameters", name)

@@ -68,7 +68,7 @@ def diagnosis_page(diagnosis: Findings) -> str:
 
 
 def _missing_head(diagnosis: Findings) -> str:
-    sure = any(is_sure(effect.probability) for effect in diagnosis.effects)
+    sure = any(is_sure(effect.set_probability) for effect in diagnosis.effects)
     return "What is missing" if sure else "What may be missing"
 
 

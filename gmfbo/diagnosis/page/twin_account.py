@@ -38,7 +38,24 @@ def parameter_table(diagnosis: Findings) -> str:
             interval += f" (its range ends at {end})"
         rows.append([escape(name), nominal, value, interval, unit])
     heads = ["parameter", "in the twin", "refitted", "95 % interval", "unit"]
-    return table(heads, rows, numbers=(1, 2, 3))
+    return table(heads, rows, numbers=(1, 2, 3)) + _drifts(diagnosis)
+
+
+def _drifts(diagnosis: Findings) -> str:
+    """Values of parameters that differ from recording to recording."""
+    told = []
+    for name, one in diagnosis.parameters.items():
+        if one.drifts:
+            factor = scale_for(max(abs(v) for v in one.drifts.values()), one.unit).factor
+            rows = [
+                [
+                    escape(recording),
+                    marked_number(("parameters", name, "drifts", recording), value, factor=factor),
+                ]
+                for recording, value in one.drifts.items()
+            ]
+            told.append(table([f"{escape(name)} in", "value"], rows, numbers=(1,)))
+    return "".join(told)
 
 
 def combination_table(diagnosis: Findings) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gmfbo.plain_words import interval, listed, quantity
+from gmfbo.plain_words import interval, listed, percent, quantity
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.estimated import EstimatedParameter
@@ -16,10 +16,26 @@ NOT_CONVERGED = "The fit of these values was stopped before it had converged."
 
 def cautions(diagnosis: Findings) -> tuple[str, ...]:
     """Sentences that belong beside the values of a diagnosis; none where all is well."""
-    told = (not_compared(diagnosis), too_narrow_ranges(diagnosis), range_ends(diagnosis))
+    told = [not_compared(diagnosis), too_narrow_ranges(diagnosis), range_ends(diagnosis)]
+    told.append(drifts_words(diagnosis))
     moving = f"{NOT_CONVERGED} They, and their intervals, may still move."
     stopped = "" if diagnosis.converged else moving
     return tuple(filter(None, (*told, stopped)))
+
+
+def drifts_words(diagnosis: Findings) -> str:
+    """Sentences about parameters that differ from recording to recording; empty without any."""
+    told = []
+    for name, one in diagnosis.parameters.items():
+        if one.drifts:
+            first, *_, last = one.drifts
+            change = one.drifts[last] / one.drifts[first] - 1.0
+            verb = "rises" if change > 0.0 else "falls"
+            told.append(
+                f"{name} differs from recording to recording: it {verb} by {percent(abs(change))} "
+                f"from {first} to {last}."
+            )
+    return " ".join(told)
 
 
 def not_compared(diagnosis: Findings) -> str:

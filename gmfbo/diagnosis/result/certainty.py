@@ -67,7 +67,7 @@ def set_words(effect: NamedEffect) -> str:
 def claim(effect: NamedEffect) -> str:
     """Name or set of an effect, with "may be" in front where it is not sure."""
     said = set_words(effect)
-    return said if is_sure(effect.probability) else f"may be {said}"
+    return said if is_sure(effect.set_probability) else f"may be {said}"
 
 
 def claim_of_set(effect: NamedEffect) -> str:
@@ -77,7 +77,7 @@ def claim_of_set(effect: NamedEffect) -> str:
 
 def label(effect: NamedEffect) -> str:
     """Short name of an effect for a drawing; with a question mark unless it alone is sure."""
-    alone = len(effect.set) == 1 and is_sure(effect.probability)
+    alone = len(effect.set) == 1 and is_sure(effect.set_probability)
     return words(effect.name) if alone else f"{words(effect.name)}?"
 
 

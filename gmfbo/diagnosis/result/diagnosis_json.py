@@ -15,11 +15,11 @@ from gmfbo.diagnosis.result.findings import Findings
 from gmfbo.diagnosis.result.named_effect import DetectableSize, NamedEffect
 from gmfbo.errors import InputError
 
-SCHEMA = 1
+SCHEMA = 2
 NOT_IN_JSON = ("curves", "augmentation", "exported", "next_reference")
 DERIVED: Mapping[type, tuple[str, ...]] = {
     Findings: ("statement_probability",),
-    NamedEffect: ("set",),
+    NamedEffect: ("set", "set_probability"),
 }
 """Properties that are written beside the fields, for other programs, and not read back."""
 
@@ -32,12 +32,12 @@ class _Misfit(Exception):
 
 
 def diagnosis_text(diagnosis: Findings) -> str:
-    """Return a diagnosis as JSON, schema 1, with a line end; NaN and infinities become null."""
+    """Return a diagnosis as JSON, schema 2, with a line end; NaN and infinities become null."""
     content = {"schema": SCHEMA, **_plain(diagnosis)}
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def read_diagnosis(kind: type[F], path: Path) -> F:
+def read_diagnosis(kind: type[F], path: Path, *, also: tuple[int, ...] = ()) -> F:
     """Read a `diagnosis.json`.
 
     Parameters
@@ -46,6 +46,8 @@ def read_diagnosis(kind: type[F], path: Path) -> F:
         `Findings`, or a class that adds no fields to it.
     path : Path
         The file, or the folder that holds it.
+    also : tuple of int
+        Older schemas that will do; what they lack keeps its default.
 
     Returns
     -------
@@ -55,7 +57,7 @@ def read_diagnosis(kind: type[F], path: Path) -> F:
     Raises
     ------
     InputError
-        There is no such file, or its content is not schema 1.
+        There is no such file, or its content is of another schema.
     """
     path = path / "diagnosis.json" if path.is_dir() else path
     try:
@@ -68,14 +70,23 @@ def read_diagnosis(kind: type[F], path: Path) -> F:
     except ValueError as error:
         raise InputError(f"{path.name}: expected JSON, but {error}; diagnose again") from None
     schema = content.get("schema") if isinstance(content, dict) else None
-    if schema != SCHEMA:
-        raise InputError(f"{path.name}: expected schema {SCHEMA}, got {schema}; diagnose again")
+    if schema not in (SCHEMA, *also):
+        raise InputError(f"{path.name}: {_whose(content, schema)}; diagnose again")
     try:
         values = _fields(kind, content, path.name)
     except _Misfit as misfit:
         raise InputError(f"{misfit}; diagnose again") from None
     twin_file = path.with_name("augmented.toml")
     return kind(**values, exported=twin_file if twin_file.is_file() else None)
+
+
+def _whose(content: Any, schema: Any) -> str:
+    """Words for a file of another schema: the version that wrote it, where that is known."""
+    if schema == 1:
+        made = content.get("versions")
+        version = made.get("gmfbo", "0.1") if isinstance(made, dict) else "0.1"
+        return f"made by gmfbo {version}, of schema 1 where {SCHEMA} is expected"
+    return f"expected schema {SCHEMA}, got {schema}"
 
 
 def _plain(value: Any) -> Any:

@@ -35,6 +35,8 @@ class EstimatedParameter:
         Where the range stands, or the value of a fixed parameter: twin file and line.
     fixed : bool
         Whether the twin file holds it fixed, and the recordings contradict that.
+    drifts : mapping of str to float, or None
+        [unit] Its value in each recording, where these differ by more than chance.
     """
 
     nominal: float
@@ -47,6 +49,7 @@ class EstimatedParameter:
     bound: float = math.nan
     stated: str = ""
     fixed: bool = False
+    drifts: Mapping[str, float] | None = None
 
     @property
     def is_beyond(self) -> bool:

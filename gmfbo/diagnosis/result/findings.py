@@ -11,6 +11,7 @@ from typing import Literal
 from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.estimated import Alignment, Combination, EstimatedParameter
+from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.held_out_errors import Fit
 from gmfbo.diagnosis.result.named_effect import DetectableSize, NamedEffect, NotTestable
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
@@ -88,6 +89,8 @@ class Findings:
         Whether a residual still follows the reference, on held-out recordings.
     converged : bool
         Whether the fit that gave these values ended by itself; False where it was stopped.
+    remainder : Remainder or None
+        What no law explains; None where no more than noise is left.
     not_compared : tuple of str
         Outputs of the twin that a recording does not hold: signal, recording and nearest column.
     curves : tuple of Curve
@@ -120,6 +123,7 @@ class Findings:
     latent: Shape | None = None
     residual_tests: tuple[ResidualTest, ...] = ()
     converged: bool = True
+    remainder: Remainder | None = None
     not_compared: tuple[str, ...] = ()
     curves: tuple[Curve, ...] = field(default=(), compare=False)
     augmentation: Augmentation | None = field(default=None, compare=False)
@@ -136,4 +140,4 @@ class Findings:
         """
         if self.verdict != "missing_physics" or not self.effects:
             return None
-        return prod(effect.probability for effect in self.effects)
+        return prod(effect.set_probability for effect in self.effects)

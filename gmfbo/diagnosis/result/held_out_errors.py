@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from gmfbo.diagnosis.result.explained import FreeRun
+
 
 @dataclass(frozen=True)
 class SignalFit:
@@ -24,6 +26,8 @@ class SignalFit:
         The refitted twin with a smooth residual that has no name.
     noise_floor : float
         Error of a perfect twin, by noise alone.
+    free_run : FreeRun or None
+        The same over whole recordings without correction, of an open-loop twin.
     """
 
     nominal: float
@@ -31,6 +35,7 @@ class SignalFit:
     augmented: float
     unnamed_spline: float
     noise_floor: float
+    free_run: FreeRun | None = None
 
 
 @dataclass(frozen=True)

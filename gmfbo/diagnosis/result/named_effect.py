@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from gmfbo.diagnosis.result.explained import Share
+
 
 @dataclass(frozen=True)
 class IdentifiedValue:
@@ -28,14 +30,14 @@ class IdentifiedValue:
 
 @dataclass(frozen=True)
 class RivalShare:
-    """One of the explanations that share an effect's probability.
+    """One of the explanations that cannot be told apart.
 
     Attributes
     ----------
     name : str
         The effect itself, or a rival.
     probability : float
-        Its part of the probability.
+        Its own posterior probability.
     """
 
     name: str
@@ -53,10 +55,10 @@ class NamedEffect:
     port : str
         Where it acts: `torque`, `command` or `sensor`.
     probability : float
-        Probability that this effect, or one it cannot be told from, is at work; not calibrated.
+        Posterior probability that this effect is at work.
     statement : str
-        One sentence in plain words, ending in a full stop. Below a probability of 0.8 its verb is
-        "may"; of a set it names all members.
+        One sentence in plain words, ending in a full stop. Below a `set_probability` of 0.8 its
+        verb is "may"; of a set it names all members.
     equation : str
         Its law, in text.
     parameters : mapping of str to IdentifiedValue
@@ -72,7 +74,10 @@ class NamedEffect:
         Effects that explain these recordings equally well; a parameter of the twin is
         `parameter:NAME`.
     rivals : tuple of RivalShare
-        The effect and these, each with its part of the probability; none without rivals.
+        The effect and these, each with its own probability; none without rivals.
+    share : Share or None
+        Of what the refitted twin leaves beyond noise on held-out recordings: what this effect
+        explains. None where there is next to nothing to explain.
     """
 
     name: str
@@ -86,6 +91,14 @@ class NamedEffect:
     evidence_per_recording: Mapping[str, float]
     indistinguishable_from: tuple[str, ...] = ()
     rivals: tuple[RivalShare, ...] = ()
+    share: Share | None = None
+
+    @property
+    def set_probability(self) -> float:
+        """Probability that this effect, or one that it cannot be told from, is at work."""
+        if not self.rivals:
+            return self.probability
+        return min(sum(rival.probability for rival in self.rivals), 1.0)
 
     @property
     def set(self) -> tuple[str, ...]:

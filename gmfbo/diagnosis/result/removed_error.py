@@ -1,16 +1,21 @@
-"""How much of the explainable error the named physics removes, in words."""
+"""How much of the explainable error the named physics removes, and what is left, in words."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
 
-from gmfbo.plain_words import percent
+from gmfbo.plain_words import percent, words
 
 if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.explained import Remainder
     from gmfbo.diagnosis.result.findings import Findings
+    from gmfbo.diagnosis.result.named_effect import NamedEffect
 
 STILL_FOLLOWS = "what is left still follows the reference"
+
+LEAST_TOLD = 0.01
+"""Of what is more than noise: a smaller remainder does not belong in a sentence."""
 
 _MOST_BELOW_ALL = 999  # thousandths: the most that one decimal shows below 100 %
 
@@ -49,3 +54,23 @@ def removed_words(diagnosis: Findings) -> str:
         return ""
     left = f"; {STILL_FOLLOWS}" if still_follows(diagnosis) else ""
     return f"{share} of the error that physics can explain{left}"
+
+
+def share_words(effect: NamedEffect) -> str:
+    """What an effect explains of what is more than noise; empty where that is not known."""
+    share = effect.share
+    if share is None:
+        return ""
+    return f"explains {percent(share.value)} [{percent(share.low)}, {percent(share.high)}]"
+
+
+def remainder_words(remainder: Remainder | None) -> str:
+    """What no law explains, as a clause; empty where it is next to nothing."""
+    if remainder is None or remainder.share < LEAST_TOLD:
+        return ""
+    told = f"{percent(remainder.share)} of what is more than noise is explained by no law"
+    if remainder.against is not None:
+        told += f"; it depends on the {words(remainder.against)}"
+    if remainder.where != "throughout":
+        told += f"; most of it is in {remainder.where}"
+    return told

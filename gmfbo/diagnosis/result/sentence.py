@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
 from gmfbo.diagnosis.result.certainty import is_sure
-from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, still_follows
+from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, remainder_words, still_follows
 from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
 
 if TYPE_CHECKING:
@@ -25,7 +25,8 @@ def verdict_sentence(diagnosis: Findings) -> str:
         "missing_physics": _physics,
         "outside_library": _outside,
     }[diagnosis.verdict](diagnosis)
-    told = f"{told}{_unseen(diagnosis)}"
+    left = remainder_words(diagnosis.remainder) if diagnosis.effects else ""
+    told = f"{told}{f' {left}.' if left else ''}{_unseen(diagnosis)}"
     narrow, ends = too_narrow_ranges(diagnosis), range_ends(diagnosis)
     # What a range holds back could do what is missing: it is said before anything is blamed.
     parts = (narrow, ends, told) if diagnosis.verdict == "outside_library" else (narrow, told, ends)
@@ -123,7 +124,7 @@ def _outside(diagnosis: Findings) -> str:
             f"depends on the {words(shape.against)}"
         )
     beside = " ".join(effect.statement for effect in diagnosis.effects)
-    certain = all(is_sure(effect.probability) for effect in diagnosis.effects)
+    certain = all(is_sure(effect.set_probability) for effect in diagnosis.effects)
     head = "Certain is" if certain else "Beside it"
     return f"{told}.{f' {head}: {beside}' if beside else ''}"
 

@@ -43,7 +43,12 @@ def fit_lines(diagnosis: Findings) -> list[str]:
     if not diagnosis.fit.signals:
         return []
     rows = [("error, unseen runs", COLUMNS)]
-    rows += [(words(name), _fit_cells(fit)) for name, fit in diagnosis.fit.signals.items()]
+    for name, fit in diagnosis.fit.signals.items():
+        rows.append((words(name), _fit_cells(fit)))
+        if fit.free_run is not None:
+            free = fit.free_run
+            cells = [percent(v) for v in (free.nominal, free.parameters_only, free.augmented)]
+            rows.append(("  whole, uncorrected", (cells[0], cells[1], cells[2], "")))
     wide = min(max(len(name) for name, _ in rows), 28)
     return [
         (name if len(name) <= wide else f"{name[: wide - 3]}...").ljust(wide)
@@ -56,7 +61,7 @@ def summary_text(diagnosis: Findings) -> str:
     """Return the verdict sentence, the effects with numbers and the before/after table."""
     lines = [f"<Diagnosis: {diagnosis.verdict}> {verdict_sentence(diagnosis)}"]
     for effect in diagnosis.effects:
-        lines.append(f"{claim_of_set(effect)}, probability {probability(effect.probability)}")
+        lines.append(f"{claim_of_set(effect)}, probability {probability(effect.set_probability)}")
         lines += [f"  {text}" for text in parameter_texts(effect)]
     if misaligned := misaligned_sentence(diagnosis):
         lines.append(misaligned)
@@ -66,7 +71,7 @@ def summary_text(diagnosis: Findings) -> str:
 def summary_html(diagnosis: Findings) -> str:
     """Return the same as a fragment of a page."""
     rows = "".join(
-        f"<tr><td>{escape(claim_of_set(effect))}</td><td>{probability(effect.probability)}</td>"
+        f"<tr><td>{escape(claim_of_set(effect))}</td><td>{probability(effect.set_probability)}</td>"
         f"<td>{'<br>'.join(escape(text) for text in parameter_texts(effect))}</td></tr>"
         for effect in diagnosis.effects
     )

@@ -143,6 +143,22 @@ class Simulations:
         )
         return replace(quiet, under_noise=signals)
 
+    def run_freely(self, point: Point, record: int) -> Simulated:
+        """Simulate one recording of an open-loop twin with nothing that keeps it near.
+
+        Parameters
+        ----------
+        point : Point
+            Values at which the twin runs.
+        record : int
+            Index of the recording.
+        """
+        physics = point.physics_in(record)
+        values = tuple(point.parameters.items()), tuple(physics.items())
+        run = _Run(self._plan(record, physics), record, *values, None)
+        response = self._logged(self._remembered(run))
+        return Simulated(self.read(response, record), response)
+
     def run_under(
         self, point: Point, record: int, noise: PlayedNoise, *, excitation: Columns | None = None
     ) -> Simulated:

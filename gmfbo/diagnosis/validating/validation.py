@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
-from gmfbo.diagnosis.comparison.held_out_fit import Part, gains_on, part_of, seen_on
+from gmfbo.diagnosis.comparison.held_out_fit import Part, gains_on, part_of, seen_on, squares_on
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.naming.decided_by_score import measured
@@ -18,9 +19,12 @@ from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
 from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.validating.explained_share import Squares
+from gmfbo.diagnosis.validating.free_run import free_runs
 
 _STANDARD_ERRORS = 2.0  # by which held-out stretches have to speak against names
 _ONE_NAT = 1.0  # of log density: less says nothing, however even
+_REFITTED = 8  # steps of a fit without one of the names
 _DIFFERENT = 4.0  # squared distance of two models, whitened: two standard deviations of noise
 
 
@@ -45,6 +49,10 @@ class Validated:
         The augmented twin in the comparison, on the same windows.
     contradicts_names : bool
         Whether held-out recordings contradict the named physics.
+    nominal_is_better : bool
+        Whether they prefer the twin as it came.
+    squares : Squares
+        What the held-out stretches leave.
     """
 
     fit: Fit
@@ -55,6 +63,8 @@ class Validated:
     misfit: Misfit
     part: Part
     contradicts_names: bool
+    nominal_is_better: bool
+    squares: Squares
 
 
 def validate(
@@ -86,11 +96,15 @@ def validate(
         after = part_of(case, search, ledger, decision.row, chosen)
     scored = split.held_out or chosen
     seen = [seen_on(case, search, ledger, part.fitted, scored) for part in (before, after)]
+    without = {}
+    for name, row in _without(decision).items():
+        lost = part_of(case, search, ledger, row, chosen).fitted
+        without[name] = seen_on(case, search, ledger, lost, scored)
     misfit = restricted(case.misfit, chosen)
     plain = measured(misfit, before.fitted)
     augmented = plain if after is before else measured(misfit, after.fitted)
     told = _Told(case, misfit, scored, plain, augmented, split, unnamed)
-    return _scored(told, after, gains_on(*seen), _distance(*seen))
+    return _scored(told, after, _Seen(decision, seen[0], seen[1], without))
 
 
 def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
@@ -121,12 +135,59 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
         there.append(seen_on(unseen, search, ledger, replace(row, runs=runs), split.held_out))
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
-    found = _scored(told, whole, gains_on(*there), _distance(*there))
+    without = {}
+    for name, row in _without(decision).items():
+        runs = unseen.simulations.run([search.problem.point(row.hypothesis, row.x)])[0]
+        lost = replace(row, runs=runs)
+        without[name] = seen_on(unseen, search, ledger, lost, split.held_out)
+    found = _scored(told, whole, _Seen(decision, there[0], there[1], without))
     return replace(
         found,
         parameters_only=measured(case.misfit, decision.base),
         augmented=measured(case.misfit, whole.fitted),
     )
+
+
+def _without(decision: Decision) -> dict[str, Row]:
+    """Rows that lack one of several named effects; of one alone, the refitted twin does."""
+    names = [found.winner.name for found in decision.rounds]
+    if len(names) < 2 and len(decision.row.elements) < 2:
+        return {}
+    search, ledger = decision.compared.search, decision.compared.ledger
+    rows = {}
+    for name in names:
+        row = ledger.rows.get(decision.row.elements - {name})
+        row = row or search.without(ledger, decision.row, name, _REFITTED)
+        if row is not None:
+            rows[name] = row
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Models on the stretches that are scored."""
+
+    decision: Decision
+    before: Part
+    after: Part
+    without: Mapping[str, Part]
+
+    def squares(self) -> Squares:
+        compared = self.decision.compared
+        parts = [self.before, *self.without.values(), self.after]
+        noise, before, *others, after = squares_on(compared.search, compared.ledger, parts)
+        lost = dict(zip(self.without, others, strict=True))
+        if not lost:
+            lost = {found.winner.name: before for found in self.decision.rounds}
+        return Squares(noise, before, after, lost)
+
+    def nominal(self, runs: list[Simulated]) -> Part:
+        """The twin as it came, with the logging that the refitted one has."""
+        problem, fitted = self.before.problem, self.before.fitted
+        values = problem.values(runs)
+        residual = problem.residual(values, fitted.nuisances)
+        there = replace(fitted, runs=runs, values=values, residual=residual, columns=[])
+        return replace(self.before, fitted=there)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +203,11 @@ class _Told:
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None
 
 
-def _scored(told: _Told, part: Part, gains: NDArray[np.float64], distance: float) -> Validated:
+def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     case, augmented = told.case, told.augmented
     signals = _table(case, told.scored, case.base, told.plain, augmented, told.unnamed)
-    removed = None
+    removed, distance = None, _distance(seen.before, seen.after)
+    nominal = seen.nominal(case.nominal)
     if distance > _DIFFERENT:
         removed = _removed(case, told.scored, told.plain, augmented)
     table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
@@ -157,7 +219,9 @@ def _scored(told: _Told, part: Part, gains: NDArray[np.float64], distance: float
         augmented,
         told.misfit,
         part,
-        contradicts_names(gains, distance),
+        contradicts_names(gains_on(seen.before, seen.after), distance),
+        contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after)),
+        seen.squares(),
     )
 
 
@@ -206,7 +270,7 @@ def _table(
     unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
 ) -> dict[str, SignalFit]:
     names = [s.name for record in case.simulations.records for s in record.signals]
-    table = {}
+    free, table = free_runs(case, scored, plain, augmented), {}
     for name in dict.fromkeys(names):
         nominal = _nrmse(case, scored, name, case.nominal)
         table[name] = SignalFit(
@@ -223,6 +287,7 @@ def _table(
                 else _nrmse(case, scored, name, base.simulated, unnamed)
             ),
             noise_floor=_floor(case, scored, name),
+            free_run=free.get(name),
         )
     return table
 

@@ -25,6 +25,7 @@ from tests.diagnosis.example_diagnoses import (
     nothing,
     outside,
     parameters,
+    remaining,
     rivals,
     too_little,
     too_narrow,
@@ -42,6 +43,7 @@ ALL = [
     too_little(),
     weak(),
     late(),
+    remaining(),
 ]
 EVIL = "<b>\"&'</b><script>alert(1)</script>"
 # What the page does not print: the shape's points are drawn, predictions are for `experiment`.

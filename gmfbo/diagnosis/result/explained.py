@@ -1,0 +1,64 @@
+"""How much of a mismatch the named laws explain, and what is left of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Share:
+    """Share of what the refitted twin leaves beyond noise, with its 95 % interval.
+
+    On held-out recordings, in whitened squares: `1 - (E_aug^2 - E_noise^2) /
+    (E_par^2 - E_noise^2)`.
+
+    Attributes
+    ----------
+    value : float
+        Dimensionless; 1 where nothing but noise is left.
+    low, high : float
+        Ends of the interval, by a bootstrap over stretches.
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What no law explains.
+
+    Attributes
+    ----------
+    share : float
+        Of what the refitted twin leaves beyond noise, dimensionless.
+    port : str or None
+        Port at which a smooth signal stands for it; None where none does.
+    against : str or None
+        State on which that signal depends: `velocity` or `position`.
+    where : str
+        Stretch that holds more than half of it, or "throughout".
+    """
+
+    share: float
+    port: str | None
+    against: str | None
+    where: str
+
+
+@dataclass(frozen=True)
+class FreeRun:
+    """NRMSE of an open-loop twin over whole held-out recordings, with nothing that corrects it.
+
+    All are dimensionless; NaN where there is no such model.
+
+    Attributes
+    ----------
+    nominal, parameters_only, augmented : float
+        As of `SignalFit`.
+    """
+
+    nominal: float
+    parameters_only: float
+    augmented: float

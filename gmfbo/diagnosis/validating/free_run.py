@@ -1,0 +1,59 @@
+"""Errors of an open-loop twin over whole recordings, with nothing that corrects it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.result.explained import FreeRun
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+
+
+def free_runs(
+    case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted
+) -> dict[str, FreeRun]:
+    """NRMSE of whole recordings by signal; none of a twin that its controller corrects.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    scored : sequence of int
+        Held-out windows: recordings that hold one of them count.
+    plain, augmented : Fitted
+        The twin with its parameters refitted, without and with named physics.
+    """
+    simulations = case.simulations
+    if simulations.tracking is None:
+        return {}
+    records = sorted({case.budget.windows[i].record for i in scored})
+    with_it = augmented.hypothesis.point(augmented.x)
+    points = [Point(), plain.hypothesis.point(plain.x), with_it]
+    runs = [{k: simulations.run_freely(point, k) for k in records} for point in points]
+    names = dict.fromkeys(s.name for k in records for s in simulations.records[k].signals)
+    is_named = bool(augmented.hypothesis.effects)
+    errors = {name: [_nrmse(case, name, run) for run in runs] for name in names}
+    return {
+        name: FreeRun(nominal, parameters, named if is_named else float("nan"))
+        for name, (nominal, parameters, named) in errors.items()
+    }
+
+
+def _nrmse(case: Case, name: str, runs: Mapping[int, Simulated]) -> float:
+    """RMS error over the range of the recorded signal; NaN where a run ended early."""
+    square, count, ends = 0.0, 0, [np.inf, -np.inf]
+    for k, run in runs.items():
+        signals = case.simulations.records[k].signals
+        for signal, values in zip(signals, run.signals, strict=True):
+            if signal.name == name:
+                square += float(np.sum((signal.values - values) ** 2))
+                count += signal.values.size
+                ends = [
+                    min(ends[0], float(signal.values.min())),
+                    max(ends[1], float(signal.values.max())),
+                ]
+    extent = ends[1] - ends[0]
+    return float(np.sqrt(square / count) / extent) if count and extent > 0.0 else float("nan")

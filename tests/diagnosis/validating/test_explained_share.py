@@ -1,0 +1,54 @@
+"""Shares of a mismatch that laws explain, by their definition, and what may not be said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gmfbo.diagnosis.validating.explained_share import Squares
+
+NOISE = np.full(12, 200.0)
+
+
+def squares(before: float, after: float, **without: float) -> Squares:
+    """Twelve alike stretches, as multiples of what noise gives."""
+    lost = {name: value * NOISE for name, value in without.items()}
+    return Squares(NOISE, before * NOISE, after * NOISE, lost)
+
+
+def test_a_share_is_what_is_gone_of_what_was_more_than_noise() -> None:
+    found = squares(11.0, 3.0, coulomb_friction=11.0)
+    share = found.share("coulomb_friction")
+    assert share is not None
+    assert (share.value, share.low, share.high) == pytest.approx((0.8, 0.8, 0.8))
+    assert found.remainder == pytest.approx(0.2)
+
+
+def test_of_several_laws_each_has_its_own_loss() -> None:
+    found = squares(11.0, 1.0, backlash=4.0, coulomb_friction=8.0)
+    shares = {name: found.share(name) for name in ("backlash", "coulomb_friction")}
+    values = {name: share.value for name, share in shares.items() if share}
+    assert values == pytest.approx({"backlash": 0.3, "coulomb_friction": 0.7})
+
+
+def test_where_only_noise_is_left_there_is_no_remainder() -> None:
+    assert squares(11.0, 1.0, backlash=11.0).remainder is None
+
+
+def test_where_there_is_nothing_to_explain_there_is_no_share() -> None:
+    assert squares(1.0, 0.9, backlash=1.0).share("backlash") is None
+    assert squares(11.0, 3.0).share("backlash") is None
+
+
+@given(st.lists(st.floats(2.0, 40.0), min_size=8, max_size=20), st.floats(0.0, 1.0))
+def test_the_interval_holds_the_share(before: list[float], explained: float) -> None:
+    noise = np.full(len(before), 500.0)
+    left = noise * (1.0 + (1.0 - explained) * (np.array(before) - 1.0))
+    share = Squares(noise, noise * np.array(before), left, {"backlash": noise * before}).share(
+        "backlash"
+    )
+    assert share is not None
+    assert share.low - 1e-9 <= share.value <= share.high + 1e-9
+    assert share.value == pytest.approx(explained, abs=1e-9)
