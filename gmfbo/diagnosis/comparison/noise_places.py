@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from gmfbo.diagnosis.comparison.numbers import BAND, BLOCK_ROWS, FLOOR, TORQUE_TIME
+from gmfbo.diagnosis.comparison.numbers import BAND, BLOCK_ROWS, FLOOR, TOLERANCE, TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
 
@@ -316,12 +316,14 @@ def inadequate(
         return sum(_deviance(group, at, kernels) for group in whole)
 
     low = np.log([least[port] for port in ports])
-    steps = np.arange(0.0, 12.0, 2.0)
+    # No more is missing at a port than what acts there at most.
+    high = low - np.log(TOLERANCE)
+    steps = np.arange(0.0, -np.log(TOLERANCE), 2.0)
     begin = min((low + c for c in product(steps, repeat=len(ports))), key=nll)
     found = minimize(
         nll, begin, method="Nelder-Mead", options={"maxiter": 80, "xatol": 0.03, "fatol": 0.05}
     ).x
-    return levels.with_ports(**dict(zip(ports, np.exp(np.maximum(found, low)), strict=True)))
+    return levels.with_ports(**dict(zip(ports, np.exp(np.clip(found, low, high)), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -153,7 +153,11 @@ class Search:
         """
         quiet = ledger.levels.with_ports(**self.cared)
         alone = replace(ledger, whitening=self.whitening_at(base, ledger.kernels, quiet))
-        moves = ranked(alone.whitening, base, found)[:_QUIET_FITS]
+        moves = ranked(alone.whitening, base, found)
+        self.log(
+            "by noise alone " + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:10])
+        )
+        moves = moves[:_QUIET_FITS]
         rows = dict(ledger.rows)
         for elements, row in self._fitted(replace(alone, rows={}), base, moves).rows.items():
             left = _chi(row, alone.whitening)
