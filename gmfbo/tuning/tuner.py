@@ -90,7 +90,7 @@ class Tuner:
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
             own = own_metrics(study)
-            self.experiment = experiment_of(study, self._sources.reference_unit, own)
+            self.experiment = experiment_of(study, self._sources, own)
             starts = known_safe(study.file.safety, self.gains)
             check_signals(study.file.safety, self._sources)
             real = self._sources.is1

@@ -89,11 +89,8 @@ def _print_request(tuner: Tuner, request: TrialRequest, study: Path) -> None:
         typer.echo(f"set          {name} = {value:.6g}")
     parts, folder = tuner.experiment.parts, tuner.study.location
     for name, part in zip(reference_files(len(parts)), parts, strict=True):
-        (signal,) = part.reference.signals
-        unit = part.reference.units.get(signal, "")
-        to = f"{part.initial:g} to {part.initial + part.step_size:g} {unit}".strip()
-        typer.echo(f"play         {folder / name}: {signal} from {to} at {part.step_time:g} s")
-        end = part.step_time + part.horizon
+        typer.echo(f"play         {folder / name}: {part.described}")
+        end = part.begin + part.horizon
         typer.echo(f"record       {part.signal}, until {end:g} s or longer")
     typer.echo(f"written      {folder / NEXT}, with all digits")
     wanted = " ".join(["RECORDING"] * len(parts))

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from gmfbo.errors import OwnMetricsError, SimulationError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
-from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
@@ -195,7 +194,9 @@ class History:
             section.weights,
             {
                 name: np.array([trial.metrics[name] for trial in sampled])
-                for name in (*METRICS, *sorted(self.study.own_metrics))
+                for name in (*self.experiment.metric_names, *sorted(self.study.own_metrics))
+                # Studies of former versions did not measure all that is known today.
+                if all(name in trial.metrics for trial in sampled)
             },
             worst=self.experiment.worst,
         )
@@ -277,11 +278,14 @@ class History:
         return replace(trial, metrics=metrics, objective=float(self.objective.value(metrics)))
 
     def _finite(self, name: str, value: float) -> float:
-        """A finite metric: an infinite one becomes its worst case in the objective.
+        """A metric whose worst case is known: an infinite one becomes that.
 
-        A metric of one reference, `NAME[2]`, is treated as the metric.
+        A metric of one reference, `NAME[2]`, is treated as the metric. NaN stays: it was not
+        measured, and counts as the mean.
         """
-        return value if np.isfinite(value) else self.objective.worst[name.partition("[")[0]]
+        if not np.isinf(value):
+            return value
+        return self.objective.worst.get(name.partition("[")[0], np.nan)
 
     def write(self, trial: Trial) -> Trial:
         """Write a trial to disk, and only then add it to the history."""

@@ -48,6 +48,8 @@ class StudySources:
     reading : SignalReading or None
         Twin file of IS2, which gives the meaning of a recording's columns; None where the twin
         is the user's own source.
+    command, velocity : str or None
+        Outputs of the twin that are the states `command` and `velocity` of its file.
     """
 
     is1: Source | None
@@ -59,6 +61,8 @@ class StudySources:
     parameters: tuple[str, ...] = ()
     reference_unit: str = ""
     reading: SignalReading | None = None
+    command: str | None = None
+    velocity: str | None = None
 
     @classmethod
     def open(
@@ -93,15 +97,17 @@ class StudySources:
         _check_plant(study, is1, plant)
         change = study.is1.change
         changed, gains, unit = None, None, ""
+        logged: dict[str, str] = {}
         reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
         parameters: tuple[str, ...] = ()
         with ExitStack() as opened:
-            opener = _Opener(study.seed, folder, opened)
+            opener = _Opener(study.seed, folder, opened, disturbed_ports(study))
             if is2 is None:
                 is2 = reading = twin = opener.twin(study.is2.twin, study.is2.parameters)
                 gains, parameters = twin.gains, tuple(twin.parameter_tunable())
                 signal = twin.signal_specs().get(study.reference.signal)
                 unit = signal.unit if signal else ""
+                logged = _logged_states(twin)
             if plant is not None:
                 is1 = PythonPlant(plant, reading)
             if is1 is None:
@@ -119,6 +125,8 @@ class StudySources:
                 parameters=parameters,
                 reference_unit=unit,
                 reading=reading,
+                command=logged.get("command"),
+                velocity=logged.get("velocity"),
             )
 
     def real(self, runs_before: int) -> Source | None:
@@ -145,6 +153,13 @@ class StudySources:
         self.opened.close()
 
 
+def _logged_states(twin: FmuTwin) -> dict[str, str]:
+    """Output by the state of [states] that it is."""
+    file = twin.file
+    names = {entry.variable: name for name, entry in file.outputs.items()}
+    return {state: names[name] for state, name in file.states.items() if name in names}
+
+
 def _check_plant(study: StudyFile, is1: Source | None, plant: PlantFunction | None) -> None:
     if is1 is not None and plant is not None:
         raise InputError("expected one of is1 and plant, got both; they are the same axis")
@@ -156,11 +171,24 @@ def _check_plant(study: StudyFile, is1: Source | None, plant: PlantFunction | No
         raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
 
 
+def disturbed_ports(study: StudyFile) -> tuple[str, ...]:
+    """Ports at which the disturbances of a study act, each once.
+
+    Parameters
+    ----------
+    study : StudyFile
+        The validated file.
+    """
+    acting = [one.disturbance.port for one in study.references if one.disturbance is not None]
+    return tuple(dict.fromkeys(acting))
+
+
 @dataclass(frozen=True)
 class _Opener:
     seed: int
     folder: Path
     opened: ExitStack
+    ports: tuple[str, ...] = ()
 
     def plant(self, section: PlantSection, reading: SignalReading | None) -> Source | None:
         """Source of the kind that the file names; None where the user asks and tells."""
@@ -191,7 +219,7 @@ class _Opener:
             name: float(self.seed) if value == "seed" else value
             for name, value in parameters.items()
         }
-        twin = FmuTwin(self.folder / path, parameters=values)
+        twin = FmuTwin(self.folder / path, parameters=values, driven_ports=self.ports)
         self.opened.callback(twin.close)
         return twin
 
