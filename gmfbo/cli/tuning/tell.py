@@ -10,7 +10,8 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import gains_text, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.tune import metric_text
+from gmfbo.cli.tuning.objective_text import metric_text
+from gmfbo.cli.tuning.tune import shown_metrics
 from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
@@ -95,8 +96,10 @@ def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: boo
         typer.echo(f"instead of   {gains_text(request.gains)}")
     elif not named and not any(name in trial.recording.parameters for name in trial.gains):
         typer.echo("gains        as asked for: the recording does not name its own")
-    for name, value in trial.metrics.items() if trial.status == "ok" else ():
-        typer.echo(f"{name.replace('_', ' '):<12} {metric_text(name, value)}")
+    units = tuner.study.metric_units
+    for name in shown_metrics(tuner.study.file, trial.metrics) if trial.status == "ok" else ():
+        told_as = metric_text(name, trial.metrics[name], units)
+        typer.echo(f"{name.replace('_', ' '):<12} {told_as}")
     if (best := tuner.history.best) is not None:
         typer.echo(f"best so far  trial {best.number}: {gains_text(best.gains)}")
         typer.echo(f"             objective {best.objective:.4f}")

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import StoreError
+from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
-from gmfbo.objective.metrics import METRICS
+from gmfbo.objective.metric_units import metric_unit
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
@@ -271,6 +272,32 @@ class StudyReview:
         known = list(dict.fromkeys([*self.file.objective.weights, *self.runs[0].trial.metrics]))
         return tuple(name for name in known if name in self.runs[0].trial.metrics)
 
+    @cached_property
+    def objective(self) -> Objective | None:
+        """The cost with its constants; None where a study of a former version lacks them."""
+        logged = self.logged("normalise")
+        if not logged or "worst" not in logged[-1]:
+            return None
+        constants = logged[-1]
+        weights = self.file.objective.weights
+        return Objective(weights, constants["mean"], constants["std"], constants["worst"])
+
+    @cached_property
+    def metric_units(self) -> Mapping[str, str]:
+        """Unit of each metric that depends on the signals."""
+        logged = self.logged("normalise")
+        return logged[-1].get("units", {}) if logged else {}
+
+    def unit_of(self, metric: str) -> str:
+        """Unit of a metric; empty for a user's own.
+
+        Parameters
+        ----------
+        metric : str
+            As it is stored.
+        """
+        return metric_unit(metric, self.metric_units)
+
     def logged(self, event: str) -> list[Mapping[str, Any]]:
         """Events of one kind, in order.
 
@@ -280,17 +307,3 @@ class StudyReview:
             Kind, such as `ask` or `tell`.
         """
         return [entry for entry in self.events if entry["event"] == event]
-
-
-def metric_unit(name: str) -> str:
-    """Unit of a metric; none for a user's own.
-
-    Parameters
-    ----------
-    name : str
-        As it is stored; `overshoot[2]` is that of the second reference.
-    """
-    whole = name.partition("[")[0]
-    if whole not in METRICS:
-        return ""
-    return "%" if whole == "overshoot" else "s"

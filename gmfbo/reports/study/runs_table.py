@@ -9,7 +9,7 @@ from html import escape
 from gmfbo.pages.html_page import folded, table
 from gmfbo.pages.marked_number import marked_count, marked_number, unit_text
 from gmfbo.plain_words import words
-from gmfbo.reports.study.review import StudyReview, metric_unit
+from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import ROLES, Run
 
 
@@ -39,7 +39,7 @@ def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> 
         "query",
         *gains,
         "objective",
-        *(f"{words(name)} [{unit}]" if (unit := unit_text(metric_unit(name))) else words(name)
+        *(f"{words(name)} [{unit}]" if (unit := unit_text(review.unit_of(name))) else words(name)
           for name in metrics),
         "ended",
         "cost so far",

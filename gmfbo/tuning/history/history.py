@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gmfbo.errors import OwnMetricsError, SimulationError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
+from gmfbo.objective.metric_units import units_of_metrics
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
@@ -155,6 +156,12 @@ class History:
     def changed_after(self) -> int:
         """Trial number of the last real run before the newest change of the plant; 0 without."""
         return self.drifts[-1].last_before if self.drifts else 0
+
+    def units_of(self, run: Recording) -> dict[str, str]:
+        """Unit of each metric of ours, by the units of a run's signals."""
+        command = self.experiment.terms.command or ""
+        units = run.units
+        return units_of_metrics(units.get(self.experiment.signal, ""), units.get(command, ""))
 
     @property
     def objective(self) -> Objective:

@@ -122,6 +122,11 @@ class Study:
         )
 
     @property
+    def metric_units(self) -> dict[str, str]:
+        """Unit of each metric that depends on the signals; empty for studies that logged none."""
+        return dict((self._last("normalise") or {}).get("units", {}))
+
+    @property
     def earlier_logged(self) -> dict[str, Any] | None:
         """Which runs of an earlier study are taken over; None before that was decided."""
         return self._last("earlier")

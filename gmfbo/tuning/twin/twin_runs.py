@@ -59,12 +59,13 @@ class TwinRuns:
         for number, point in enumerate(points[done:], start=done + 1):
             runs.append(self._run(history.gains_at(point), number=number))
         history.normalise(runs)
-        constants = history.objective
+        constants, first = history.objective, runs[0].recording
         history.store.log(
             "normalise",
             mean=dict(constants.mean),
             std=dict(constants.std),
             worst=dict(constants.worst),
+            units=history.units_of(first),
         )
         for run in runs[done:]:
             self.announce("initial", history.write(history.priced(run)))
