@@ -50,4 +50,4 @@ def metric_unit(name: str, units: Mapping[str, str] | None = None) -> str:
     units : mapping of str to str, optional
         As a study has logged them; without it those of step metrics.
     """
-    return {**_STEP_UNITS, **(units or {})}.get(name.partition("[")[0], "")
+    return {**_STEP_UNITS, "phase_margin": "deg", **(units or {})}.get(name.partition("[")[0], "")

@@ -18,16 +18,19 @@ if TYPE_CHECKING:
     from gmfbo import Tuner
     from gmfbo.recordings.store.trial import Trial
     from gmfbo.tuning.query.request import TrialRequest
+    from gmfbo.tuning.study.study import Study
 
 
 MANUAL = Manual(
     files={
-        "STUDY.study/": "the trial; next.csv and next.json are removed",
+        "STUDY.study/": "the trial; the files that asked for it are removed",
     },
     examples={
         "What was measured at the gains that were asked for:": "gmfbo tell monday.toml run5.csv",
         "At others:": "gmfbo tell monday.toml run5.csv --set ctl.Kp=90 --anyway",
         "A run without a recording:": "gmfbo tell monday.toml --failed 'lost the encoder'",
+        "One of several that were asked for:": "gmfbo tell monday.toml --trial 6 run6.csv",
+        "The last one was told by mistake:": "gmfbo tell monday.toml --undo",
     },
     see_also=("gmfbo ask", "notebooks/docs/studies.md", "notebooks/docs/recordings.md"),
 )
@@ -52,7 +55,27 @@ def tell(
     ] = None,
     anyway: Annotated[
         bool,
-        typer.Option("--anyway", help="Take it though its gains differ, or a second time."),
+        typer.Option(
+            "--anyway",
+            help="Take it though its gains or its reference differ, or a second time.",
+        ),
+    ] = False,
+    trial: Annotated[
+        int | None,
+        typer.Option(
+            "--trial",
+            metavar="NUMBER",
+            help="Run that was recorded, where several are waited for; without it the one whose "
+            "gains the recording states.",
+        ),
+    ] = None,
+    undo: Annotated[
+        bool,
+        typer.Option(
+            "--undo",
+            help="Take back the run that was told last: it stays on disk, counts no more, and its "
+            "gains are asked for again.",
+        ),
     ] = False,
     failed: Annotated[
         str | None,
@@ -69,20 +92,33 @@ def tell(
     from gmfbo.tuning.study.study import Study
     from gmfbo.tuning.told.next_run import remove_next_run
 
-    if bool(recordings) == (failed is not None):
-        raise InputError("expected either a recording or --failed WHY; give one of them")
+    if [bool(recordings), failed is not None, undo].count(True) != 1:
+        raise InputError("expected a recording, --failed WHY or --undo; give one of them")
     told = Study.read(study)
+    if undo:
+        _take_back(told, study)
+        return
     if not told.begun:
         raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
     given = parse_settings(set_ or [])
     with Tuner(told) as tuner:
-        request = tuner.pending
-        if request is None or request.source != "IS1":
+        waited = {request.number: request for request in tuner.waiting}
+        if not waited:
             raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
         run = recordings or failed_run(tuner.experiment.reference, failed or "failed")
-        trial = tuner.tell(request, run, gains=given, anyway=anyway)
-        remove_next_run(told.location, len(tuner.experiment.parts))
-        _print_told(tuner, request, trial, named=bool(given) or not recordings)
+        made = tuner.tell(trial, run, gains=given, anyway=anyway)
+        remove_next_run(told.location, len(tuner.experiment.parts), made.number)
+        _print_told(tuner, waited[made.number], made, named=bool(given) or not recordings)
+    typer.echo(f"then         gmfbo ask {study}")
+
+
+def _take_back(told: Study, study: Path) -> None:
+    from gmfbo.tuning.told.undo import take_back
+
+    back = take_back(told)
+    twin = f" and {back.followers} twin runs made because of it" if back.followers else ""
+    typer.echo(f"taken back   trial {back.trial.number}{twin}: on disk, but counted no more")
+    typer.echo(f"again        trial {back.again}: {gains_text(back.trial.gains)}")
     typer.echo(f"then         gmfbo ask {study}")
 
 

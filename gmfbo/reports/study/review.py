@@ -19,6 +19,7 @@ from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -82,13 +83,16 @@ class StudyReview:
     runs : tuple of Run
         In order.
     events : tuple of mapping
-        Of its log.
+        Of its log, those that still count.
+    taken_back : tuple of Trial
+        Runs on disk that count no more.
     """
 
     file: StudyFile
     location: Path
     runs: tuple[Run, ...]
     events: tuple[Mapping[str, Any], ...]
+    taken_back: tuple[Trial, ...] = ()
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -118,7 +122,39 @@ class StudyReview:
                 f"{path}: expected a study with runs, but there is none yet; wait for its first "
                 "runs, or go on with 'gmfbo tune --resume'"
             )
-        return cls(file, path, placed_runs(trials, events, file.budget), tuple(events))
+        return cls.placed(file, path, trials, events)
+
+    @classmethod
+    def placed(
+        cls,
+        file: StudyFile,
+        location: Path,
+        trials: Sequence[Trial],
+        events: Sequence[dict[str, Any]],
+    ) -> Self:
+        """Review runs and log of a study; what was taken back is set apart.
+
+        Parameters
+        ----------
+        file : StudyFile
+            The validated study file.
+        location : Path
+            Folder or file that it was read from.
+        trials : sequence of Trial
+            In the order of their numbers.
+        events : sequence of dict
+            Of its log.
+        """
+        undone = undone_numbers(events)
+        standing = standing_events(events, {trial.number for trial in trials})
+        counted = in_order([trial for trial in trials if trial.number not in undone], standing)
+        return cls(
+            file,
+            location,
+            placed_runs(counted, standing, file.budget),
+            tuple(standing),
+            tuple(trial for trial in trials if trial.number in undone),
+        )
 
     @cached_property
     def trials(self) -> Mapping[int, Trial]:

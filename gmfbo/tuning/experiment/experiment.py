@@ -23,7 +23,7 @@ from gmfbo.objective.tracking import (
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.reference import followed_signal
 from gmfbo.tuning.experiment.made_reference import made_reference
-from gmfbo.tuning.experiment.scoring_terms import ScoringTerms
+from gmfbo.tuning.experiment.scoring_terms import DEFAULT_TERMS, ScoringTerms
 from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
 
@@ -70,7 +70,7 @@ class ReferenceExperiment:
     begin: float
     horizon: float
     steps: tuple[Step, ...] = ()
-    terms: ScoringTerms = ScoringTerms()
+    terms: ScoringTerms = DEFAULT_TERMS
 
     @classmethod
     def from_section(
@@ -80,7 +80,7 @@ class ReferenceExperiment:
         *,
         folder: Path,
         unit: str = "",
-        terms: ScoringTerms = ScoringTerms(),
+        terms: ScoringTerms = DEFAULT_TERMS,
     ) -> Self:
         """Make the experiment that a study file describes.
 
@@ -124,7 +124,7 @@ class ReferenceExperiment:
         *,
         horizon: float | None = None,
         several: bool = False,
-        terms: ScoringTerms = ScoringTerms(),
+        terms: ScoringTerms = DEFAULT_TERMS,
     ) -> Self:
         """Find in a reference what is scored.
 

@@ -17,7 +17,7 @@ from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.tuning.experiment.experiment import ReferenceExperiment
 from gmfbo.tuning.experiment.joined_runs import join_runs
-from gmfbo.tuning.experiment.scoring_terms import ScoringTerms
+from gmfbo.tuning.experiment.scoring_terms import DEFAULT_TERMS, ScoringTerms
 from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
 
@@ -52,7 +52,7 @@ class ExperimentSeries:
         folder: Path,
         unit: str = "",
         own: OwnMetrics | None = None,
-        terms: ScoringTerms = ScoringTerms(),
+        terms: ScoringTerms = DEFAULT_TERMS,
     ) -> Self:
         """Make the series that a study file describes.
 

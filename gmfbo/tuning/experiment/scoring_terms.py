@@ -27,3 +27,7 @@ class ScoringTerms:
     filter_s: float = 0.0
     command: str | None = None
     velocity: str | None = None
+
+
+DEFAULT_TERMS = ScoringTerms()
+"""Terms of a study that states none."""

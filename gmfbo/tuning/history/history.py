@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +21,10 @@ from gmfbo.tuning.experiment.joined_runs import ended_by
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.keep_out import KeepOut
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
+from gmfbo.tuning.history.standing import StandingStore
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
-
-if TYPE_CHECKING:
-    from gmfbo.recordings.store.memory_store import TrialStore
 
 
 class History:
@@ -37,7 +34,7 @@ class History:
 
     Parameters
     ----------
-    store : TrialStore
+    store : StandingStore
         Open for writing.
     study : StudyFile
         The validated file.
@@ -54,11 +51,15 @@ class History:
     ----------
     twin : str or None
         Content hash of the present twin; None while it was never corrected.
+    waiting : dict of int to mapping
+        Gains of the real runs that were asked for and not told yet, by trial number.
+    real_at_ask : int or None
+        Number of real runs when the last query was decided on; None before the first.
     """
 
     def __init__(
         self,
-        store: TrialStore,
+        store: StandingStore,
         study: StudyFile,
         experiment: ExperimentSeries,
         gains: GainChoice,
@@ -70,11 +71,15 @@ class History:
         self.survey, self.earlier = survey, earlier
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
+        self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
         self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
-        asked = [event["number"] for event in events if event["event"] == "ask"]
-        self.last_asked: int = asked[-1] if asked else 0
+        asked = [event for event in events if event["event"] == "ask"]
+        # Studies of former versions asked for one run at a time, and told it before the next.
+        numbers = [trial.number for trial in self.of("IS1")]
+        before = sum(number < asked[-1]["number"] for number in numbers) if asked else None
+        self.real_at_ask: int | None = asked[-1].get("real", before) if asked else None
         self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
         self._leaves: dict[int, bool] = {}
@@ -118,7 +123,14 @@ class History:
     @property
     def next_number(self) -> int:
         """Number of the next trial."""
-        return self.trials[-1].number + 1 if self.trials else 1
+        return max(self.store.highest, *self.waiting, 0) + 1
+
+    @property
+    def fresh(self) -> list[Trial]:
+        """Real runs told since the last query was decided on; before the first, the last one."""
+        real = self.of("IS1")
+        begin = len(real) if self.real_at_ask is None else self.real_at_ask
+        return real[min(begin, len(real) - 1) :]
 
     @property
     def made(self) -> int:
@@ -134,13 +146,15 @@ class History:
 
     @property
     def used_up(self) -> bool:
-        """Whether the budget allows no further query."""
-        budget, real = self.study.budget, len(self.of("IS1"))
+        """Whether the budget allows no further query; runs that are waited for count."""
+        budget, waiting = self.study.budget, len(self.waiting)
+        real = len(self.of("IS1")) + waiting
         if real < budget.initial_is1:
             return False
-        if budget.is1_runs is not None and self.made >= budget.is1_runs:
+        if budget.is1_runs is not None and self.made + waiting >= budget.is1_runs:
             return True
-        return self.queries >= budget.most_queries
+        beyond_initial = min(waiting, max(real - max(budget.initial_is1, self.earlier), 0))
+        return self.queries + beyond_initial >= budget.most_queries
 
     @property
     def cost(self) -> float:

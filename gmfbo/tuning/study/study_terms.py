@@ -32,9 +32,7 @@ def own_metrics(study: Study) -> OwnMetrics | None:
     return OwnMetrics.load(label, study.origin, study.file.own_metrics)
 
 
-def experiment_of(
-    study: Study, sources: StudySources, own: OwnMetrics | None
-) -> ExperimentSeries:
+def experiment_of(study: Study, sources: StudySources, own: OwnMetrics | None) -> ExperimentSeries:
     """References that a study plays, and the metrics of their responses.
 
     Parameters

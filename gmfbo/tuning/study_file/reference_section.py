@@ -84,7 +84,7 @@ class ReferenceSection(BaseModel):
                 f"its keys are {', '.join(sorted(_KEYS[kind]))}"
             )
         if lacking:
-            raise ValueError(f"kind = \"{kind}\" needs {', '.join(sorted(lacking))}")
+            raise ValueError(f'kind = "{kind}" needs {", ".join(sorted(lacking))}')
         return self
 
     @model_validator(mode="after")

@@ -17,6 +17,7 @@ from pydantic import (
 
 from gmfbo.errors import did_you_mean
 from gmfbo.objective.cost import PAPER_WEIGHTS
+from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS, SETTLING_BAND
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.tuning.study_file.drift_section import DriftSection
@@ -285,6 +286,8 @@ class StudyFile(Section):
     @model_validator(mode="after")
     def _known_limits(self) -> Self:
         for name in self.constraints:
+            if name in MARGINS:
+                continue
             try:
                 self.objective.check_metric(name)
             except ValueError as error:
@@ -299,7 +302,7 @@ class StudyFile(Section):
     @property
     def own_metrics(self) -> frozenset[str]:
         """Names that the user's function must return."""
-        return frozenset({*self.objective.weights, *self.constraints} - set(KNOWN_METRICS))
+        return frozenset({*self.objective.weights, *self.constraints} - {*KNOWN_METRICS, *MARGINS})
 
     @property
     def folder_name(self) -> str:

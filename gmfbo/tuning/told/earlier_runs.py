@@ -60,7 +60,9 @@ class EarlierRuns:
         if earlier.location.resolve() == study.location.resolve():
             raise StudyFileError(f"{label}: is this study itself; name another one")
         _check_reference(label, earlier, experiment)
-        real = [trial for trial in earlier.trials if trial.source == "IS1"]
+        undone = earlier.taken_back
+        counted = [trial for trial in earlier.trials if trial.number not in undone]
+        real = [trial for trial in counted if trial.source == "IS1"]
         for trial in real:
             _check_names(label, trial, gains)
             _check_signal(label, trial, experiment)

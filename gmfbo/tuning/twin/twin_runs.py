@@ -100,17 +100,17 @@ class TwinRuns:
         return self.history.write(self._run(gains))
 
     def follow_up(self) -> None:
-        """Run the twin beside the last real run, and make corrected runs around it.
+        """Run the twin beside the newest real runs, and make corrected runs around them.
 
         After a kill, only the missing runs are made.
         """
-        real = self.history.of("IS1")
-        if self.correction is None or not real:
+        if self.correction is None:
             return
-        self._beside(real[-1])
         corrected = CorrectedRuns(self.source, self.history, self.correction)
-        for trial in corrected.around(real[-1]):
-            self.announce("correction", trial)
+        for real in self.history.fresh:
+            self._beside(real)
+            for trial in corrected.around(real):
+                self.announce("correction", trial)
 
     def beside_again(self, real: Trial, gains: Mapping[str, float]) -> None:
         """Run the twin because of a real run, at other gains.
