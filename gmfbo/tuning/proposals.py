@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.objective.limits import Limits
+from gmfbo.plain_words import words
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
@@ -97,12 +99,26 @@ class Proposals:
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
         if proposal is None:
             return None
-        gains, note = self.history.gains_at(proposal.point), proposal.note
-        if proposal.source == "IS1":
+        gains, note, source = self.history.gains_at(proposal.point), proposal.note, proposal.source
+        if source == "IS1":
             allowed = self._allowed(state, proposal.point)
             note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
             gains = allowed
-        return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+            if withheld := self._withheld(gains):
+                source, note = "IS2", withheld
+        return TrialRequest(number, source, gains, proposal.mismatch, note)
+
+    def _withheld(self, gains: Mapping[str, float]) -> str:
+        """Why gains are run on the twin instead of the axis: margins beyond a limit; else empty."""
+        found, limits = self.history.margins_at(gains), self.history.limits.stated
+        asked = Limits({name: value for name, value in limits.items() if name in found})
+        if asked.met(found):
+            return ""
+        told = [
+            f"{words(name)} {found[name]:.3g}, limit {limit:g}"
+            for name, limit in asked.stated.items()
+        ]
+        return f"not run on the axis: {'; '.join(told)} (from the twin)"
 
     def _state(self, held: Mapping[str, float]) -> TuningState:
         """State from which the next query is chosen.

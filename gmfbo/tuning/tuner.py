@@ -24,7 +24,13 @@ from gmfbo.tuning.query.request import TrialRequest, TuningResult
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import check_signals, experiment_of, known_safe, own_metrics
+from gmfbo.tuning.study.study_terms import (
+    check_signals,
+    experiment_of,
+    known_safe,
+    margin_meter,
+    own_metrics,
+)
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_runs import EarlierRuns
 from gmfbo.tuning.told.real_axis import RealAxis, scorable
@@ -110,6 +116,7 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
+                meter=margin_meter(study, self._sources, self.experiment),
             )
             hashes = {"metrics": own.content_hash} if own else {}
             study.log_begin(self._store, self._sources.content_hashes | hashes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metric_units import metric_unit
 from gmfbo.plain_words import words
 
@@ -26,7 +27,8 @@ def metric_text(name: str, value: float, units: Mapping[str, str]) -> str:
     """
     unit = metric_unit(name, units)
     digits = {"%": ".2f", "s": ".4f"}.get(unit, ".5g")
-    return f"{value:{digits}} {unit}".rstrip()
+    of_twin = " (from the twin)" if name in MARGINS else ""
+    return f"{value:{digits}} {unit}".rstrip() + of_twin
 
 
 def objective_table(

@@ -10,6 +10,7 @@ from gmfbo.cli.arguments import StudyFile as StudyPath
 from gmfbo.cli.console import console, gains_text
 from gmfbo.cli.manual import Manual
 from gmfbo.cli.tuning.objective_text import metric_text, objective_table
+from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.plain_words import words
@@ -151,5 +152,5 @@ def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
         Of a run.
     """
     wanted = {*METRICS, *file.objective.weights, *file.constraints, *file.own_metrics}
-    ours = {*TRACKING_METRICS, *COMMAND_METRICS}
+    ours = {*TRACKING_METRICS, *COMMAND_METRICS, *MARGINS}
     return [n for n in metrics if (base := n.partition("[")[0]) in wanted or base not in ours]

@@ -18,6 +18,7 @@ from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.joined_runs import ended_by
+from gmfbo.tuning.experiment.loop_margins import MarginMeter, differing
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.keep_out import KeepOut
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
@@ -46,6 +47,8 @@ class History:
         Number of twin runs over the box before the first query.
     earlier : int
         Number of real runs taken over from an earlier study, which come first.
+    meter : MarginMeter, optional
+        Measures margins of the loop on the twin, where they are limited.
 
     Attributes
     ----------
@@ -66,9 +69,10 @@ class History:
         *,
         survey: int = 0,
         earlier: int = 0,
+        meter: MarginMeter | None = None,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
-        self.survey, self.earlier = survey, earlier
+        self.survey, self.earlier, self.meter = survey, earlier, meter
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
         self.waiting: dict[int, Mapping[str, float]] = {}
@@ -83,6 +87,7 @@ class History:
         self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
         self._leaves: dict[int, bool] = {}
+        self._margins: dict[tuple[tuple[str, float], ...], dict[str, float]] = {}
         self._objective: Objective | None = None
         if len(self.of("IS2")) >= study.budget.initial_is2:
             self.normalise(self.of("IS2")[: study.budget.initial_is2])
@@ -236,6 +241,7 @@ class History:
         twin: str = "",
         parent: int | None = None,
         number: int | None = None,
+        with_margins: bool = False,
     ) -> Trial:
         """Make a trial of a run; it is not yet on disk.
 
@@ -255,8 +261,12 @@ class History:
             Real run that caused it.
         number : int or None
             The next one unless given.
+        with_margins : bool
+            Measure margins of the loop too, where they are limited; always for a real run.
         """
         run, metrics = self._measured(run, source)
+        if with_margins or source == "IS1":
+            metrics |= self.margins_at(gains)
         status, seconds = (
             (run.status, run.seconds) if isinstance(run, Trajectory) else ("ok", run.duration)
         )
@@ -276,6 +286,29 @@ class History:
             parent=parent,
         )
         return self.priced(trial) if self.normalised else trial
+
+    def margins_at(self, gains: Mapping[str, float]) -> dict[str, float]:
+        """Margins of the loop on the twin; empty unless one is limited.
+
+        Parameters
+        ----------
+        gains : mapping of str to float
+            All gains by name [unit of the FMU parameter].
+        """
+        if self.meter is None:
+            return {}
+        key = tuple(sorted(gains.items()))
+        if key not in self._margins:
+            found = self.meter.measure(gains)
+            self._margins[key] = dict(found.values)
+            self.store.log(
+                "margins",
+                gains=dict(gains),
+                amplitudes=list(found.amplitudes),
+                each=[dict(one) for one in found.each],
+                note="; ".join(differing(found)),
+            )
+        return dict(self._margins[key])
 
     def _measured(self, run: Recording, source: SourceName) -> tuple[Recording, dict[str, float]]:
         """A run with its metrics; a twin's run that the user's own function refuses has failed."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from gmfbo.errors import InputError, SimulationError, StudyFileError
+from gmfbo.objective.limits import Limits
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.plants.plant_call import PlantFunction, PythonPlant
@@ -17,6 +18,7 @@ from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.space import GainSpace
+from gmfbo.tuning.experiment.loop_margins import COMMAND_PORT, FINER
 from gmfbo.tuning.study_file.study_sections import PlantSection, StudyFile
 
 if TYPE_CHECKING:
@@ -50,6 +52,9 @@ class StudySources:
         is the user's own source.
     command, velocity : str or None
         Outputs of the twin that are the states `command` and `velocity` of its file.
+    loop_twins : tuple of FmuTwin
+        The twin with its command port driven, stepped finely and at its own step; empty unless a
+        margin is limited.
     """
 
     is1: Source | None
@@ -63,6 +68,7 @@ class StudySources:
     reading: SignalReading | None = None
     command: str | None = None
     velocity: str | None = None
+    loop_twins: tuple[FmuTwin, ...] = ()
 
     @classmethod
     def open(
@@ -98,6 +104,7 @@ class StudySources:
         change = study.is1.change
         changed, gains, unit = None, None, ""
         logged: dict[str, str] = {}
+        loop_twins: tuple[FmuTwin, ...] = ()
         reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
         parameters: tuple[str, ...] = ()
         with ExitStack() as opened:
@@ -108,6 +115,8 @@ class StudySources:
                 signal = twin.signal_specs().get(study.reference.signal)
                 unit = signal.unit if signal else ""
                 logged = _logged_states(twin)
+                if Limits(study.constraints).of_the_twin:
+                    loop_twins = opener.loop_twins(twin)
             if plant is not None:
                 is1 = PythonPlant(plant, reading)
             if is1 is None:
@@ -127,6 +136,7 @@ class StudySources:
                 reading=reading,
                 command=logged.get("command"),
                 velocity=logged.get("velocity"),
+                loop_twins=loop_twins,
             )
 
     def real(self, runs_before: int) -> Source | None:
@@ -211,6 +221,25 @@ class _Opener:
     def plant_parameters(self, section: PlantSection) -> dict[str, float | Literal["seed"]]:
         hidden = section.hidden.drawn(self.seed) if section.hidden is not None else {}
         return {**section.parameters, **hidden}
+
+    def loop_twins(self, twin: FmuTwin) -> tuple[FmuTwin, FmuTwin]:
+        """The twin with its command port driven, stepped finely and at its own step."""
+        from gmfbo.sources.twin.twin import FmuTwin
+
+        ports = tuple(dict.fromkeys([*self.ports, COMMAND_PORT]))
+        steps = (twin.step / FINER, twin.step)
+        fine, coarse = (
+            FmuTwin(
+                twin.path,
+                parameters={**twin.parameters, **twin.texts},
+                step=step,
+                driven_ports=ports,
+            )
+            for step in steps
+        )
+        self.opened.callback(fine.close)
+        self.opened.callback(coarse.close)
+        return fine, coarse
 
     def twin(self, path: str, parameters: Mapping[str, float | Literal["seed"]]) -> FmuTwin:
         from gmfbo.sources.twin.twin import FmuTwin

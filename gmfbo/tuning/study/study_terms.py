@@ -6,10 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import InputError, RecordingError, StudyFileError, did_you_mean
+from gmfbo.objective.limits import Limits
+from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.experiment.loop_margins import MarginMeter
 from gmfbo.tuning.experiment.scoring_terms import ScoringTerms
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
@@ -91,6 +94,43 @@ def _check_computable(file: StudyFile, series: ExperimentSeries) -> None:
                     f"{place}: '{name}' needs the command, which [states] of the twin file does "
                     'not name among its [outputs]; say it by [objective] command = "SIGNAL"'
                 )
+
+
+def margin_meter(
+    study: Study, sources: StudySources, experiment: ExperimentSeries
+) -> MarginMeter | None:
+    """What measures margins of the loop on the twin; None unless one is limited.
+
+    Parameters
+    ----------
+    study : Study
+        Its [constraints] limit margins.
+    sources : StudySources
+        With the twin whose command port is driven.
+    experiment : ExperimentSeries
+        Its first reference gives size and length of the motion.
+
+    Raises
+    ------
+    StudyFileError
+        The twin is no FMU, or its command is unknown.
+    """
+    if not Limits(study.file.constraints).of_the_twin:
+        return None
+    limited = next(name for name in study.file.constraints if name in MARGINS)
+    if not sources.loop_twins:
+        raise StudyFileError(
+            f"[constraints] {limited}: needs [is2] twin = FILE, whose loop is excited"
+        )
+    command = experiment.terms.command
+    if command is None:
+        raise StudyFileError(
+            f"[constraints] {limited}: needs the command, which [states] of the twin file does not "
+            'name among its [outputs]; say it by [objective] command = "SIGNAL"'
+        )
+    fine, coarse = sources.loop_twins
+    part = experiment.parts[0]
+    return MarginMeter(fine, coarse, part.reference, command, part.horizon, coarse.step)
 
 
 def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]:

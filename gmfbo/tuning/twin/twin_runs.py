@@ -57,7 +57,7 @@ class TwinRuns:
         done = len(history.trials)
         runs = list(history.trials)
         for number, point in enumerate(points[done:], start=done + 1):
-            runs.append(self._run(history.gains_at(point), number=number))
+            runs.append(self._run(history.gains_at(point), number=number, with_margins=True))
         history.normalise(runs)
         constants, first = history.objective, runs[0].recording
         history.store.log(
@@ -97,7 +97,7 @@ class TwinRuns:
 
     def query(self, gains: Mapping[str, float]) -> Trial:
         """Run the twin at the gains of a query."""
-        return self.history.write(self._run(gains))
+        return self.history.write(self._run(gains, with_margins=True))
 
     def follow_up(self) -> None:
         """Run the twin beside the newest real runs, and make corrected runs around them.
@@ -132,9 +132,20 @@ class TwinRuns:
             self.announce("correction", self.history.write(pair))
 
     def _run(
-        self, gains: Mapping[str, float], *, parent: int | None = None, number: int | None = None
+        self,
+        gains: Mapping[str, float],
+        *,
+        parent: int | None = None,
+        number: int | None = None,
+        with_margins: bool = False,
     ) -> Trial:
         run = play(self.source, gains, self.history.experiment)
         return self.history.trial(
-            "IS2", gains, run, twin=self.source.content_hash, parent=parent, number=number
+            "IS2",
+            gains,
+            run,
+            twin=self.source.content_hash,
+            parent=parent,
+            number=number,
+            with_margins=with_margins,
         )
