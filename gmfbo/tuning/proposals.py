@@ -110,7 +110,7 @@ class Proposals:
 
     def _withheld(self, gains: Mapping[str, float]) -> str:
         """Why gains are run on the twin instead of the axis: margins beyond a limit; else empty."""
-        found, limits = self.history.margins_at(gains), self.history.limits.stated
+        found, limits = self.history.margins.at(gains), self.history.limits.stated
         asked = Limits({name: value for name, value in limits.items() if name in found})
         if asked.met(found):
             return ""

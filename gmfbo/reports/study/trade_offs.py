@@ -73,9 +73,7 @@ def _tells(runs: Sequence[Run], name: str) -> bool:
     return bool(len(runs) > 1 and np.isfinite(values).all() and np.ptp(values) > 0.0)
 
 
-def _figure(
-    review: StudyReview, runs: Sequence[Run], pair: tuple[str, str], *, shown: bool
-) -> str:
+def _figure(review: StudyReview, runs: Sequence[Run], pair: tuple[str, str], *, shown: bool) -> str:
     across, up = (np.array([run.trial.metrics[name] for run in runs]) for name in pair)
     signs = [-1.0 if name in AT_LEAST else 1.0 for name in pair]
     kept = unbeaten(np.column_stack([across, up]) * signs)

@@ -18,11 +18,13 @@ from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.joined_runs import ended_by
-from gmfbo.tuning.experiment.loop_margins import MarginMeter, differing
+from gmfbo.tuning.experiment.loop_margins import MarginMeter
+from gmfbo.tuning.history.constants import objective_of
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.keep_out import KeepOut
+from gmfbo.tuning.history.known_margins import KnownMargins
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
-from gmfbo.tuning.history.standing import StandingStore
+from gmfbo.tuning.history.standing import StandingStore, real_runs_at_ask
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
@@ -72,22 +74,18 @@ class History:
         meter: MarginMeter | None = None,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
-        self.survey, self.earlier, self.meter = survey, earlier, meter
+        self.survey, self.earlier = survey, earlier
+        self.margins = KnownMargins(meter, store)
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
         self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
         self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
-        asked = [event for event in events if event["event"] == "ask"]
-        # Studies of former versions asked for one run at a time, and told it before the next.
-        numbers = [trial.number for trial in self.of("IS1")]
-        before = sum(number < asked[-1]["number"] for number in numbers) if asked else None
-        self.real_at_ask: int | None = asked[-1].get("real", before) if asked else None
+        self.real_at_ask = real_runs_at_ask(events, self.of("IS1"))
         self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
         self._leaves: dict[int, bool] = {}
-        self._margins: dict[tuple[tuple[str, float], ...], dict[str, float]] = {}
         self._objective: Objective | None = None
         if len(self.of("IS2")) >= study.budget.initial_is2:
             self.normalise(self.of("IS2")[: study.budget.initial_is2])
@@ -178,9 +176,8 @@ class History:
 
     def units_of(self, run: Recording) -> dict[str, str]:
         """Unit of each metric of ours, by the units of a run's signals."""
-        command = self.experiment.terms.command or ""
-        units = run.units
-        return units_of_metrics(units.get(self.experiment.signal, ""), units.get(command, ""))
+        names = (self.experiment.signal, self.experiment.terms.command or "")
+        return units_of_metrics(*(run.units.get(name, "") for name in names))
 
     @property
     def objective(self) -> Objective:
@@ -214,23 +211,7 @@ class History:
                 f"none of the {len(initial)} initial runs of IS2 succeeded "
                 f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
             )
-        section = self.study.objective
-        sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
-        constants = Objective.from_samples(
-            section.weights,
-            {
-                name: np.array([trial.metrics[name] for trial in sampled])
-                for name in (*self.experiment.metric_names, *sorted(self.study.own_metrics))
-                # Studies of former versions did not measure all that is known today.
-                if all(name in trial.metrics for trial in sampled)
-            },
-            worst=self.experiment.worst,
-        )
-        if section.normalise.points is None:
-            constants = Objective(
-                section.weights, section.normalise.mean, section.normalise.std, constants.worst
-            )
-        self._objective = constants
+        self._objective = objective_of(self.study, self.experiment, initial)
 
     def trial(
         self,
@@ -266,7 +247,7 @@ class History:
         """
         run, metrics = self._measured(run, source)
         if with_margins or source == "IS1":
-            metrics |= self.margins_at(gains)
+            metrics |= self.margins.at(gains)
         status, seconds = (
             (run.status, run.seconds) if isinstance(run, Trajectory) else ("ok", run.duration)
         )
@@ -286,29 +267,6 @@ class History:
             parent=parent,
         )
         return self.priced(trial) if self.normalised else trial
-
-    def margins_at(self, gains: Mapping[str, float]) -> dict[str, float]:
-        """Margins of the loop on the twin; empty unless one is limited.
-
-        Parameters
-        ----------
-        gains : mapping of str to float
-            All gains by name [unit of the FMU parameter].
-        """
-        if self.meter is None:
-            return {}
-        key = tuple(sorted(gains.items()))
-        if key not in self._margins:
-            found = self.meter.measure(gains)
-            self._margins[key] = dict(found.values)
-            self.store.log(
-                "margins",
-                gains=dict(gains),
-                amplitudes=list(found.amplitudes),
-                each=[dict(one) for one in found.each],
-                note="; ".join(differing(found)),
-            )
-        return dict(self._margins[key])
 
     def _measured(self, run: Recording, source: SourceName) -> tuple[Recording, dict[str, float]]:
         """A run with its metrics; a twin's run that the user's own function refuses has failed."""

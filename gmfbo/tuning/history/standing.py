@@ -90,6 +90,24 @@ def in_order(trials: Sequence[Trial], events: Sequence[Mapping[str, Any]]) -> li
     return sorted(trials, key=key)
 
 
+def real_runs_at_ask(events: Sequence[Mapping[str, Any]], real: Sequence[Trial]) -> int | None:
+    """Number of real runs when the last query was decided on; None before the first.
+
+    Parameters
+    ----------
+    events : sequence of mapping
+        Of the study's log, those that stand.
+    real : sequence of Trial
+        Real runs that count.
+    """
+    asked = [event for event in events if event["event"] == "ask"]
+    if not asked:
+        return None
+    # Studies of former versions asked for one run at a time, and told it before the next.
+    before = sum(trial.number < asked[-1]["number"] for trial in real)
+    return int(asked[-1].get("real", before))
+
+
 class StandingStore:
     """A store that shows only what still counts, and writes everything.
 
