@@ -55,6 +55,8 @@ def test_an_unstable_loop_has_no_margin() -> None:
     assert found.values["phase_margin"] == 0.0
 
 
-def test_a_limit_of_the_actuator_shows_as_a_difference_between_the_amplitudes() -> None:
-    found = measured({"kp": 40.0, "kd": 0.8}, {"torque_limit": 0.6})
-    assert differing(found)
+def test_margins_that_depend_on_the_size_are_told_at_both() -> None:
+    small = {"phase_margin": 50.0, "gain_margin": 4.0, "ms": 1.50}
+    large = {"phase_margin": 40.0, "gain_margin": 4.2, "ms": 1.55}
+    (told,) = differing(LoopMargins(small, (0.2, 0.4), (small, large)))
+    assert told == "phase margin 50 at a multisine of 0.2 RMS, 40 at 0.4"

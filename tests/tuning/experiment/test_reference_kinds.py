@@ -62,7 +62,8 @@ def test_a_sine_has_a_tracking_error_and_no_step_metrics() -> None:
 
 
 def test_step_metrics_beside_a_sine_are_those_of_the_step() -> None:
-    sections = [ReferenceSection(), ReferenceSection(kind="sine", weight=3.0)]
+    sine = ReferenceSection(kind="sine", amplitude=1.0, frequency=1.0, cycles=1.0, weight=3.0)
+    sections = [ReferenceSection(), sine]
     series = ExperimentSeries.from_sections(sections, "position", folder=Path())
     run = series.join([lagging(part, 0.02) for part in series.parts])
     found = series.metrics(run)
@@ -109,7 +110,6 @@ TRACKED = """
 weights = { rms_error = 0.8, rms_command = 0.2 }
 normalise = 4
 """
-BUDGET = "iterations = 1\ninitial_is2 = 4"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,8 @@ def test_a_study_tunes_without_any_step(reference: str, tmp_path: Path) -> None:
 
 
 def test_step_metrics_without_a_step_are_refused_before_the_first_run(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, reference='[reference]\nkind = "sine"\ncycles = 2\n')
+    sine = '[reference]\nkind = "sine"\namplitude = 1e-4\nfrequency = 4.0\ncycles = 2\n'
+    study = linear_study(tmp_path, reference=sine)
     with pytest.raises(StudyFileError, match=r"weights: '\w+' needs a reference with a step"):
         Tuner(study)
     assert not study.begun

@@ -27,7 +27,7 @@ def followed(reference: Recording) -> np.ndarray:
 def test_the_reference_asked_for_is_taken_from_any_logger() -> None:
     counts = np.round(followed(ASKED) / 2e-4) * 2e-4
     refuse_other_reference(ASKED, logged(counts), BAND)
-    late = Recording(time=TIME, signals={"reference": np.roll(counts, 1)})
+    late = Recording(time=TIME, signals={"reference": np.append(0.0, counts[:-1])})
     refuse_other_reference(ASKED, late, BAND)
     refuse_other_reference(ASKED, Recording(time=TIME, signals={"position": TIME}), BAND)
 

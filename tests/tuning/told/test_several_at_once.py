@@ -15,7 +15,7 @@ from gmfbo.tuning.told.undo import take_back
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
-BUDGET = "is1_runs = 6\ninitial_is1 = 2\ninitial_is2 = 5"
+BUDGET = "is1_runs = 6\ninitial_is1 = 2\ninitial_is2 = 10"
 PLANT = AnalyticAxis()
 
 
@@ -35,15 +35,15 @@ def tell(tuner: Tuner, request: TrialRequest | int, gains: TrialRequest) -> None
 def test_as_many_runs_as_wanted_are_asked_for_and_asked_again(study: Study) -> None:
     with tuner_of(study) as tuner:
         three = tuner.ask(parallel=3)
-        assert [request.number for request in three] == [6, 7, 8]
+        assert [request.number for request in three] == [11, 12, 13]
         assert len({tuple(request.gains.values()) for request in three}) == 3
         assert tuner.ask(parallel=3) == three
     with tuner_of(study) as tuner:
         assert list(tuner.waiting) == three
-        tell(tuner, 7, three[1])
+        tell(tuner, 12, three[1])
         filled = tuner.ask(parallel=3)
         assert filled[:2] == [three[0], three[2]]
-        assert filled[2].number == 9
+        assert filled[2].number == 14
         assert len(tuner.ask(parallel=9)) == 5  # the budget's six, one of them told
 
 
@@ -54,7 +54,7 @@ def test_runs_told_in_another_order_are_kept_in_that_order(study: Study) -> None
             tell(tuner, three[place], three[place])
         told = [trial.number for trial in tuner.history.of("IS1")]
         following = tuner.ask()
-    assert told == [8, 6, 7]
+    assert told == [13, 11, 12]
     with tuner_of(study) as tuner:
         assert [trial.number for trial in tuner.history.of("IS1")] == told
         assert tuner.ask() == following
@@ -66,7 +66,7 @@ def test_a_recording_that_states_its_gains_finds_its_run(study: Study) -> None:
         run = PLANT.run(three[1].gains, tuner.experiment.reference)
         assert tuner.tell(None, run).number == three[1].number
         bare = type(run)(time=run.time, signals=run.signals)
-        with pytest.raises(InputError, match="trials 6, 8 are waited for"):
+        with pytest.raises(InputError, match="trials 11, 13 are waited for"):
             tuner.tell(None, bare)
 
 
