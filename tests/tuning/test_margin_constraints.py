@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gmfbo.errors import StudyFileError
+from gmfbo.errors import TwinFileError
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
 
@@ -43,5 +43,5 @@ def test_a_margin_without_a_command_port_is_refused(tmp_path: Path) -> None:
     )
     changed = text.replace(source.as_posix(), twin.as_posix())
     (study.origin / "linear.toml").write_text(changed, encoding="utf-8")
-    with pytest.raises(StudyFileError, match="port 'command'"):
+    with pytest.raises(TwinFileError, match="port 'command'"):
         Tuner(type(study).read(study.origin / "linear.toml"))
