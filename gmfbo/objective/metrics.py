@@ -33,7 +33,7 @@ def step_metrics(
     """Metrics of step responses, interpolated between samples.
 
     The response is the line through its samples. With z = (y - initial) / step_size, error
-    e = 1 - z and times counted from the step:
+    e = 1 - z and times from the step:
 
     - overshoot [%]: 100 max(z - 1, 0);
     - rise_time [s]: from the first z = 0.1 to the first z = 0.9;
@@ -78,8 +78,7 @@ def step_metrics(
     finite = np.asarray(np.isfinite(window).all(axis=-1))
     # A constant replaces broken responses, so that no warning or NaN arises from them.
     error = 1.0 - (np.where(finite[..., None], window, initial) - initial) / step_size
-    measured = _metrics_of_error(since_step, error, horizon, band)
-    worst = worst_metrics(horizon)
+    measured, worst = _metrics_of_error(since_step, error, horizon, band), worst_metrics(horizon)
     return {name: np.where(finite, measured[name], worst[name]) for name in METRICS}
 
 

@@ -104,6 +104,7 @@ class Tuner:
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
+            meter = margin_meter(study, self._sources, self.experiment)
             self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
             self._store = StandingStore(
                 store or closing.enter_context(study.open_for_writing(resume=resume))
@@ -116,7 +117,7 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
-                meter=margin_meter(study, self._sources, self.experiment),
+                meter=meter,
             )
             hashes = {"metrics": own.content_hash} if own else {}
             study.log_begin(self._store, self._sources.content_hashes | hashes)
@@ -128,12 +129,7 @@ class Tuner:
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
         self._closing.callback(self._corrections.close)
-        self._waiting: dict[int, TrialRequest] = {}
-        self._unanswered_twin: TrialRequest | None = None
-        self._last_request: TrialRequest | None = None
-        made = {trial.number for trial in self.history.trials}
-        for request in TrialRequest.unanswered(self._store.events(), made):
-            self._wait_for(request)
+        self._take_up_requests()
         self._drift = DriftWatch(self.history, study.file.drift)
         self._proposals = Proposals(
             self.method, self.history, self.gains, starts, recorded, self._drift, self._corrections
@@ -240,16 +236,9 @@ class Tuner:
         twin = source.content_hash if source else ""
         judged = self.history.envelope.judge(run.recording)
         told = self.history.trial("IS1", used, judged, twin=twin, number=request.number)
-        before = self._store.highest
+        file = {"file": run.file, "sha256": run.sha256, "after": self._store.highest}
         self.history.write(told)
-        self._store.log(
-            "tell",
-            number=request.number,
-            gains=used,
-            file=run.file,
-            sha256=run.sha256,
-            after=before,
-        )
+        self._store.log("tell", number=request.number, gains=used, **file)
         self._answered(request.number)
         initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
         self._announce("initial" if initial else "query", told)
@@ -367,6 +356,14 @@ class Tuner:
         self.history.real_at_ask = real
         self._wait_for(request)
         return request
+
+    def _take_up_requests(self) -> None:
+        """Wait again for what was asked for and has not been made."""
+        self._waiting: dict[int, TrialRequest] = {}
+        self._unanswered_twin: TrialRequest | None = None
+        self._last_request: TrialRequest | None = None
+        for request in TrialRequest.unanswered(self._store.events(), self._store.numbers):
+            self._wait_for(request)
 
     def _wait_for(self, request: TrialRequest) -> None:
         self._last_request = request

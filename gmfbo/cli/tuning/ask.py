@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -80,12 +80,7 @@ def ask(
     with Tuner(asked) as tuner:
         with display:
             tuner.watch(None if json else display.show)
-            held = parse_settings(fix or [], option="--fix")
-            if parallel is None:
-                request = tuner.ask(held)
-                requests = [] if request is None else [request]
-            else:
-                requests = tuner.ask(held, parallel=parallel)
+            requests = _asked(tuner, parse_settings(fix or [], option="--fix"), parallel)
         if not requests:
             remove_next_run(asked.location, len(tuner.experiment.parts))
             if json:
@@ -99,10 +94,15 @@ def ask(
             write_next_run(asked.location, request, tuner.experiment.references, parallel=several)
         if json:
             typer.echo(_as_json(requests, len(tuner.experiment.parts), several))
-            return
-        for place, request in enumerate(requests):
-            _print_request(tuner, request, study, place if several else None)
-        _print_others(tuner, requests)
+        else:
+            _print_requests(tuner, requests, study, several)
+
+
+def _asked(tuner: Tuner, held: Mapping[str, float], parallel: int | None) -> Sequence[TrialRequest]:
+    if parallel is not None:
+        return tuner.ask(held, parallel=parallel)
+    request = tuner.ask(held)
+    return [] if request is None else [request]
 
 
 def _as_json(requests: Sequence[TrialRequest], count: int, several: bool) -> str:
@@ -112,8 +112,12 @@ def _as_json(requests: Sequence[TrialRequest], count: int, several: bool) -> str
     return dumps(told if several else told[0], indent=1)
 
 
-def _print_others(tuner: Tuner, requests: Sequence[TrialRequest]) -> None:
-    """Name the runs that are waited for beside those printed."""
+def _print_requests(
+    tuner: Tuner, requests: Sequence[TrialRequest], study: Path, several: bool
+) -> None:
+    """Print the requested runs, and name those that are waited for beside them."""
+    for place, request in enumerate(requests):
+        _print_request(tuner, request, study, place if several else None)
     others = [one.number for one in tuner.waiting if one not in requests]
     if others:
         numbers = ", ".join(str(number) for number in others)

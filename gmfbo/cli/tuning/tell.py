@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -87,39 +88,53 @@ def tell(
     The gains of a recording are those in its lines `# NAME = VALUE`, those of --set, or those
     asked for. A run that failed is priced as the worst one.
     """
-    from gmfbo import Tuner
-    from gmfbo.sources.plants.failed_run import failed_run
     from gmfbo.tuning.study.study import Study
-    from gmfbo.tuning.told.next_run import remove_next_run
 
     if [bool(recordings), failed is not None, undo].count(True) != 1:
         raise InputError("expected a recording, --failed WHY or --undo; give one of them")
     told = Study.read(study)
     if undo:
-        _take_back(told, study)
-        return
+        _take_back(told)
+    else:
+        _tell(
+            told, study, recordings or failed or "failed", trial, parse_settings(set_ or []), anyway
+        )
+    typer.echo(f"then         gmfbo ask {study}")
+
+
+def _tell(
+    told: Study,
+    study: Path,
+    what: list[Path] | str,
+    number: int | None,
+    given: Mapping[str, float],
+    anyway: bool,
+) -> None:
+    """Tell recordings, or why a run failed, of one of the runs that are waited for."""
+    from gmfbo import Tuner
+    from gmfbo.sources.plants.failed_run import failed_run
+    from gmfbo.tuning.told.next_run import remove_next_run
+
     if not told.begun:
         raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
-    given = parse_settings(set_ or [])
     with Tuner(told) as tuner:
         waited = {request.number: request for request in tuner.waiting}
         if not waited:
             raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
-        run = recordings or failed_run(tuner.experiment.reference, failed or "failed")
-        made = tuner.tell(trial, run, gains=given, anyway=anyway)
+        failed = failed_run(tuner.experiment.reference, what) if isinstance(what, str) else None
+        run = what if failed is None else failed
+        made = tuner.tell(number, run, gains=given, anyway=anyway)
         remove_next_run(told.location, len(tuner.experiment.parts), made.number)
-        _print_told(tuner, waited[made.number], made, named=bool(given) or not recordings)
-    typer.echo(f"then         gmfbo ask {study}")
+        _print_told(tuner, waited[made.number], made, named=bool(given) or failed is not None)
 
 
-def _take_back(told: Study, study: Path) -> None:
+def _take_back(told: Study) -> None:
     from gmfbo.tuning.told.undo import take_back
 
     back = take_back(told)
     twin = f" and {back.followers} twin runs made because of it" if back.followers else ""
     typer.echo(f"taken back   trial {back.trial.number}{twin}: on disk, but counted no more")
     typer.echo(f"again        trial {back.again}: {gains_text(back.trial.gains)}")
-    typer.echo(f"then         gmfbo ask {study}")
 
 
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:

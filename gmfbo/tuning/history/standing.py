@@ -120,14 +120,19 @@ class StandingStore:
     ----------
     location : Path
         Folder of the study.
-    highest : int
-        Highest number of a trial on disk, taken back or not; 0 without any.
+    numbers : set of int
+        Numbers of all trials on disk, taken back or not.
     """
 
     def __init__(self, store: TrialStore) -> None:
         self._store = store
         self.location: Path = store.location
-        self.highest = max((trial.number for trial in store.trials()), default=0)
+        self.numbers = {trial.number for trial in store.trials()}
+
+    @property
+    def highest(self) -> int:
+        """Highest number of a trial on disk, taken back or not; 0 without any."""
+        return max(self.numbers, default=0)
 
     def trials(self) -> list[Trial]:
         """Trials that count, in the order in which they were made."""
@@ -140,7 +145,7 @@ class StandingStore:
         events = self._store.events()
         if not any(event["event"] == UNDO for event in events):
             return events
-        return standing_events(events, {trial.number for trial in self._store.trials()})
+        return standing_events(events, self.numbers)
 
     def write_trial(self, trial: Trial) -> object:
         """Keep a finished trial.
@@ -151,7 +156,7 @@ class StandingStore:
             Its number must be free.
         """
         written = self._store.write_trial(trial)
-        self.highest = max(self.highest, trial.number)
+        self.numbers.add(trial.number)
         return written
 
     def log(self, event: str, **fields: Any) -> None:

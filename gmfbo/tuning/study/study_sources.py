@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from gmfbo.errors import InputError, SimulationError, StudyFileError
 from gmfbo.objective.limits import Limits
@@ -102,21 +102,16 @@ class StudySources:
         """
         _check_plant(study, is1, plant)
         change = study.is1.change
-        changed, gains, unit = None, None, ""
-        logged: dict[str, str] = {}
-        loop_twins: tuple[FmuTwin, ...] = ()
+        changed = None
+        facts: dict[str, Any] = {}
         reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
-        parameters: tuple[str, ...] = ()
         with ExitStack() as opened:
             opener = _Opener(study.seed, folder, opened, disturbed_ports(study))
             if is2 is None:
                 is2 = reading = twin = opener.twin(study.is2.twin, study.is2.parameters)
-                gains, parameters = twin.gains, tuple(twin.parameter_tunable())
-                signal = twin.signal_specs().get(study.reference.signal)
-                unit = signal.unit if signal else ""
-                logged = _logged_states(twin)
+                facts = _facts_of(twin, study)
                 if Limits(study.constraints).of_the_twin:
-                    loop_twins = opener.loop_twins(twin)
+                    facts["loop_twins"] = opener.loop_twins(twin)
             if plant is not None:
                 is1 = PythonPlant(plant, reading)
             if is1 is None:
@@ -130,13 +125,8 @@ class StudySources:
                 opened=opened.pop_all(),
                 changed_is1=changed,
                 change_after=change.after_runs if change else None,
-                gains=gains,
-                parameters=parameters,
-                reference_unit=unit,
                 reading=reading,
-                command=logged.get("command"),
-                velocity=logged.get("velocity"),
-                loop_twins=loop_twins,
+                **facts,
             )
 
     def real(self, runs_before: int) -> Source | None:
@@ -163,11 +153,18 @@ class StudySources:
         self.opened.close()
 
 
-def _logged_states(twin: FmuTwin) -> dict[str, str]:
-    """Output by the state of [states] that it is."""
-    file = twin.file
-    names = {entry.variable: name for name, entry in file.outputs.items()}
-    return {state: names[name] for state, name in file.states.items() if name in names}
+def _facts_of(twin: FmuTwin, study: StudyFile) -> dict[str, Any]:
+    """What only an FMU twin knows: its box, its parameters, and which outputs are which states."""
+    signal = twin.signal_specs().get(study.reference.signal)
+    names = {entry.variable: name for name, entry in twin.file.outputs.items()}
+    states = {state: names.get(variable) for state, variable in twin.file.states.items()}
+    return {
+        "gains": twin.gains,
+        "parameters": tuple(twin.parameter_tunable()),
+        "reference_unit": signal.unit if signal else "",
+        "command": states.get("command"),
+        "velocity": states.get("velocity"),
+    }
 
 
 def _check_plant(study: StudyFile, is1: Source | None, plant: PlantFunction | None) -> None:

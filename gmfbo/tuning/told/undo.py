@@ -87,9 +87,8 @@ def _take_back(store: TrialStore) -> TakenBack:
 
 def _waiting(standing: StandingStore) -> list[int]:
     """Numbers that were asked for and are still waited for."""
-    made = {trial.number for trial in standing.trials()}
     asked = [event["number"] for event in standing.events() if event["event"] == "ask"]
-    return [number for number in asked if number not in made]
+    return [number for number in asked if number not in standing.numbers]
 
 
 def _set_aside(folder: Path, version: dict[str, Any], number: int) -> None:
