@@ -37,6 +37,31 @@ MANUAL = Manual(
 )
 
 
+TrialNumber = Annotated[
+    int | None,
+    typer.Option(
+        "--trial",
+        metavar="NUMBER",
+        help="Run that was recorded, where several are waited for; without it the one whose "
+        "gains the recording states.",
+    ),
+]
+
+Undo = Annotated[
+    bool,
+    typer.Option(
+        "--undo",
+        help="Take back the run that was told last: it stays on disk, counts no more, and its "
+        "gains are asked for again.",
+    ),
+]
+
+Failed = Annotated[
+    str | None,
+    typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
+]
+
+
 def tell(
     study: StudyFile,
     recordings: Annotated[
@@ -61,27 +86,9 @@ def tell(
             help="Take it though its gains or its reference differ, or a second time.",
         ),
     ] = False,
-    trial: Annotated[
-        int | None,
-        typer.Option(
-            "--trial",
-            metavar="NUMBER",
-            help="Run that was recorded, where several are waited for; without it the one whose "
-            "gains the recording states.",
-        ),
-    ] = None,
-    undo: Annotated[
-        bool,
-        typer.Option(
-            "--undo",
-            help="Take back the run that was told last: it stays on disk, counts no more, and its "
-            "gains are asked for again.",
-        ),
-    ] = False,
-    failed: Annotated[
-        str | None,
-        typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
-    ] = None,
+    trial: TrialNumber = None,
+    undo: Undo = False,
+    failed: Failed = None,
 ) -> None:
     """Take back the recording of the run that `gmfbo ask` wanted.
 
@@ -129,9 +136,11 @@ def _tell(
 
 
 def _take_back(told: Study) -> None:
+    from gmfbo.tuning.told.next_run import remove_next_run
     from gmfbo.tuning.told.undo import take_back
 
     back = take_back(told)
+    remove_next_run(told.location, len(told.file.references))
     twin = f" and {back.followers} twin runs made because of it" if back.followers else ""
     typer.echo(f"taken back   trial {back.trial.number}{twin}: on disk, but counted no more")
     typer.echo(f"again        trial {back.again}: {gains_text(back.trial.gains)}")
