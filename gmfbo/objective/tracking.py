@@ -43,7 +43,7 @@ def tracking_metrics(
         The samples do not cover the part.
     """
     since, window = scored_window(np.asarray(time, float), np.asarray(error, float), begin, horizon)
-    finite = np.isfinite(window).all(axis=-1)
+    finite = np.asarray(np.isfinite(window).all(axis=-1))
     known = np.where(finite[..., None], window, 0.0)
     measured = {
         "itae": trapezoid(since * np.abs(known), since, axis=-1),

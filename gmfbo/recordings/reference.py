@@ -163,7 +163,8 @@ def sine_reference(
             f"sine: expected at least four samples a cycle, got {frequency:g} Hz with a sample "
             f"time of {sample_time:g} s"
         )
-    time = np.arange(round((at + cycles / frequency) / sample_time) + 1) * sample_time
+    rows = round((at + cycles / frequency) / sample_time) + 1
+    time = np.arange(rows, dtype=np.float64) * sample_time
     since = np.maximum(time - at, 0.0)
     return Recording(
         time=time,

@@ -322,7 +322,8 @@ def _combined(
     names = list(dict.fromkeys(name for one in each for name in one))
     if len(each) == 1:
         return {name: np.asarray(each[0][name], dtype=float) for name in names}
-    mean, single = {}, {}
+    mean: dict[str, NDArray[np.float64]] = {}
+    single: dict[str, NDArray[np.float64]] = {}
     for name in names:
         having = [k for k, one in enumerate(each) if name in one]
         values = [np.asarray(each[k][name], dtype=float) for k in having]

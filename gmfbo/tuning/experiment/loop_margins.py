@@ -128,7 +128,7 @@ class MarginMeter:
         name, *others = self.reference.signals
         asked = self.reference.signals[name]
         size = float(np.ptp(asked)) or 1.0
-        time = np.arange(excited.size + 1) * step
+        time = np.arange(excited.size + 1, dtype=np.float64) * step
         signals = {name: asked[0] + size * time / self.horizon}
         signals |= {other: np.zeros(time.size) for other in others}
         signals[disturbance_signal(COMMAND_PORT)] = np.append(excited, 0.0)

@@ -13,7 +13,7 @@ from gmfbo.objective.tracking import TRACKING_METRICS
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.reference import step_reference
 from gmfbo.tuning.experiment.experiment import ReferenceExperiment, Step
-from gmfbo.tuning.study_file.study_sections import ReferenceSection
+from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
 
 @pytest.fixture

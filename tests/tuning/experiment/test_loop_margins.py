@@ -16,15 +16,15 @@ STEP = 1e-3
 
 
 def measured(gains: Mapping[str, float], parameters: Mapping[str, float]) -> LoopMargins:
-    both = [
+    fine, coarse = (
         FmuTwin(SERVO, parameters=parameters, step=step, driven_ports=("command",), isolated=False)
         for step in (STEP / FINER, STEP)
-    ]
+    )
     reference = step_reference(1.0, at=0.05, horizon=1.0)
-    meter = MarginMeter(*both, reference, "torque_command", horizon=1.0, step=STEP)
+    meter = MarginMeter(fine, coarse, reference, "torque_command", horizon=1.0, step=STEP)
     found = meter.measure(gains)
-    for twin in both:
-        twin.close()
+    fine.close()
+    coarse.close()
     return found
 
 

@@ -34,8 +34,9 @@ def lagging(made: ReferenceExperiment, lag: float) -> Recording:
 
 
 def test_a_step_may_begin_anywhere() -> None:
-    warm, cold = experiment(**{"from": 293.15, "step": 10.0}), experiment(step=10.0)
+    warm, cold = experiment(start=293.15, step=10.0), experiment(step=10.0)
     assert warm.reference.signal("reference")[[0, -1]] == pytest.approx([293.15, 303.15])
+    assert ReferenceSection.model_validate({"from": 293.15}).start == 293.15
     run = lagging(cold, 0.02)
     lifted = run.with_signals({"position": run.signal("position") + 293.15})
     assert warm.metrics(lifted) == pytest.approx(cold.metrics(run))
@@ -74,7 +75,7 @@ def test_step_metrics_beside_a_sine_are_those_of_the_step() -> None:
 
 
 def test_a_wider_band_settles_sooner_and_a_filter_forgives_noise() -> None:
-    time = np.arange(1101) * 1e-3
+    time = np.arange(1101, dtype=np.float64) * 1e-3
     noise = np.random.default_rng(0).normal(0.0, 0.02, time.size)
     creep = Recording(time=time, signals={"position": 1.0 - np.exp(-(time - 0.1) / 0.05)})
     noisy = Recording(time=time, signals={"position": np.where(time < 0.1, 0.0, 1.0) + noise})

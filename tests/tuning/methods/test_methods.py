@@ -18,7 +18,7 @@ from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.methods import METHODS, find_method
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
 from gmfbo.tuning.query.method import Method, Proposal
-from gmfbo.tuning.study_file.study_sections import ReferenceSection
+from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
 SPACE = GainSpace((Gain("Kp", 10.0, 90.0), Gain("Kd", 1.0, 9.0)))
 
