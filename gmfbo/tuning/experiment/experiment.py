@@ -200,7 +200,13 @@ class ReferenceExperiment:
         return text
 
     def target(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Reference at given times, held between its rows, shape (m,) [unit of the signal]."""
+        """Reference at given times, held between its rows, shape (m,) [unit of the signal].
+
+        Parameters
+        ----------
+        times : ndarray, shape (m,)
+            [s]
+        """
         reference = self.reference
         slack = 1e-6 * reference.duration / max(len(reference) - 1, 1)
         rows = np.searchsorted(reference.time, times + slack, side="right") - 1

@@ -142,7 +142,13 @@ class MarginMeter:
 
 
 def differing(found: LoopMargins) -> list[str]:
-    """Margins that differ by more than a tenth between the amplitudes, in words."""
+    """Margins that differ by more than a tenth between the amplitudes, in words.
+
+    Parameters
+    ----------
+    found : LoopMargins
+        Measured at both amplitudes.
+    """
     if len(found.each) < 2:
         return []
     small, large = found.each

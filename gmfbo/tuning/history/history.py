@@ -175,7 +175,7 @@ class History:
         return self.drifts[-1].last_before if self.drifts else 0
 
     def units_of(self, run: Recording) -> dict[str, str]:
-        """Unit of each metric of ours, by the units of a run's signals."""
+        """Unit of each metric of ours, by the signals of a run (a `Recording`)."""
         names = (self.experiment.signal, self.experiment.terms.command or "")
         return units_of_metrics(*(run.units.get(name, "") for name in names))
 
