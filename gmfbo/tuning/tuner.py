@@ -75,6 +75,9 @@ class Tuner:
         The study, its twins or its folder cannot be used.
     """
 
+    _unanswered_twin: TrialRequest | None = None
+    _last_request: TrialRequest | None = None
+
     def __init__(
         self,
         study: Study,
@@ -96,10 +99,10 @@ class Tuner:
             self.gains = GainChoice.combine(
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
-            own = own_metrics(study)
+            own, file = own_metrics(study), study.file
             self.experiment = experiment_of(study, self._sources, own)
-            starts = known_safe(study.file.safety, self.gains)
-            check_signals(study.file.safety, self._sources)
+            starts = known_safe(file.safety, self.gains)
+            check_signals(file.safety, self._sources)
             real = self._sources.is1
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
@@ -129,7 +132,7 @@ class Tuner:
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
         self._closing.callback(self._corrections.close)
-        self._take_up_requests()
+        self._waiting = self._take_up_requests()
         self._drift = DriftWatch(self.history, study.file.drift)
         self._proposals = Proposals(
             self.method, self.history, self.gains, starts, recorded, self._drift, self._corrections
@@ -357,13 +360,15 @@ class Tuner:
         self._wait_for(request)
         return request
 
-    def _take_up_requests(self) -> None:
-        """Wait again for what was asked for and has not been made."""
-        self._waiting: dict[int, TrialRequest] = {}
-        self._unanswered_twin: TrialRequest | None = None
-        self._last_request: TrialRequest | None = None
-        for request in TrialRequest.unanswered(self._store.events(), self._store.numbers):
-            self._wait_for(request)
+    def _take_up_requests(self) -> dict[int, TrialRequest]:
+        """Wait again for what was asked for and has not been made; real runs by their number."""
+        asked = TrialRequest.unanswered(self._store.events(), self._store.numbers)
+        real = {request.number: request for request in asked if request.source == "IS1"}
+        twin = [request for request in asked if request.source == "IS2"]
+        self.history.waiting.update({number: one.gains for number, one in real.items()})
+        self._unanswered_twin = twin[-1] if twin else None
+        self._last_request = asked[-1] if asked else None
+        return real
 
     def _wait_for(self, request: TrialRequest) -> None:
         self._last_request = request
