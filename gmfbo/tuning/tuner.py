@@ -164,8 +164,7 @@ class Tuner:
         Returns
         -------
         TrialRequest, list of TrialRequest, or None
-            A list with `parallel`. None, or a shorter list, when the budget is used up, or the
-            method has nothing more to ask.
+            A list with `parallel`; None, or a shorter list, when there is nothing more to ask.
 
         Raises
         ------
