@@ -139,6 +139,19 @@ class Objective:
         ]
         return np.asarray(np.sum(np.broadcast_arrays(*terms), axis=0))
 
+    def contribution(self, name: str, value: float) -> float:
+        """What one metric adds to the cost g of a run: w (h - mean) / std.
+
+        Parameters
+        ----------
+        name : str
+            A weighted metric.
+        value : float
+            h [unit of the metric].
+        """
+        counted = float(self._counted(name, value))
+        return self.weights[name] * (counted - self.mean[name]) / self.std[name]
+
     def _counted(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
         """A metric limited to its worst case, or its mean where it is unknown."""
         known = np.asarray(values, dtype=float)

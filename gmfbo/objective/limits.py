@@ -11,30 +11,42 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import log_ndtr
 
 from gmfbo.errors import InputError
+from gmfbo.objective.margins import AT_LEAST, MARGINS
 
 _LEAST_SIGMA = 1e-10
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Upper limits on metrics, for each reference.
+    """Limits on metrics, for each reference.
 
     Attributes
     ----------
-    most : mapping of str to float
-        Largest value by metric [unit of the metric]; empty where nothing is limited.
+    stated : mapping of str to float
+        Limit by metric [unit of the metric]; the least value of phase and gain margin, the
+        largest of all others. Empty where nothing is limited.
     """
 
-    most: Mapping[str, float] = field(default_factory=dict)
+    stated: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name, value in self.most.items():
+        for name, value in self.stated.items():
             if not np.isfinite(value):
                 raise InputError(f"constraints: expected a number for '{name}', got {value}")
-        object.__setattr__(self, "most", MappingProxyType(dict(self.most)))
+        object.__setattr__(self, "stated", MappingProxyType(dict(self.stated)))
 
     def __bool__(self) -> bool:
-        return bool(self.most)
+        return bool(self.stated)
+
+    @property
+    def most(self) -> Mapping[str, float]:
+        """Largest value that `limited` may have, by limited metric."""
+        return {name: _sign(name) * value for name, value in self.stated.items()}
+
+    @property
+    def of_the_twin(self) -> bool:
+        """Whether a margin is limited, which the twin is asked for."""
+        return any(name in MARGINS for name in self.stated)
 
     def limited(self, metrics: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
         """Value of each limited metric to be compared with its limit.
@@ -48,21 +60,26 @@ class Limits:
         Returns
         -------
         dict of str to ndarray, shape (...)
-            By limited metric [unit of the metric].
+            By limited metric [unit of the metric]; margins that have a least value with a minus,
+            NaN where the metric was not measured.
         """
-        return {
-            name: np.max(
-                [np.asarray(value, float) for key, value in metrics.items() if _is_of(key, name)],
-                axis=0,
-            )
-            for name in self.most
-        }
+        found = {}
+        for name in self.stated:
+            each = [np.asarray(value, float) for key, value in metrics.items() if _is_of(key, name)]
+            found[name] = _sign(name) * np.max(each, axis=0) if each else np.asarray(np.nan)
+        return found
 
     def excess(self, metrics: Mapping[str, float]) -> float:
-        """Sum of relative excesses over the limits; zero where all limits are met."""
+        """Sum of relative excesses over the limits; zero where all limits are met.
+
+        A metric that was not measured meets no limit: its excess is infinite.
+        """
+        limited = {name: float(value) for name, value in self.limited(metrics).items()}
+        if any(np.isnan(value) for value in limited.values()):
+            return float(np.inf)
         return sum(
-            max(float(value) - self.most[name], 0.0) / (abs(self.most[name]) or 1.0)
-            for name, value in self.limited(metrics).items()
+            max(value - self.most[name], 0.0) / (abs(self.most[name]) or 1.0)
+            for name, value in limited.items()
         )
 
     def met(self, metrics: Mapping[str, float]) -> bool:
@@ -92,6 +109,10 @@ def log_feasibility(mean: ArrayLike, variance: ArrayLike, most: float) -> NDArra
     # Beyond 1e100 standard deviations the square in log Phi would overflow.
     distance = np.clip((most - np.asarray(mean, dtype=float)) / sigma, -1e100, 1e100)
     return np.asarray(log_ndtr(distance))
+
+
+def _sign(name: str) -> float:
+    return -1.0 if name in AT_LEAST else 1.0
 
 
 def _is_of(key: str, name: str) -> bool:

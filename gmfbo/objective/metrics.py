@@ -28,16 +28,17 @@ def step_metrics(
     step_size: float = 1.0,
     initial: float = 0.0,
     horizon: float,
+    band: float = SETTLING_BAND,
 ) -> dict[str, NDArray[np.float64]]:
     """Metrics of step responses, interpolated between samples.
 
     The response is the line through its samples. With z = (y - initial) / step_size, error
-    e = 1 - z and times counted from the step:
+    e = 1 - z and times from the step:
 
     - overshoot [%]: 100 max(z - 1, 0);
     - rise_time [s]: from the first z = 0.1 to the first z = 0.9;
-    - settling_time [s]: after it `|e|` stays within 0.02;
-    - transient_time [s]: after it `|e|` stays within 0.02 of its own peak.
+    - settling_time [s]: after it `|e|` stays within the band;
+    - transient_time [s]: after it `|e|` stays within the band times its own peak.
 
     The final value is the reference, not the last sample, so that a steady-state error shows. A
     level that is not reached within the horizon gets the horizon as its time. A response with a
@@ -57,6 +58,8 @@ def step_metrics(
         Reference before the step [unit of the response].
     horizon : float
         [s] Length after the step that is looked at.
+    band : float
+        Half width of the settling band, as a share of the step.
 
     Returns
     -------
@@ -71,12 +74,11 @@ def step_metrics(
     times, responses = np.asarray(time, dtype=float), np.asarray(response, dtype=float)
     if step_size == 0.0 or not np.isfinite(step_size):
         raise InputError(f"step metrics: expected a step other than zero, got {step_size}")
-    since_step, window = _window(times, responses, step_time, horizon)
+    since_step, window = scored_window(times, responses, step_time, horizon)
     finite = np.asarray(np.isfinite(window).all(axis=-1))
     # A constant replaces broken responses, so that no warning or NaN arises from them.
     error = 1.0 - (np.where(finite[..., None], window, initial) - initial) / step_size
-    measured = _metrics_of_error(since_step, error, horizon)
-    worst = worst_metrics(horizon)
+    measured, worst = _metrics_of_error(since_step, error, horizon, band), worst_metrics(horizon)
     return {name: np.where(finite, measured[name], worst[name]) for name in METRICS}
 
 
@@ -97,23 +99,45 @@ def worst_metrics(horizon: float) -> dict[str, float]:
 
 
 def _metrics_of_error(
-    time: NDArray[np.float64], error: NDArray[np.float64], horizon: float
+    time: NDArray[np.float64], error: NDArray[np.float64], horizon: float, band: float
 ) -> dict[str, NDArray[np.float64]]:
     """Metrics of finite errors (share of the step) at times counted from it [s], shape (...)."""
     peak = np.abs(error).max(axis=-1)
     low, high = (_first_reach(time, 1.0 - error, level, horizon) for level in RISE_LEVELS)
     return {
         "overshoot": 100.0 * np.maximum(-error.min(axis=-1), 0.0),
-        "transient_time": _last_outside(time, error, SETTLING_BAND * peak, horizon),
+        "transient_time": _last_outside(time, error, band * peak, horizon),
         "rise_time": np.where((error <= 1.0 - RISE_LEVELS[1]).any(axis=-1), high - low, horizon),
-        "settling_time": _last_outside(time, error, np.full(peak.shape, SETTLING_BAND), horizon),
+        "settling_time": _last_outside(time, error, np.full(peak.shape, band), horizon),
     }
 
 
-def _window(
+def scored_window(
     time: NDArray[np.float64], response: NDArray[np.float64], step_time: float, horizon: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Cut [step_time, step_time + horizon], shape (m,) and (..., m), with interpolated ends."""
+    """Cut [step_time, step_time + horizon], with interpolated ends.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s], increasing.
+    response : ndarray, shape (..., n)
+        Signal of each run.
+    step_time, horizon : float
+        [s] Begin and length of the part.
+
+    Returns
+    -------
+    since : ndarray, shape (m,)
+        [s] Counted from `step_time`.
+    values : ndarray, shape (..., m)
+        The signals there.
+
+    Raises
+    ------
+    InputError
+        Shapes disagree, or the samples do not cover the part.
+    """
     if time.ndim != 1 or time.size < 2 or response.shape[-1:] != time.shape:
         raise InputError(
             f"step metrics: expected time (n,) and responses (..., n) with n >= 2, "

@@ -72,7 +72,7 @@ def complete(
 
     given = {**twin.parameters, **tables}
     try:
-        with FmuTwin(twin.path, parameters=given) as calibrated:
+        with FmuTwin(twin.path, parameters=given, driven_ports=twin.driven_ports) as calibrated:
             found = diagnose(calibrated, recordings, seed=seed, jobs=1)
             if not found.effects or found.augmentation is None:
                 return None
@@ -83,7 +83,7 @@ def complete(
     except GmfboError:
         # A study must not end because its twin cannot be explained.
         return None
-    augmented = FmuTwin(exported.twin_file)
+    augmented = FmuTwin(exported.twin_file, driven_ports=twin.driven_ports)
     scalars = tuple(_about(augmented, f"physics.{one.name}", one.value) for one in physics)
     names = tuple(effect.name for effect in found.effects)
     return Completion(augmented, scalars, names, parameters, found.sentence)

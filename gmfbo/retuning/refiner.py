@@ -174,7 +174,9 @@ class PhysicsRefiner:
         """Restore a logged version; see `TwinRefiner`."""
         model, unknowns = self._given, self._uncertain
         if event["augmented"] is not None:
-            model = FmuTwin(self._folder / event["augmented"])
+            model = FmuTwin(
+                self._folder / event["augmented"], driven_ports=self._given.driven_ports
+            )
             self._opened.append(model)
             unknowns = unknowns.with_physics([Scalar(**scalar) for scalar in event["physics"]])
         estimate = None

@@ -20,7 +20,7 @@ from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import own_metrics
+from gmfbo.tuning.study.study_terms import experiment_of, own_metrics
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.safety_section import SafetySection
 
@@ -108,13 +108,7 @@ class TrueSources:
         sources = StudySources.open(file, study.origin)
         try:
             gains = GainChoice.combine(sources.gains, file.gains, sources.parameters)
-            experiment = ExperimentSeries.from_sections(
-                file.references,
-                file.objective.signal,
-                folder=study.origin,
-                unit=sources.reference_unit,
-                own=own_metrics(study),
-            )
+            experiment = experiment_of(study, sources, own_metrics(study))
         except BaseException:
             sources.close()
             raise
@@ -165,6 +159,7 @@ class TrueSources:
         decisive: list[Any] = [source.content_hash, side, self.experiment.signal, repr(self.gains)]
         decisive += [
             own.content_hash if own else "",
+            repr(self.experiment.terms),
             source in self.plants and self.safety.model_dump_json(),
         ]
         for part, share in zip(self.experiment.parts, self.experiment.shares, strict=True):

@@ -58,7 +58,7 @@ class DriftWatch:
         """
         history, found = self.history, None
         real = history.of("IS1")
-        seen = self._weighed(real)
+        seen = history.real_at_ask or 0
         if not self.section.watch or seen >= len(real):
             return None
         beside = [next(iter(history.children(trial, "IS2")), None) for trial in real]
@@ -134,6 +134,3 @@ class DriftWatch:
             axis=1,
         )
         return None if distances.min() <= NEXT_TO else best
-
-    def _weighed(self, real: list[Trial]) -> int:
-        return sum(trial.number < self.history.last_asked for trial in real)

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.objective.limits import Limits
+from gmfbo.plain_words import words
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
@@ -55,10 +57,15 @@ class Proposals:
         return [trial.gains for trial in self.history.of("IS1")[self.history.earlier :]]
 
     @property
+    def asked(self) -> list[Mapping[str, float]]:
+        """As `played`, with the gains that are waited for."""
+        return [*self.played, *self.history.waiting.values()]
+
+    @property
     def used_up(self) -> bool:
         """Whether the budget is spent, or every recording replayed."""
         recorded = self.recorded
-        return self.history.used_up or (recorded is not None and recorded.used_up(self.played))
+        return self.history.used_up or (recorded is not None and recorded.used_up(self.asked))
 
     def next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Decide on the next query; None where the method has nothing more to ask.
@@ -72,13 +79,13 @@ class Proposals:
         if request is None or self.recorded is None or request.source != "IS1":
             return request
         proposed = self.history.unit_point(request.gains)
-        nearest = self.recorded.nearest(proposed, self.played, held)
+        nearest = self.recorded.nearest(proposed, self.asked, held)
         return replace(request, gains=nearest)
 
     def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
-        state, number = self.history.state(held), self.history.next_number
+        state, number = self._state(held), self.history.next_number
         seed, budget = self.history.study.seed, self.history.study.budget
-        real = len(self.history.of("IS1"))
+        real = len(self.history.of("IS1")) + len(self.history.waiting)
         if real < max(budget.initial_is1, len(self.starts)):
             points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
             # Gains that are known to be safe replace the first of the Latin hypercube.
@@ -92,12 +99,41 @@ class Proposals:
         proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
         if proposal is None:
             return None
-        gains, note = self.history.gains_at(proposal.point), proposal.note
-        if proposal.source == "IS1":
+        gains, note, source = self.history.gains_at(proposal.point), proposal.note, proposal.source
+        if source == "IS1":
             allowed = self._allowed(state, proposal.point)
             note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
             gains = allowed
-        return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+            if withheld := self._withheld(gains):
+                source, note = "IS2", withheld
+        return TrialRequest(number, source, gains, proposal.mismatch, note)
+
+    def _withheld(self, gains: Mapping[str, float]) -> str:
+        """Why gains are run on the twin instead of the axis: margins beyond a limit; else empty."""
+        found, limits = self.history.margins.at(gains), self.history.limits.stated
+        asked = Limits({name: value for name, value in limits.items() if name in found})
+        if asked.met(found):
+            return ""
+        told = [
+            f"{words(name)} {found[name]:.3g}, limit {limit:g}"
+            for name, limit in asked.stated.items()
+        ]
+        return f"not run on the axis: {'; '.join(told)} (from the twin)"
+
+    def _state(self, held: Mapping[str, float]) -> TuningState:
+        """State from which the next query is chosen.
+
+        What runs already at a bench is not asked for again: gains that are waited for are kept
+        out with their neighbourhood, as around unsafe ones (local penalisation, Gonzalez et al.
+        2016).
+        """
+        state, waiting = self.history.state(held), self.history.waiting
+        if not waiting:
+            return state
+        points = np.stack([self.history.unit_point(gains) for gains in waiting.values()])
+        width = len(self.gains.space)
+        unsafe = np.vstack([np.reshape(state.keep_out.unsafe, (-1, width)), points])
+        return replace(state, keep_out=replace(state.keep_out, unsafe=unsafe))
 
     def _repeat(self, state: TuningState) -> Repeat | None:
         """Gains that are to be run again next; usually None.

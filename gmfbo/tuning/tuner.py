@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, overload
 
 from gmfbo.errors import InputError
 from gmfbo.interrupt import unwrapped_interrupt
@@ -15,6 +15,7 @@ from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.standing import StandingStore
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.proposals import Proposals
 from gmfbo.tuning.query.method import Method, Recommendation
@@ -23,12 +24,18 @@ from gmfbo.tuning.query.request import TrialRequest, TuningResult
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import check_signals, experiment_of, known_safe, own_metrics
+from gmfbo.tuning.study.study_terms import (
+    check_signals,
+    experiment_of,
+    known_safe,
+    margin_meter,
+    own_metrics,
+)
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_runs import EarlierRuns
 from gmfbo.tuning.told.real_axis import RealAxis, scorable
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
-from gmfbo.tuning.told.told_gains import told_gains
+from gmfbo.tuning.told.told_gains import chosen_request, told_gains
 from gmfbo.tuning.told.told_series import Told, read_told
 from gmfbo.tuning.twin.closer_look import look_closer
 from gmfbo.tuning.twin.twin_runs import TwinRuns
@@ -68,6 +75,9 @@ class Tuner:
         The study, its twins or its folder cannot be used.
     """
 
+    _unanswered_twin: TrialRequest | None = None
+    _last_request: TrialRequest | None = None
+
     def __init__(
         self,
         study: Study,
@@ -89,17 +99,18 @@ class Tuner:
             self.gains = GainChoice.combine(
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
-            own = own_metrics(study)
-            self.experiment = experiment_of(study, self._sources.reference_unit, own)
-            starts = known_safe(study.file.safety, self.gains)
-            check_signals(study.file.safety, self._sources)
+            own, file = own_metrics(study), study.file
+            self.experiment = experiment_of(study, self._sources, own)
+            starts = known_safe(file.safety, self.gains)
+            check_signals(file.safety, self._sources)
             real = self._sources.is1
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
+            meter = margin_meter(study, self._sources, self.experiment)
             self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
-            self._store: TrialStore = store or closing.enter_context(
-                study.open_for_writing(resume=resume)
+            self._store = StandingStore(
+                store or closing.enter_context(study.open_for_writing(resume=resume))
             )
             correction = self.method.correction
             self.history = History(
@@ -109,6 +120,7 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
+                meter=meter,
             )
             hashes = {"metrics": own.content_hash} if own else {}
             study.log_begin(self._store, self._sources.content_hashes | hashes)
@@ -120,45 +132,68 @@ class Tuner:
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
         self._closing.callback(self._corrections.close)
-        self._pending = TrialRequest.unanswered(self._store.events(), self.history.next_number)
-        self._last_request = self._pending
+        self._waiting = self._take_up_requests()
         self._drift = DriftWatch(self.history, study.file.drift)
         self._proposals = Proposals(
             self.method, self.history, self.gains, starts, recorded, self._drift, self._corrections
         )
         self._watch = Watch(self.history)
 
-    def ask(self, fixed: Mapping[str, float] | None = None) -> TrialRequest | None:
+    @overload
+    def ask(self, fixed: Mapping[str, float] | None = None) -> TrialRequest | None: ...
+
+    @overload
+    def ask(
+        self, fixed: Mapping[str, float] | None = None, *, parallel: int
+    ) -> list[TrialRequest]: ...
+
+    def ask(
+        self, fixed: Mapping[str, float] | None = None, *, parallel: int | None = None
+    ) -> TrialRequest | list[TrialRequest] | None:
         """Return the next real run that is wanted; twin runs that come before it are made here.
 
-        Asking again before telling returns the same request.
+        Asking again before telling returns the same requests.
 
         Parameters
         ----------
         fixed : mapping of str to float, optional
             Gains to be held at a value in this proposal.
+        parallel : int, optional
+            Real runs to be asked for at once; those waited for count.
 
         Returns
         -------
-        TrialRequest or None
-            None when the budget is used up, or the method has nothing more to ask.
+        TrialRequest, list of TrialRequest, or None
+            A list with `parallel`; None, or a shorter list, when there is nothing more to ask.
 
         Raises
         ------
         InputError
             A fixed gain is unknown or outside its range.
         """
-        held = dict(fixed or {})
+        held, wanted = dict(fixed or {}), 1 if parallel is None else parallel
         self.gains.check_fixed(held)
-        while (request := self._next(held)) is not None and request.source == "IS2":
+        if wanted < 1:
+            raise InputError(f"parallel: expected at least 1 run at once, got {wanted}")
+        waiting = [
+            request
+            for request in self._waiting.values()
+            if all(request.gains[name] == held[name] for name in held)
+        ]
+        if not waiting and parallel is None and len(self._waiting) == 1:
+            self._answered(*self._waiting)  # asked for anew, with other gains held
+        while len(waiting) < wanted and (request := self._next(held)) is not None:
+            if request.source == "IS1":
+                waiting.append(request)
+                continue
             trial = self._twin.query(request.gains)
-            self._pending = None
+            self._unanswered_twin = None
             self._announce("query", trial)
-        return request
+        return waiting if parallel is not None else next(iter(waiting), None)
 
     def tell(
         self,
-        trial: TrialRequest | int,
+        trial: TrialRequest | int | None,
         recording: Told | Sequence[Told],
         *,
         gains: Mapping[str, float] | None = None,
@@ -168,8 +203,9 @@ class Tuner:
 
         Parameters
         ----------
-        trial : TrialRequest or int
-            What `ask` returned, or its number.
+        trial : TrialRequest, int or None
+            What `ask` returned, or its number. With None the run that is waited for; of several
+            the one whose gains the recording states.
         recording : Recording, str or Path, or a sequence of them
             What was measured, or the file, whose columns are read as the twin file says; of
             several references one each. A `Trajectory` with a status other than `ok` is a failed
@@ -177,7 +213,7 @@ class Tuner:
         gains : mapping of str to float, optional
             Gains in force, where they are other than asked for or than the recording says.
         anyway : bool
-            Take a recording that was made at other gains than asked for, or told before.
+            Take a recording that contradicts what was asked for, or was told before.
 
         Returns
         -------
@@ -189,26 +225,23 @@ class Tuner:
         InputError
             The run was not asked for, or told already, or a gain is none; nothing is lost.
         RecordingError
-            The recording was made at other gains, lacks the signal or is too short.
+            The recording was made at other gains or follows another reference, lacks the signal
+            or is too short.
         """
-        number = trial if isinstance(trial, int) else trial.number
-        pending = self._pending
-        if pending is None or pending.number != number or pending.source != "IS1":
-            wanted = f"trial {pending.number} is" if pending else "none is"
-            raise InputError(
-                f"trial {number} is not waited for: {wanted}; ask for the next gains first"
-            )
-        run = read_told(recording, self._sources.reading, self.experiment)
+        run = read_told(recording, self._sources.reading, self.experiment, anyway=anyway)
+        stated = {**run.recording.parameters, **(gains or {})}
+        request = chosen_request(self._waiting, trial, stated)
         if not anyway:
             run.refuse_repeated(self._store.events())
-        used = told_gains(pending, run.recording, self.gains, given=gains, anyway=anyway)
+        used = told_gains(request, run.recording, self.gains, given=gains, anyway=anyway)
         source = self._sources.real(self.history.made)
         twin = source.content_hash if source else ""
         judged = self.history.envelope.judge(run.recording)
-        told = self.history.trial("IS1", used, judged, twin=twin)
+        told = self.history.trial("IS1", used, judged, twin=twin, number=request.number)
+        file = {"file": run.file, "sha256": run.sha256, "after": self._store.highest}
         self.history.write(told)
-        self._store.log("tell", number=number, gains=used, file=run.file, sha256=run.sha256)
-        self._pending = None
+        self._store.log("tell", number=request.number, gains=used, **file)
+        self._answered(request.number)
         initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
         self._announce("initial" if initial else "query", told)
         return told
@@ -284,8 +317,13 @@ class Tuner:
 
     @property
     def pending(self) -> TrialRequest | None:
-        """Run that was asked for and not told yet."""
-        return self._pending
+        """Run that was asked for and not told yet; of several the first."""
+        return next(iter(self._waiting.values()), None)
+
+    @property
+    def waiting(self) -> tuple[TrialRequest, ...]:
+        """All runs that were asked for and not told yet, in order."""
+        return tuple(self._waiting.values())
 
     def close(self) -> None:
         """Give back twins and the folder; everything told is on disk already."""
@@ -299,9 +337,8 @@ class Tuner:
 
     def _next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Do what must precede the next query, and decide on it."""
-        pending = self._pending
-        if pending is not None and all(pending.gains[name] == held[name] for name in held):
-            return pending
+        if self._unanswered_twin is not None:
+            return self._unanswered_twin
         self._twin.initial()
         self._twin.survey()
         self._take_earlier()
@@ -316,10 +353,33 @@ class Tuner:
         request = self._proposals.next(held)
         if request is None:
             return None
-        self._store.log("ask", **asdict(request))
-        self.history.last_asked = request.number
-        self._pending = self._last_request = request
+        real = len(self.history.of("IS1"))
+        self._store.log("ask", **asdict(request), real=real)
+        self.history.real_at_ask = real
+        self._wait_for(request)
         return request
+
+    def _take_up_requests(self) -> dict[int, TrialRequest]:
+        """Wait again for what was asked for and has not been made; real runs by their number."""
+        asked = TrialRequest.unanswered(self._store.events(), self._store.numbers)
+        real = {request.number: request for request in asked if request.source == "IS1"}
+        twin = [request for request in asked if request.source == "IS2"]
+        self.history.waiting.update({number: one.gains for number, one in real.items()})
+        self._unanswered_twin = twin[-1] if twin else None
+        self._last_request = asked[-1] if asked else None
+        return real
+
+    def _wait_for(self, request: TrialRequest) -> None:
+        self._last_request = request
+        if request.source == "IS2":
+            self._unanswered_twin = request
+            return
+        self._waiting[request.number] = request
+        self.history.waiting[request.number] = request.gains
+
+    def _answered(self, *numbers: int) -> None:
+        for number in numbers:
+            del self._waiting[number], self.history.waiting[number]
 
     def _take_earlier(self) -> None:
         """Take over the runs of an earlier study, each as a real run of this one; once."""

@@ -70,7 +70,7 @@ class TwinCorrections:
         real = history.of("IS1")
         if self.refiner is None or len(real) < history.study.budget.initial_is1:
             return self.runs
-        if real[-1].number > self.seen:
+        if real[-1].number != self.seen:
             self.seen = real[-1].number
             version = self.refiner.revise(history)
             if version is not None:

@@ -11,7 +11,7 @@ import pytest
 from gmfbo import FmuTwin
 from gmfbo.errors import InputError, StudyFileError
 from gmfbo.sources.fmu_file.models import models_folder
-from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.experiment.experiment import ReferenceExperiment
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.methods.quick_methods import QUICK
@@ -58,7 +58,7 @@ def write(
 def position(study: Study, trial_number: int, **parameters: float) -> np.ndarray:
     """What the FMU alone does at the gains of a trial."""
     trial = study.trials[trial_number - 1]
-    experiment = StepExperiment.from_section(
+    experiment = ReferenceExperiment.from_section(
         study.file.reference, "position", folder=study.origin, unit="m"
     )
     with FmuTwin(TWIN, isolated=False) as twin:

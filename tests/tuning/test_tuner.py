@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gmfbo.errors import InputError, RecordingError, SimulationError, StoreError, StudyFileError
-from gmfbo.objective.metrics import worst_metrics
+from gmfbo.objective.metrics import METRICS, worst_metrics
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.memory_store import MemoryStore
 from gmfbo.recordings.store.trial import Trial
@@ -163,7 +163,9 @@ def test_failed_runs_are_priced_and_recorded_and_end_nothing(tmp_path: Path) -> 
     assert [trial.source for trial in failed] == ["IS2", "IS2", "IS1", "IS1"]
     assert study.objective is not None
     for trial in failed:
-        assert trial.metrics == worst_metrics(0.5)
+        steps = {name: trial.metrics[name] for name in METRICS}
+        assert steps == worst_metrics(0.5)
+        assert trial.metrics["itae"] == study.objective.worst["itae"]
         assert trial.objective == pytest.approx(study.objective.failed)
         assert isinstance(trial.recording, Trajectory)
         assert trial.recording.message == "the axis lost its encoder"

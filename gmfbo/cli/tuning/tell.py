@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,26 +11,55 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import gains_text, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.tune import metric_text
+from gmfbo.cli.tuning.objective_text import metric_text
+from gmfbo.cli.tuning.tune import shown_metrics
 from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
     from gmfbo import Tuner
     from gmfbo.recordings.store.trial import Trial
     from gmfbo.tuning.query.request import TrialRequest
+    from gmfbo.tuning.study.study import Study
 
 
 MANUAL = Manual(
     files={
-        "STUDY.study/": "the trial; next.csv and next.json are removed",
+        "STUDY.study/": "the trial; the files that asked for it are removed",
     },
     examples={
         "What was measured at the gains that were asked for:": "gmfbo tell monday.toml run5.csv",
         "At others:": "gmfbo tell monday.toml run5.csv --set ctl.Kp=90 --anyway",
         "A run without a recording:": "gmfbo tell monday.toml --failed 'lost the encoder'",
+        "One of several that were asked for:": "gmfbo tell monday.toml --trial 6 run6.csv",
+        "The last one was told by mistake:": "gmfbo tell monday.toml --undo",
     },
     see_also=("gmfbo ask", "notebooks/docs/studies.md", "notebooks/docs/recordings.md"),
 )
+
+
+TrialNumber = Annotated[
+    int | None,
+    typer.Option(
+        "--trial",
+        metavar="NUMBER",
+        help="Run that was recorded, where several are waited for; without it the one whose "
+        "gains the recording states.",
+    ),
+]
+
+Undo = Annotated[
+    bool,
+    typer.Option(
+        "--undo",
+        help="Take back the run that was told last: it stays on disk, counts no more, and its "
+        "gains are asked for again.",
+    ),
+]
+
+Failed = Annotated[
+    str | None,
+    typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
+]
 
 
 def tell(
@@ -51,38 +81,69 @@ def tell(
     ] = None,
     anyway: Annotated[
         bool,
-        typer.Option("--anyway", help="Take it though its gains differ, or a second time."),
+        typer.Option(
+            "--anyway",
+            help="Take it though its gains or its reference differ, or a second time.",
+        ),
     ] = False,
-    failed: Annotated[
-        str | None,
-        typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
-    ] = None,
+    trial: TrialNumber = None,
+    undo: Undo = False,
+    failed: Failed = None,
 ) -> None:
     """Take back the recording of the run that `gmfbo ask` wanted.
 
     The gains of a recording are those in its lines `# NAME = VALUE`, those of --set, or those
     asked for. A run that failed is priced as the worst one.
     """
+    from gmfbo.tuning.study.study import Study
+
+    if [bool(recordings), failed is not None, undo].count(True) != 1:
+        raise InputError("expected a recording, --failed WHY or --undo; give one of them")
+    told = Study.read(study)
+    if undo:
+        _take_back(told)
+    else:
+        _tell(
+            told, study, recordings or failed or "failed", trial, parse_settings(set_ or []), anyway
+        )
+    typer.echo(f"then         gmfbo ask {study}")
+
+
+def _tell(
+    told: Study,
+    study: Path,
+    what: list[Path] | str,
+    number: int | None,
+    given: Mapping[str, float],
+    anyway: bool,
+) -> None:
+    """Tell recordings, or why a run failed, of one of the runs that are waited for."""
     from gmfbo import Tuner
     from gmfbo.sources.plants.failed_run import failed_run
-    from gmfbo.tuning.study.study import Study
     from gmfbo.tuning.told.next_run import remove_next_run
 
-    if bool(recordings) == (failed is not None):
-        raise InputError("expected either a recording or --failed WHY; give one of them")
-    told = Study.read(study)
     if not told.begun:
         raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
-    given = parse_settings(set_ or [])
     with Tuner(told) as tuner:
-        request = tuner.pending
-        if request is None or request.source != "IS1":
+        waited = {request.number: request for request in tuner.waiting}
+        if not waited:
             raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
-        run = recordings or failed_run(tuner.experiment.reference, failed or "failed")
-        trial = tuner.tell(request, run, gains=given, anyway=anyway)
-        remove_next_run(told.location, len(tuner.experiment.parts))
-        _print_told(tuner, request, trial, named=bool(given) or not recordings)
-    typer.echo(f"then         gmfbo ask {study}")
+        failed = failed_run(tuner.experiment.reference, what) if isinstance(what, str) else None
+        run = what if failed is None else failed
+        made = tuner.tell(number, run, gains=given, anyway=anyway)
+        remove_next_run(told.location, len(tuner.experiment.parts), made.number)
+        _print_told(tuner, waited[made.number], made, named=bool(given) or failed is not None)
+
+
+def _take_back(told: Study) -> None:
+    from gmfbo.tuning.told.next_run import remove_next_run
+    from gmfbo.tuning.told.undo import take_back
+
+    back = take_back(told)
+    remove_next_run(told.location, len(told.file.references))
+    twin = f" and {back.followers} twin runs made because of it" if back.followers else ""
+    typer.echo(f"taken back   trial {back.trial.number}{twin}: on disk, but counted no more")
+    typer.echo(f"again        trial {back.again}: {gains_text(back.trial.gains)}")
 
 
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
@@ -95,8 +156,10 @@ def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: boo
         typer.echo(f"instead of   {gains_text(request.gains)}")
     elif not named and not any(name in trial.recording.parameters for name in trial.gains):
         typer.echo("gains        as asked for: the recording does not name its own")
-    for name, value in trial.metrics.items() if trial.status == "ok" else ():
-        typer.echo(f"{name.replace('_', ' '):<12} {metric_text(name, value)}")
+    units = tuner.study.metric_units
+    for name in shown_metrics(tuner.study.file, trial.metrics) if trial.status == "ok" else ():
+        told_as = metric_text(name, trial.metrics[name], units)
+        typer.echo(f"{name.replace('_', ' '):<12} {told_as}")
     if (best := tuner.history.best) is not None:
         typer.echo(f"best so far  trial {best.number}: {gains_text(best.gains)}")
         typer.echo(f"             objective {best.objective:.4f}")

@@ -6,15 +6,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gmfbo.cli.arguments import StudyFile
+from gmfbo.cli.arguments import StudyFile as StudyPath
 from gmfbo.cli.console import console, gains_text
 from gmfbo.cli.manual import Manual
+from gmfbo.cli.tuning.objective_text import metric_text, objective_table
+from gmfbo.objective.margins import MARGINS
+from gmfbo.objective.metrics import METRICS
+from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
+from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from gmfbo.recordings.store.trial import Trial
     from gmfbo.reports.study.review import StudyReview
     from gmfbo.tuning.query.progress import Progress
     from gmfbo.tuning.query.request import TuningResult
     from gmfbo.tuning.study.study import Study
+    from gmfbo.tuning.study_file.study_sections import StudyFile
 
 
 MANUAL = Manual(
@@ -42,7 +51,7 @@ MANUAL = Manual(
 
 
 def tune(
-    study: StudyFile,
+    study: StudyPath,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a study that was stopped or killed.")
     ] = False,
@@ -110,10 +119,7 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     else:
         console.print(f"best observed      {gains_text(result.best.gains)}")
         console.print(f"                   objective {result.best.objective:.4f}")
-        for name, value in result.best.metrics.items():
-            console.print(
-                f"                   {name.replace('_', ' '):<15} {metric_text(name, value)}"
-            )
+        _print_metrics(study, result.best)
     if result.recommendation is not None:
         advised = result.recommendation
         console.print(f"model recommends   {gains_text(advised.gains)}")
@@ -121,6 +127,30 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     console.print(f"study folder       {study.location}")
 
 
-def metric_text(name: str, value: float) -> str:
-    """A metric with its unit."""
-    return f"{value:.2f} %" if name == "overshoot" else f"{value:.4f} s"
+def _print_metrics(study: Study | StudyReview, best: Trial) -> None:
+    """Print the metrics of a run, and what those that are weighted count."""
+    units, objective = study.metric_units, study.objective
+    for name in shown_metrics(study.file, best.metrics):
+        told = metric_text(name, best.metrics[name], units)
+        console.print(f"                   {words(name):<15} {told}", markup=False)
+    if objective is not None:
+        normalise = study.file.objective.normalise
+        given = normalise.points is None
+        samples = "the study file" if given else f"{normalise.points} twin runs"
+        for line in objective_table(objective, best.metrics, units, samples):
+            console.print(line, markup=False)
+
+
+def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
+    """Metrics worth a line: all without a weight or limit of theirs stay in the report.
+
+    Parameters
+    ----------
+    file : StudyFile
+        With weights and limits.
+    metrics : mapping of str to float
+        Of a run.
+    """
+    wanted = {*METRICS, *file.objective.weights, *file.constraints, *file.own_metrics}
+    ours = {*TRACKING_METRICS, *COMMAND_METRICS, *MARGINS}
+    return [n for n in metrics if (base := n.partition("[")[0]) in wanted or base not in ours]

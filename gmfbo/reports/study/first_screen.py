@@ -18,7 +18,7 @@ from gmfbo.pages.marked_number import (
 from gmfbo.pages.svg_chart import Line, legend, line_chart
 from gmfbo.plain_words import number, percent, words
 from gmfbo.recordings.store.trial import Trial
-from gmfbo.reports.study.review import StudyReview, metric_unit
+from gmfbo.reports.study.review import StudyReview
 
 NO_BREAK = "\u00a0"
 
@@ -100,7 +100,7 @@ def _comparison(review: StudyReview, content: Mapping[str, Any]) -> str:
     rows = []
     for name, one in compared.items():
         path = ("comparison", name)
-        unit = unit_text(metric_unit(name))
+        unit = unit_text(review.unit_of(name))
         label = "objective g" if name == "objective" else words(name)
         share = one["change"]
         rows.append(

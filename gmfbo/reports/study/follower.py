@@ -12,7 +12,7 @@ from gmfbo.errors import StoreError
 from gmfbo.recordings.store.study_folder import StudyStore
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.review import StudyReview
-from gmfbo.reports.study.run_roles import Role, Run, placed_runs
+from gmfbo.reports.study.run_roles import Role, Run
 from gmfbo.tuning.query.progress import Phase, Progress
 from gmfbo.tuning.study_file.study_file import parse_study
 
@@ -63,8 +63,8 @@ class StudyFollower:
     @property
     def review(self) -> StudyReview:
         """The study as read so far."""
-        runs = placed_runs(self._trials, self._events, self.file.budget)
-        return StudyReview(self.file, self._store.location, runs, tuple(self._events))
+        trials = sorted(self._trials, key=lambda trial: trial.number)
+        return StudyReview.placed(self.file, self._store.location, trials, self._events)
 
     @property
     def state(self) -> State:
@@ -88,7 +88,7 @@ class StudyFollower:
         """
         # Events first: a study that has ended has all its runs on the disk.
         self._events = self._store.events()
-        known = len(self._trials)
+        known = len(self.review.runs)
         seen = {trial.number for trial in self._trials}
         self._trials += [
             self._store.read_trial(number) for number in self._store.numbers() if number not in seen

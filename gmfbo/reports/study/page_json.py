@@ -9,7 +9,7 @@ from typing import Any
 
 from gmfbo.objective.mismatch import query_cost, source_lengthscale
 from gmfbo.pages.html_page import embedded_json
-from gmfbo.reports.study.review import StudyReview, metric_unit
+from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import Run
 
 
@@ -34,7 +34,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
             gain.name: {"low": gain.low, "high": gain.high, "scale": gain.scale}
             for gain in review.space.gains
         },
-        "metrics": {name: metric_unit(name) for name in review.metrics},
+        "metrics": {name: review.unit_of(name) for name in review.metrics},
         "counts": {source: len(review.of(source)) for source in ("IS1", "IS2", "IS3")},
         "earlier": sum(run.role == "earlier" for run in review.runs),
         "queries": review.runs[-1].query,

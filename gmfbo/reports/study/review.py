@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import StoreError
+from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
-from gmfbo.objective.metrics import METRICS
+from gmfbo.objective.metric_units import metric_unit
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -81,13 +83,16 @@ class StudyReview:
     runs : tuple of Run
         In order.
     events : tuple of mapping
-        Of its log.
+        Of its log, those that still count.
+    taken_back : tuple of Trial
+        Runs on disk that count no more.
     """
 
     file: StudyFile
     location: Path
     runs: tuple[Run, ...]
     events: tuple[Mapping[str, Any], ...]
+    taken_back: tuple[Trial, ...] = ()
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -117,7 +122,39 @@ class StudyReview:
                 f"{path}: expected a study with runs, but there is none yet; wait for its first "
                 "runs, or go on with 'gmfbo tune --resume'"
             )
-        return cls(file, path, placed_runs(trials, events, file.budget), tuple(events))
+        return cls.placed(file, path, trials, events)
+
+    @classmethod
+    def placed(
+        cls,
+        file: StudyFile,
+        location: Path,
+        trials: Sequence[Trial],
+        events: Sequence[dict[str, Any]],
+    ) -> Self:
+        """Review runs and log of a study; what was taken back is set apart.
+
+        Parameters
+        ----------
+        file : StudyFile
+            The validated study file.
+        location : Path
+            Folder or file that it was read from.
+        trials : sequence of Trial
+            In the order of their numbers.
+        events : sequence of dict
+            Of its log.
+        """
+        undone = undone_numbers(events)
+        standing = standing_events(events, {trial.number for trial in trials})
+        counted = in_order([trial for trial in trials if trial.number not in undone], standing)
+        return cls(
+            file,
+            location,
+            placed_runs(counted, standing, file.budget),
+            tuple(standing),
+            tuple(trial for trial in trials if trial.number in undone),
+        )
 
     @cached_property
     def trials(self) -> Mapping[int, Trial]:
@@ -271,6 +308,32 @@ class StudyReview:
         known = list(dict.fromkeys([*self.file.objective.weights, *self.runs[0].trial.metrics]))
         return tuple(name for name in known if name in self.runs[0].trial.metrics)
 
+    @cached_property
+    def objective(self) -> Objective | None:
+        """The cost with its constants; None where a study of a former version lacks them."""
+        logged = self.logged("normalise")
+        if not logged or "worst" not in logged[-1]:
+            return None
+        constants = logged[-1]
+        weights = self.file.objective.weights
+        return Objective(weights, constants["mean"], constants["std"], constants["worst"])
+
+    @cached_property
+    def metric_units(self) -> Mapping[str, str]:
+        """Unit of each metric that depends on the signals."""
+        logged = self.logged("normalise")
+        return logged[-1].get("units", {}) if logged else {}
+
+    def unit_of(self, metric: str) -> str:
+        """Unit of a metric; empty for a user's own.
+
+        Parameters
+        ----------
+        metric : str
+            As it is stored.
+        """
+        return metric_unit(metric, self.metric_units)
+
     def logged(self, event: str) -> list[Mapping[str, Any]]:
         """Events of one kind, in order.
 
@@ -280,17 +343,3 @@ class StudyReview:
             Kind, such as `ask` or `tell`.
         """
         return [entry for entry in self.events if entry["event"] == event]
-
-
-def metric_unit(name: str) -> str:
-    """Unit of a metric; none for a user's own.
-
-    Parameters
-    ----------
-    name : str
-        As it is stored; `overshoot[2]` is that of the second reference.
-    """
-    whole = name.partition("[")[0]
-    if whole not in METRICS:
-        return ""
-    return "%" if whole == "overshoot" else "s"

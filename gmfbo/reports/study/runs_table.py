@@ -9,7 +9,7 @@ from html import escape
 from gmfbo.pages.html_page import folded, table
 from gmfbo.pages.marked_number import marked_count, marked_number, unit_text
 from gmfbo.plain_words import words
-from gmfbo.reports.study.review import StudyReview, metric_unit
+from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import ROLES, Run
 
 
@@ -23,10 +23,27 @@ def runs_tables(review: StudyReview) -> str:
     """
     places = {run.trial.number: place for place, run in enumerate(review.runs)}
     real = _table(review, review.real, places)
+    real += _taken_back(review)
     if len(review.real) == len(review.runs):
         return real
     everything = _table(review, review.runs, places)
     return real + f'<div class="on-screen">{folded("All runs of all sources", everything)}</div>'
+
+
+def _taken_back(review: StudyReview) -> str:
+    """Real runs that were taken back, struck out."""
+    lines = []
+    for trial in review.taken_back:
+        if trial.source == "IS1":
+            gains = ", ".join(f"{name} = {value:.4g}" for name, value in trial.gains.items())
+            told = f"run {trial.number}: {gains}, objective {trial.objective:.4g}"
+            lines.append(f"<li><s>{escape(told)}</s></li>")
+    if not lines:
+        return ""
+    return (
+        "<p>Taken back after they were told; on disk, but counted no more:</p>"
+        f"<ul>{''.join(lines)}</ul>"
+    )
 
 
 def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> str:
@@ -39,7 +56,7 @@ def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> 
         "query",
         *gains,
         "objective",
-        *(f"{words(name)} [{unit}]" if (unit := unit_text(metric_unit(name))) else words(name)
+        *(f"{words(name)} [{unit}]" if (unit := unit_text(review.unit_of(name))) else words(name)
           for name in metrics),
         "ended",
         "cost so far",

@@ -184,4 +184,36 @@ if (map) {
         Object.entries(run.gains).map(([name, value]) => `${name} = ${short(value)}`).join(", ") : hint;
   });
 }
+
+// Two lists choose which pair of metrics is drawn.
+const offs = document.getElementById("trade-offs");
+if (offs) {
+  const figures = [...offs.querySelectorAll("figure")];
+  const named = [...new Set(figures.flatMap((one) => [one.dataset.x, one.dataset.y]))];
+  const listOf = (label, picked) => {
+    const list = document.createElement("select");
+    list.setAttribute("aria-label", label);
+    named.forEach((name) => {
+      const option = text("option", name.replace(/_/g, " "));
+      option.value = name;
+      option.selected = name === picked;
+      list.append(option);
+    });
+    return list;
+  };
+  const first = listOf("one metric", figures[0].dataset.x);
+  const second = listOf("the other metric", figures[0].dataset.y);
+  const show = (changed, other) => {
+    if (changed.value === other.value) other.value = named.find((name) => name !== changed.value);
+    const pair = [first.value, second.value];
+    figures.forEach((one) => {
+      one.hidden = !(pair.includes(one.dataset.x) && pair.includes(one.dataset.y));
+    });
+  };
+  first.addEventListener("change", () => show(first, second));
+  second.addEventListener("change", () => show(second, first));
+  const bar = text("div", "", "switch");
+  bar.append(first, second);
+  offs.prepend(bar);
+}
 document.documentElement.dataset.script = "ready";

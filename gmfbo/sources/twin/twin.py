@@ -23,6 +23,7 @@ from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.binding.content_hash import content_hash
 from gmfbo.sources.binding.fixed_step import fixed_step_advice
 from gmfbo.sources.fmu_file.job import Outcome
+from gmfbo.sources.twin.driven_ports import with_driven_ports
 from gmfbo.sources.twin.parameter_values import check_parameters, run_parameters, starts_as_recorded
 from gmfbo.sources.twin.run_plan import Experiment
 from gmfbo.sources.twin.settling import probe_lengths, settled_after
@@ -69,11 +70,13 @@ class FmuTwin:
         10 s and 20 times the simulated time.
     step : float, optional
         [s] Communication step instead of the twin file's.
+    driven_ports : sequence of str
+        Ports that a recording may drive, `torque` by its signal `torque_disturbance`.
 
     Raises
     ------
     TwinFileError
-        The twin file contradicts itself or its FMU.
+        The twin file contradicts itself or its FMU, or has no such port.
     FmuFileError
         An FMU cannot be read, or cannot run on this machine.
     InputError
@@ -88,13 +91,15 @@ class FmuTwin:
         isolated: bool = True,
         time_limit_s: float | None = None,
         step: float | None = None,
+        driven_ports: Sequence[str] = (),
     ) -> None:
         path = self._path = Path(path)
         if step is not None and not (step > 0.0 and np.isfinite(step)):
             raise InputError(f"step: expected a positive communication step [s], got {step}")
         if time_limit_s is not None and not time_limit_s > 0.0:
             raise InputError(f"time_limit_s: expected more than 0 s, got {time_limit_s}")
-        self.file: TwinFile = TwinFile.read(path)
+        self.driven_ports: tuple[str, ...] = tuple(driven_ports)
+        self.file: TwinFile = with_driven_ports(TwinFile.read(path), driven_ports, path.name)
         self.name: str = self.file.name
         self.step: float = step or self.file.step
         self._binding = bind(self.file, path.resolve().parent, path.name)
@@ -299,6 +304,7 @@ class FmuTwin:
             isolated=self._isolated,
             time_limit_s=self._time_limit_s,
             step=self.step,
+            driven_ports=self.driven_ports,
         )
         return opened, ()
 

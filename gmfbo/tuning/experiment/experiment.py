@@ -1,8 +1,9 @@
-"""The experiment that every source repeats: a step, and the metrics of its response."""
+"""The experiment that every source repeats: one reference, and the metrics of the response."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Self
 
@@ -11,39 +12,75 @@ from numpy.typing import ArrayLike, NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.objective.metrics import METRICS, step_metrics, worst_metrics
+from gmfbo.objective.smoothing import smoothed
+from gmfbo.objective.tracking import (
+    COMMAND_METRICS,
+    TRACKING_METRICS,
+    command_metrics,
+    spent_energy,
+    tracking_metrics,
+)
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.recordings.reference import step_reference
-from gmfbo.tuning.study_file.study_sections import ReferenceSection
+from gmfbo.recordings.reference import followed_signal
+from gmfbo.tuning.experiment.made_reference import made_reference
+from gmfbo.tuning.experiment.scoring_terms import DEFAULT_TERMS, ScoringTerms
+from gmfbo.tuning.study_file.reference_section import ReferenceSection
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step within a reference.
+
+    Attributes
+    ----------
+    time : float
+        [s] When it comes.
+    initial, size : float
+        Reference before it, and its height [unit of the signal].
+    horizon : float
+        [s] Length after it that is scored as its response.
+    """
+
+    time: float
+    initial: float
+    size: float
+    horizon: float
 
 
 @dataclass(frozen=True, eq=False)
-class StepExperiment:
-    """A reference with one step, and the signal whose response is scored.
+class ReferenceExperiment:
+    """A reference, and the signal whose response is scored.
 
     Attributes
     ----------
     reference : Recording
-        Reference that the axis follows.
+        Reference that the axis follows; a disturbance is a second signal in it.
     signal : str
         Measured signal that is scored.
-    step_time : float
-        [s] Instant of the step.
-    initial, step_size : float
-        Reference before the step, and its height [unit of the signal].
-    horizon : float
-        [s] Length after the step that is scored.
+    begin, horizon : float
+        [s] Begin and length of the part that is scored.
+    steps : tuple of Step
+        Steps of the reference; empty where it is none of steps.
+    terms : ScoringTerms
+        What else is scored, and how.
     """
 
     reference: Recording
     signal: str
-    step_time: float
-    initial: float
-    step_size: float
+    begin: float
     horizon: float
+    steps: tuple[Step, ...] = ()
+    terms: ScoringTerms = DEFAULT_TERMS
 
     @classmethod
     def from_section(
-        cls, section: ReferenceSection, signal: str, *, folder: Path, unit: str = ""
+        cls,
+        section: ReferenceSection,
+        signal: str,
+        *,
+        folder: Path,
+        unit: str = "",
+        terms: ScoringTerms = DEFAULT_TERMS,
     ) -> Self:
         """Make the experiment that a study file describes.
 
@@ -57,69 +94,123 @@ class StepExperiment:
             Folder to which a path in the section is relative.
         unit : str
             SI unit of the reference.
+        terms : ScoringTerms
+            What else is scored, and how.
 
         Raises
         ------
         RecordingError
-            The file cannot be read, or does not hold exactly one step.
+            The file cannot be read, or ends before the horizon.
+        InputError
+            The section describes no reference.
         """
-        if section.file is None:
-            made = step_reference(
-                section.step,
-                at=section.at,
-                horizon=section.horizon,
-                sample_time=section.sample_time,
-                signal=section.signal,
-                unit=unit,
-            )
-        else:
-            made = Recording.read(folder / section.file)
-        return cls.from_recording(made, section.signal, signal, horizon=section.horizon)
+        made = made_reference(section, folder, unit)
+        kind, stated = section.chosen, "horizon" in section.model_fields_set
+        one_step = _jumps(made.signal(section.signal)).size == 1
+        whole = kind == "sine" or (kind == "file" and not (stated or one_step))
+        return cls.from_recording(
+            made,
+            signal,
+            horizon=None if whole else section.horizon,
+            several=kind == "steps",
+            terms=terms,
+        )
 
     @classmethod
     def from_recording(
-        cls, reference: Recording, reference_signal: str, signal: str, *, horizon: float
+        cls,
+        reference: Recording,
+        signal: str,
+        *,
+        horizon: float | None = None,
+        several: bool = False,
+        terms: ScoringTerms = DEFAULT_TERMS,
     ) -> Self:
-        """Find the step in a recorded reference.
+        """Find in a reference what is scored.
+
+        Scored is from the first change of the reference, or of a disturbance, on.
 
         Parameters
         ----------
         reference : Recording
-            Holds one step, at least `horizon` before its end.
-        reference_signal : str
-            Name of the reference signal in it.
+            Its first signal is the reference, others are disturbances.
         signal : str
             Measured signal that is scored.
-        horizon : float
-            [s] Length after the step that is scored.
+        horizon : float or None
+            [s] Length that is scored after the first change, or with `several` after the last;
+            None takes all there is.
+        several : bool
+            Every change of the reference is a step; otherwise a reference that changes more than
+            once has none.
+        terms : ScoringTerms
+            What else is scored, and how.
 
         Raises
         ------
         RecordingError
-            There is not exactly one step, or too little after it.
+            Nothing in it changes, or it ends before the horizon.
         """
-        values = reference.signal(reference_signal)
-        changes = np.flatnonzero(np.diff(values)) + 1
-        if changes.size != 1:
+        values = reference.signal(followed_signal(reference))
+        rows, label = _jumps(values), reference.name or "reference"
+        changes = np.concatenate([rows, *map(_jumps, _disturbances(reference))])
+        if changes.size == 0:
             raise RecordingError(
-                f"{reference.name or 'reference'}: expected '{reference_signal}' to step once, "
-                f"it changes {changes.size} times; step metrics need one step"
+                f"{label}: expected a reference that changes, or a disturbance; it is constant"
             )
-        step_time = float(reference.time[changes[0]])
+        begin, last = float(reference.time[changes.min()]), float(reference.time[-1])
+        if rows.size == 0 or horizon is None:
+            return cls(reference, signal, begin, last - begin, (), terms)
+        counted = float(reference.time[rows[-1 if several else 0]])
         # Times read from a file are rounded to its digits.
-        if reference.time[-1] < step_time + horizon - 1e-6 * reference.duration:
+        if last < counted + horizon - 1e-6 * reference.duration:
+            what = "the step" if rows.size == 1 else "the change"
             raise RecordingError(
-                f"{reference.name or 'reference'}: expected {horizon:g} s after the step at "
-                f"{step_time:g} s, it ends at {reference.time[-1]:g} s"
+                f"{label}: expected {horizon:g} s after {what} at {counted:g} s, it ends at "
+                f"{last:g} s"
             )
-        return cls(
-            reference=reference,
-            signal=signal,
-            step_time=step_time,
-            initial=float(values[0]),
-            step_size=float(values[-1] - values[0]),
-            horizon=horizon,
-        )
+        steps = _steps(reference.time, values, rows, horizon) if several or rows.size == 1 else ()
+        scored = horizon if counted == begin else counted + horizon - begin
+        return cls(reference, signal, begin, scored, steps, terms)
+
+    @property
+    def reference_signal(self) -> str:
+        """Name of the signal that is followed."""
+        return followed_signal(self.reference)
+
+    @property
+    def described(self) -> str:
+        """The reference in words: `reference from 0 to 1 rad at 0.1 s`."""
+        name = self.reference_signal
+        unit = self.reference.units.get(name, "")
+        if not self.steps:
+            text = f"{name} as in {self.reference.name}"
+        elif len(self.steps) == 1:
+            (step,) = self.steps
+            to = f"{step.initial:g} to {step.initial + step.size:g} {unit}".strip()
+            text = f"{name} from {to} at {step.time:g} s"
+        else:
+            levels = ", ".join(f"{step.initial + step.size:g}" for step in self.steps)
+            times = ", ".join(f"{step.time:g}" for step in self.steps)
+            text = f"{name} from {self.steps[0].initial:g} to {levels} {unit}".rstrip()
+            text += f" at {times} s"
+        for other in self._disturbances:
+            values = self.reference.signals[other]
+            at = float(self.reference.time[_jumps(values)[0]])
+            text += f", {other} of {values[-1]:g} from {at:g} s on"
+        return text
+
+    def target(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Reference at given times, held between its rows, shape (m,) [unit of the signal].
+
+        Parameters
+        ----------
+        times : ndarray, shape (m,)
+            [s]
+        """
+        reference = self.reference
+        slack = 1e-6 * reference.duration / max(len(reference) - 1, 1)
+        rows = np.searchsorted(reference.time, times + slack, side="right") - 1
+        return reference.signals[self.reference_signal][np.maximum(rows, 0)]
 
     def metrics_of(self, time: ArrayLike, responses: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Metrics of many responses.
@@ -134,19 +225,38 @@ class StepExperiment:
         Returns
         -------
         dict of str to ndarray, shape (...)
-            By metric [% or s].
+            By metric; step metrics where there is a step. Metrics of the command are NaN.
         """
-        return step_metrics(
-            time,
-            responses,
-            step_time=self.step_time,
-            step_size=self.step_size,
-            initial=self.initial,
-            horizon=self.horizon,
-        )
+        times = np.asarray(time, dtype=float)
+        values = smoothed(times, responses, self.terms.filter_s)
+        error = self.target(times) - values
+        unknown = np.full(values.shape[:-1], np.nan)
+        found = tracking_metrics(times, error, begin=self.begin, horizon=self.horizon)
+        found |= {name: unknown for name in COMMAND_METRICS if self.terms.command}
+        return {**self._step_metrics(times, values), **found}
+
+    def _step_metrics(
+        self, time: NDArray[np.float64], values: NDArray[np.float64]
+    ) -> dict[str, NDArray[np.float64]]:
+        """Step metrics; of several steps the largest of each."""
+        each = [
+            step_metrics(
+                time,
+                values,
+                step_time=step.time,
+                step_size=step.size,
+                initial=step.initial,
+                horizon=step.horizon,
+                band=self.terms.band,
+            )
+            for step in self.steps
+        ]
+        if not each:
+            return {}
+        return {name: np.max([one[name] for one in each], axis=0) for name in METRICS}
 
     def metrics(self, run: Recording) -> dict[str, float]:
-        """Metrics of one run; the worst case where it failed.
+        """Metrics of one run; where it failed the worst case, which is infinite if unknown.
 
         Parameters
         ----------
@@ -156,22 +266,95 @@ class StepExperiment:
         Raises
         ------
         RecordingError, InputError
-            The run succeeded but lacks the signal or ends before the horizon.
+            The run succeeded but lacks a signal or ends before the horizon.
         """
         if isinstance(run, Trajectory) and run.status != "ok":
-            return worst_metrics(self.horizon)
-        response = run.signal(self.signal)
-        sampled = ~np.isnan(response)
-        if not sampled.any():
-            raise RecordingError(f"{run.name or 'run'}: '{self.signal}' holds no value")
-        values = self.metrics_of(run.time[sampled], response[sampled])
-        return {name: float(values[name]) for name in METRICS}
+            return {**self.worst, **dict.fromkeys(self.without_worst, np.inf)}
+        time, response = _sampled(run, self.signal)
+        values = {n: float(v) for n, v in self.metrics_of(time, response).items()}
+        return {**values, **self._command_metrics(run)}
+
+    def _command_metrics(self, run: Recording) -> dict[str, float]:
+        """Metrics of the command; none where it is unknown or was not recorded."""
+        name = self.terms.command
+        if name is None:
+            return {}
+        if name not in run.signals:
+            return dict.fromkeys(COMMAND_METRICS, np.nan)
+        time, command = _sampled(run, name)
+        part = {"begin": self.begin, "horizon": self.horizon}
+        jumps = [step.time for step in self.steps]
+        jumps += [
+            float(self.reference.time[row])
+            for name in self._disturbances
+            for row in _jumps(self.reference.signals[name])
+        ]
+        found = command_metrics(time, command, jumps=jumps, **part)
+        velocity = self.terms.velocity if self.terms.velocity in run.signals else None
+        moved, motion = _sampled(run, velocity or self.signal)
+        motion = smoothed(moved, motion, self.terms.filter_s)
+        along = np.interp(time, moved, motion)
+        energy = spent_energy(time, command, along, is_velocity=velocity is not None, **part)
+        return {**found, "energy": energy}
+
+    @property
+    def worst(self) -> dict[str, float]:
+        """Step metrics assigned to a failed run [% or s]; empty without a step."""
+        return worst_metrics(max(step.horizon for step in self.steps)) if self.steps else {}
+
+    @property
+    def without_worst(self) -> tuple[str, ...]:
+        """Metrics that have no worst case of their own."""
+        return (*TRACKING_METRICS, *(COMMAND_METRICS if self.terms.command else ()))
 
     @property
     def reference_size(self) -> float:
-        """RMS of the reference's change over the horizon [unit of the signal].
+        """RMS of the reference's change over the scored part [unit of the signal].
 
-        This is the correction's alpha. It is taken from the step on, so that the rest before the
-        step does not matter; the paper's mean over the whole run gives 0.953 for a unit step.
+        This is the correction's alpha. It is taken from the first change on, so that the rest
+        before does not matter; the paper's mean over the whole run gives 0.953 for a unit step.
         """
-        return abs(self.step_size)
+        if len(self.steps) == 1:
+            return abs(self.steps[0].size)
+        values = self.reference.signals[self.reference_signal]
+        scored = self.reference.time >= self.begin
+        return float(np.sqrt(np.mean((values[scored] - values[0]) ** 2)))
+
+    @property
+    def _disturbances(self) -> list[str]:
+        return list(self.reference.signals)[1:]
+
+
+def _jumps(values: NDArray[np.float64]) -> NDArray[np.int_]:
+    """Rows at which a signal changes."""
+    return np.flatnonzero(np.diff(values)) + 1
+
+
+def _disturbances(reference: Recording) -> list[NDArray[np.float64]]:
+    return list(reference.signals.values())[1:]
+
+
+def _steps(
+    time: NDArray[np.float64], values: NDArray[np.float64], rows: NDArray[np.int_], horizon: float
+) -> tuple[Step, ...]:
+    """Steps at these rows, each scored until the next one comes, the last for the horizon."""
+    times = [float(time[row]) for row in rows]
+    horizons = [*(after - before for before, after in pairwise(times)), horizon]
+    return tuple(
+        Step(
+            time=float(time[row]),
+            initial=float(values[row - 1]),
+            size=float(values[row] - values[row - 1]),
+            horizon=length,
+        )
+        for row, length in zip(rows, horizons, strict=True)
+    )
+
+
+def _sampled(run: Recording, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times and values of a signal where it was sampled."""
+    values = run.signal(name)
+    sampled = ~np.isnan(values)
+    if not sampled.any():
+        raise RecordingError(f"{run.name or 'run'}: '{name}' holds no value")
+    return run.time[sampled], values[sampled]

@@ -15,9 +15,10 @@ from gmfbo.errors import OwnMetricsError, RecordingError
 from gmfbo.objective.metrics import worst_metrics
 from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.experiment.experiment import ReferenceExperiment
 from gmfbo.tuning.experiment.joined_runs import join_runs
-from gmfbo.tuning.study_file.study_sections import ReferenceSection
+from gmfbo.tuning.experiment.scoring_terms import DEFAULT_TERMS, ScoringTerms
+from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +31,7 @@ class ExperimentSeries:
 
     Attributes
     ----------
-    parts : tuple of StepExperiment
+    parts : tuple of ReferenceExperiment
         One for each reference, at least one.
     shares : tuple of float
         Weight of each reference in the cost; they sum to one.
@@ -38,7 +39,7 @@ class ExperimentSeries:
         Metrics by a function of the user.
     """
 
-    parts: tuple[StepExperiment, ...]
+    parts: tuple[ReferenceExperiment, ...]
     shares: tuple[float, ...] = (1.0,)
     own: OwnMetrics | None = None
 
@@ -51,6 +52,7 @@ class ExperimentSeries:
         folder: Path,
         unit: str = "",
         own: OwnMetrics | None = None,
+        terms: ScoringTerms = DEFAULT_TERMS,
     ) -> Self:
         """Make the series that a study file describes.
 
@@ -66,14 +68,18 @@ class ExperimentSeries:
             SI unit of the references.
         own : OwnMetrics, optional
             Metrics by a function of the user.
+        terms : ScoringTerms
+            What else is scored, and how.
 
         Raises
         ------
         RecordingError
-            A file cannot be read, or does not hold exactly one step.
+            A file cannot be read, or ends before the horizon.
+        InputError
+            A section describes no reference.
         """
         parts = tuple(
-            StepExperiment.from_section(section, signal, folder=folder, unit=unit)
+            ReferenceExperiment.from_section(section, signal, folder=folder, unit=unit, terms=terms)
             for section in sections
         )
         total = sum(section.weight for section in sections)
@@ -95,14 +101,9 @@ class ExperimentSeries:
         return tuple(part.reference for part in self.parts)
 
     @property
-    def step_time(self) -> float:
-        """[s] Instant of the first reference's step."""
-        return self.parts[0].step_time
-
-    @property
-    def horizon(self) -> float:
-        """[s] Length after the first reference's step that is scored."""
-        return self.parts[0].horizon
+    def terms(self) -> ScoringTerms:
+        """What is scored beside the signal, and how."""
+        return self.parts[0].terms
 
     @property
     def offsets(self) -> NDArray[np.float64]:
@@ -127,12 +128,12 @@ class ExperimentSeries:
         ndarray, shape (m,)
             [s] Increasing; m is at most `count`, evenly spaced within each horizon.
         """
-        starts = self.offsets + [part.step_time for part in self.parts]
+        starts = self.offsets + [part.begin for part in self.parts]
         since, _ = self.after_step(count)
         return np.repeat(starts, since.size // len(self.parts)) + since
 
     def after_step(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Time since the step, and target, at each of `scored_times`.
+        """Time since the first change, and target, at each of `scored_times`.
 
         Parameters
         ----------
@@ -142,13 +143,15 @@ class ExperimentSeries:
         Returns
         -------
         since : ndarray, shape (m,)
-            [s] Time since the step.
+            [s] Time since the first change of each reference.
         target : ndarray, shape (m,)
-            [unit of the signal] Reference after the step.
+            [unit of the signal] Reference at that time.
         """
         each = max(count // len(self.parts), 2)
         since = [np.linspace(0.0, part.horizon, each) for part in self.parts]
-        targets = [np.full(each, part.initial + part.step_size) for part in self.parts]
+        targets = [
+            part.target(part.begin + after) for part, after in zip(self.parts, since, strict=True)
+        ]
         return np.concatenate(since), np.concatenate(targets)
 
     def join(self, runs: Sequence[Recording]) -> Recording:
@@ -220,7 +223,7 @@ class ExperimentSeries:
         for number, part in enumerate(self.parts):
             if isinstance(run, Trajectory) and run.status != "ok":
                 own = dict.fromkeys(self.own.required if self.own else (), np.inf)
-                each.append({**worst_metrics(part.horizon), **own})
+                each.append({**part.metrics(run), **own})
                 continue
             alone = self.part_of(run, number)
             of_own = self.own.of(alone) if self.own else {}
@@ -244,9 +247,22 @@ class ExperimentSeries:
 
     @property
     def worst(self) -> dict[str, float]:
-        """Step metrics assigned to a failed run [% or s]."""
-        horizons = [part.horizon for part in self.parts]
-        return worst_metrics(float(np.dot(self.shares, horizons)))
+        """Step metrics assigned to a failed run [% or s]; empty where no reference steps."""
+        stepping = [
+            (share, max(step.horizon for step in part.steps))
+            for share, part in zip(self.shares, self.parts, strict=True)
+            if part.steps
+        ]
+        if not stepping:
+            return {}
+        shares, horizons = zip(*stepping, strict=True)
+        return worst_metrics(float(np.dot(shares, horizons)) / _whole(shares))
+
+    @property
+    def metric_names(self) -> tuple[str, ...]:
+        """Metrics that can be computed of a run, without those of a user's function."""
+        names = [name for part in self.parts for name in (*part.worst, *part.without_worst)]
+        return tuple(dict.fromkeys(names))
 
     @property
     def reference_size(self) -> float:
@@ -266,7 +282,7 @@ class ExperimentSeries:
         return rows, own[rows]
 
     def _own_of(
-        self, time: NDArray[np.float64], responses: NDArray[np.float64], part: StepExperiment
+        self, time: NDArray[np.float64], responses: NDArray[np.float64], part: ReferenceExperiment
     ) -> Mapping[str, NDArray[np.float64]]:
         """User's metrics of bare responses; NaN where they need other signals."""
         if self.own is None:
@@ -289,25 +305,30 @@ class ExperimentSeries:
         return {name: values.reshape(responses.shape[:-1]) for name, values in found.items()}
 
 
+def _whole(shares: Sequence[float]) -> float:
+    """Sum of shares, exactly one where they are all shares of a series."""
+    total = float(sum(shares))
+    return 1.0 if np.isclose(total, 1.0) else total
+
+
 def _combined(
     each: Sequence[Mapping[str, ArrayLike]], shares: Sequence[float]
 ) -> dict[str, NDArray[np.float64]]:
-    """Weighted means, followed by the metrics of each reference where there are several."""
-    names = [name for name in each[0] if all(name in one for one in each)]
+    """Weighted means, followed by the metrics of each reference where there are several.
+
+    A metric that only some references have, such as the overshoot of a step beside a sine, is
+    the mean over these.
+    """
+    names = list(dict.fromkeys(name for one in each for name in one))
     if len(each) == 1:
         return {name: np.asarray(each[0][name], dtype=float) for name in names}
-    mean = {
-        name: np.asarray(
-            sum(
-                share * np.asarray(one[name], dtype=float)
-                for share, one in zip(shares, each, strict=True)
-            )
-        )
-        for name in names
-    }
-    single = {
-        f"{name}[{number}]": np.asarray(one[name], dtype=float)
-        for number, one in enumerate(each, start=1)
-        for name in names
-    }
+    mean: dict[str, NDArray[np.float64]] = {}
+    single: dict[str, NDArray[np.float64]] = {}
+    for name in names:
+        having = [k for k, one in enumerate(each) if name in one]
+        values = [np.asarray(each[k][name], dtype=float) for k in having]
+        weights = [shares[k] for k in having]
+        total = sum(weight * value for weight, value in zip(weights, values, strict=True))
+        mean[name] = np.asarray(total / _whole(weights))
+        single |= {f"{name}[{k + 1}]": value for k, value in zip(having, values, strict=True)}
     return {**mean, **single}

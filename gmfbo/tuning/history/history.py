@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +12,22 @@ from numpy.typing import NDArray
 from gmfbo.errors import OwnMetricsError, SimulationError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
-from gmfbo.objective.metrics import METRICS
+from gmfbo.objective.metric_units import units_of_metrics
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.joined_runs import ended_by
+from gmfbo.tuning.experiment.loop_margins import MarginMeter
+from gmfbo.tuning.history.constants import objective_of
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.keep_out import KeepOut
+from gmfbo.tuning.history.known_margins import KnownMargins
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
+from gmfbo.tuning.history.standing import StandingStore, real_runs_at_ask
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
-
-if TYPE_CHECKING:
-    from gmfbo.recordings.store.memory_store import TrialStore
 
 
 class History:
@@ -37,7 +37,7 @@ class History:
 
     Parameters
     ----------
-    store : TrialStore
+    store : StandingStore
         Open for writing.
     study : StudyFile
         The validated file.
@@ -49,32 +49,40 @@ class History:
         Number of twin runs over the box before the first query.
     earlier : int
         Number of real runs taken over from an earlier study, which come first.
+    meter : MarginMeter, optional
+        Measures margins of the loop on the twin, where they are limited.
 
     Attributes
     ----------
     twin : str or None
         Content hash of the present twin; None while it was never corrected.
+    waiting : dict of int to mapping
+        Gains of the real runs that were asked for and not told yet, by trial number.
+    real_at_ask : int or None
+        Number of real runs when the last query was decided on; None before the first.
     """
 
     def __init__(
         self,
-        store: TrialStore,
+        store: StandingStore,
         study: StudyFile,
         experiment: ExperimentSeries,
         gains: GainChoice,
         *,
         survey: int = 0,
         earlier: int = 0,
+        meter: MarginMeter | None = None,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
         self.survey, self.earlier = survey, earlier
+        self.margins = KnownMargins(meter, store)
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
+        self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
         self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
-        asked = [event["number"] for event in events if event["event"] == "ask"]
-        self.last_asked: int = asked[-1] if asked else 0
+        self.real_at_ask = real_runs_at_ask(events, self.of("IS1"))
         self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
         self._leaves: dict[int, bool] = {}
@@ -118,7 +126,14 @@ class History:
     @property
     def next_number(self) -> int:
         """Number of the next trial."""
-        return self.trials[-1].number + 1 if self.trials else 1
+        return max(self.store.highest, *self.waiting, 0) + 1
+
+    @property
+    def fresh(self) -> list[Trial]:
+        """Real runs told since the last query was decided on; before the first, the last one."""
+        real = self.of("IS1")
+        begin = len(real) if self.real_at_ask is None else self.real_at_ask
+        return real[min(begin, len(real) - 1) :]
 
     @property
     def made(self) -> int:
@@ -134,13 +149,15 @@ class History:
 
     @property
     def used_up(self) -> bool:
-        """Whether the budget allows no further query."""
-        budget, real = self.study.budget, len(self.of("IS1"))
+        """Whether the budget allows no further query; runs that are waited for count."""
+        budget, waiting = self.study.budget, len(self.waiting)
+        real = len(self.of("IS1")) + waiting
         if real < budget.initial_is1:
             return False
-        if budget.is1_runs is not None and self.made >= budget.is1_runs:
+        if budget.is1_runs is not None and self.made + waiting >= budget.is1_runs:
             return True
-        return self.queries >= budget.most_queries
+        beyond_initial = min(waiting, max(real - max(budget.initial_is1, self.earlier), 0))
+        return self.queries + beyond_initial >= budget.most_queries
 
     @property
     def cost(self) -> float:
@@ -156,6 +173,11 @@ class History:
     def changed_after(self) -> int:
         """Trial number of the last real run before the newest change of the plant; 0 without."""
         return self.drifts[-1].last_before if self.drifts else 0
+
+    def units_of(self, run: Recording) -> dict[str, str]:
+        """Unit of each metric of ours, by the signals of a run (a `Recording`)."""
+        names = (self.experiment.signal, self.experiment.terms.command or "")
+        return units_of_metrics(*(run.units.get(name, "") for name in names))
 
     @property
     def objective(self) -> Objective:
@@ -189,21 +211,7 @@ class History:
                 f"none of the {len(initial)} initial runs of IS2 succeeded "
                 f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
             )
-        section = self.study.objective
-        sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
-        constants = Objective.from_samples(
-            section.weights,
-            {
-                name: np.array([trial.metrics[name] for trial in sampled])
-                for name in (*METRICS, *sorted(self.study.own_metrics))
-            },
-            worst=self.experiment.worst,
-        )
-        if section.normalise.points is None:
-            constants = Objective(
-                section.weights, section.normalise.mean, section.normalise.std, constants.worst
-            )
-        self._objective = constants
+        self._objective = objective_of(self.study, self.experiment, initial)
 
     def trial(
         self,
@@ -214,6 +222,7 @@ class History:
         twin: str = "",
         parent: int | None = None,
         number: int | None = None,
+        with_margins: bool = False,
     ) -> Trial:
         """Make a trial of a run; it is not yet on disk.
 
@@ -233,8 +242,12 @@ class History:
             Real run that caused it.
         number : int or None
             The next one unless given.
+        with_margins : bool
+            Measure margins of the loop too, where they are limited; always for a real run.
         """
         run, metrics = self._measured(run, source)
+        if with_margins or source == "IS1":
+            metrics |= self.margins.at(gains)
         status, seconds = (
             (run.status, run.seconds) if isinstance(run, Trajectory) else ("ok", run.duration)
         )
@@ -277,11 +290,14 @@ class History:
         return replace(trial, metrics=metrics, objective=float(self.objective.value(metrics)))
 
     def _finite(self, name: str, value: float) -> float:
-        """A finite metric: an infinite one becomes its worst case in the objective.
+        """A metric whose worst case is known: an infinite one becomes that.
 
-        A metric of one reference, `NAME[2]`, is treated as the metric.
+        A metric of one reference, `NAME[2]`, is treated as the metric. NaN stays: it was not
+        measured, and counts as the mean.
         """
-        return value if np.isfinite(value) else self.objective.worst[name.partition("[")[0]]
+        if not np.isinf(value):
+            return value
+        return self.objective.worst.get(name.partition("[")[0], np.nan)
 
     def write(self, trial: Trial) -> Trial:
         """Write a trial to disk, and only then add it to the history."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.objective.margins import MARGINS
 from gmfbo.recordings.store.trial import SourceName
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.query.method import Proposal
@@ -100,10 +101,18 @@ def feasibility_of(state: TuningState) -> FeasibilityWeight:
 
     limited = []
     for name, most in state.limits.most.items():
-        seen = [(one.point, one.source, one.limited[name]) for one in state.of("IS1")]
+        # Margins are the twin's whoever ran, so that its own runs tell of them too.
+        of_twin = name in MARGINS
+        runs = [
+            one
+            for one in (state.of("IS1", "IS2") if of_twin else state.of("IS1"))
+            if np.isfinite(one.limited[name])
+        ]
+        # The model of a single source: real runs and runs of the twin alike.
+        seen = [(one.point, "IS1" if of_twin else one.source, one.limited[name]) for one in runs]
         # A metric that no run moved has no scale, and tells nothing of where it is met.
         if len({value for *_, value in seen}) > 1:
-            extra = state.extra_of(state.of("IS1"), np.array([value for *_, value in seen]))
+            extra = state.extra_of(runs, np.array([value for *_, value in seen]))
             data = Observations.gather(seen, extra)
             model = SourceModel.fit(data, SurrogateSettings(ard=True))
             limited.append((model, most))

@@ -15,10 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.objective.limits import Limits
+from gmfbo.objective.margins import MARGINS
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.experiment.run_values import at_times
 from gmfbo.tuning.history.state import TuningState
-from gmfbo.tuning.methods.beliefs import corrected_and_twin
+from gmfbo.tuning.methods.beliefs import corrected_and_twin, feasibility_of
 from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 from gmfbo.tuning.twin.runs_beside import runs_beside
 
@@ -164,7 +166,13 @@ def log_limit_weight(
     from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
 
     total = np.zeros(len(points))
+    of_twin = {n: v for n, v in state.limits.stated.items() if n in MARGINS}
+    if of_twin:
+        for known, most in feasibility_of(replace(state, limits=Limits(of_twin))).limited:
+            total += log_feasibility(*known.predict(points, "IS1"), most)
     for name, most in state.limits.most.items():
+        if name in of_twin:
+            continue
         runs, _ = axis_runs(state, times)
         values = np.array([seen.limited[name] for seen in state.of("IS1")])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -38,21 +38,24 @@ class TrialRequest:
     note: str = ""
 
     @classmethod
-    def unanswered(cls, events: list[dict[str, Any]], next_number: int) -> TrialRequest | None:
-        """Find the last logged request if it has not become a trial yet.
+    def unanswered(
+        cls, events: Sequence[Mapping[str, Any]], made: Collection[int]
+    ) -> list[TrialRequest]:
+        """Find the logged requests that have not become trials yet, in order.
 
         Parameters
         ----------
-        events : list of dict
-            The study's log.
-        next_number : int
-            Number of the next trial.
+        events : sequence of mapping
+            Of the study's log; of several requests of one number the last counts.
+        made : collection of int
+            Numbers of the trials on disk.
         """
-        asked = [event for event in events if event.get("event") == "ask"]
-        if not asked or asked[-1]["number"] != next_number:
-            return None
-        last = asked[-1]
-        return cls(last["number"], last["source"], last["gains"], last["mismatch"], last["note"])
+        asked = {event["number"]: event for event in events if event["event"] == "ask"}
+        return [
+            cls(one["number"], one["source"], one["gains"], one["mismatch"], one["note"])
+            for number, one in sorted(asked.items())
+            if number not in made
+        ]
 
 
 @dataclass(frozen=True)

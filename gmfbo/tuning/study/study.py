@@ -14,6 +14,7 @@ from gmfbo.objective.metrics import worst_metrics
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.standing import UNDO, standing_events, undone_numbers
 from gmfbo.tuning.query.method import Recommendation
 from gmfbo.tuning.study_file.study_file import parse_study, read_study_file
 from gmfbo.tuning.study_file.study_sections import StudyFile
@@ -92,7 +93,14 @@ class Study:
     def best(self) -> Trial | None:
         """Real run with the least cost, those that meet the limits first; None without any."""
         since = self.drifts[-1].last_before if self.drifts else 0
-        return best_run(self.trials, Limits(self.file.constraints), since)
+        undone = self.taken_back
+        counted = [trial for trial in self.trials if trial.number not in undone]
+        return best_run(counted, Limits(self.file.constraints), since)
+
+    @property
+    def taken_back(self) -> frozenset[int]:
+        """Numbers of the trials that were taken back: on disk, but counted no more."""
+        return undone_numbers(self._logged(UNDO))
 
     @property
     def drifts(self) -> tuple[Drift, ...]:
@@ -120,6 +128,11 @@ class Study:
             # Studies of one reference and no metrics of the user's own did not log it.
             logged.get("worst") or worst_metrics(self.file.reference.horizon),
         )
+
+    @property
+    def metric_units(self) -> dict[str, str]:
+        """Unit of each metric that depends on the signals; empty for studies that logged none."""
+        return dict((self._last("normalise") or {}).get("units", {}))
 
     @property
     def earlier_logged(self) -> dict[str, Any] | None:
@@ -205,7 +218,10 @@ class Study:
         from gmfbo.recordings.store.study_folder import StudyStore
 
         with StudyStore.open(self.location) as store:
-            return [entry for entry in store.events() if entry["event"] == event]
+            events = store.events()
+            if event != UNDO and any(entry["event"] == UNDO for entry in events):
+                events = standing_events(events, store.numbers())
+        return [entry for entry in events if entry["event"] == event]
 
     def __repr__(self) -> str:
         trials, best = self.trials, self.best

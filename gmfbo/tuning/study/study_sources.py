@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from gmfbo.errors import InputError, SimulationError, StudyFileError
+from gmfbo.objective.limits import Limits
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.plants.plant_call import PlantFunction, PythonPlant
@@ -17,6 +18,7 @@ from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.space import GainSpace
+from gmfbo.tuning.experiment.loop_margins import COMMAND_PORT, FINER
 from gmfbo.tuning.study_file.study_sections import PlantSection, StudyFile
 
 if TYPE_CHECKING:
@@ -48,6 +50,11 @@ class StudySources:
     reading : SignalReading or None
         Twin file of IS2, which gives the meaning of a recording's columns; None where the twin
         is the user's own source.
+    command, velocity : str or None
+        Outputs of the twin that are the states `command` and `velocity` of its file.
+    loop_twins : tuple of FmuTwin
+        The twin with its command port driven, stepped finely and at its own step; empty unless a
+        margin is limited.
     """
 
     is1: Source | None
@@ -59,6 +66,9 @@ class StudySources:
     parameters: tuple[str, ...] = ()
     reference_unit: str = ""
     reading: SignalReading | None = None
+    command: str | None = None
+    velocity: str | None = None
+    loop_twins: tuple[FmuTwin, ...] = ()
 
     @classmethod
     def open(
@@ -92,16 +102,16 @@ class StudySources:
         """
         _check_plant(study, is1, plant)
         change = study.is1.change
-        changed, gains, unit = None, None, ""
+        changed = None
+        facts: dict[str, Any] = {}
         reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
-        parameters: tuple[str, ...] = ()
         with ExitStack() as opened:
-            opener = _Opener(study.seed, folder, opened)
+            opener = _Opener(study.seed, folder, opened, disturbed_ports(study))
             if is2 is None:
                 is2 = reading = twin = opener.twin(study.is2.twin, study.is2.parameters)
-                gains, parameters = twin.gains, tuple(twin.parameter_tunable())
-                signal = twin.signal_specs().get(study.reference.signal)
-                unit = signal.unit if signal else ""
+                facts = _facts_of(twin, study)
+                if Limits(study.constraints).of_the_twin:
+                    facts["loop_twins"] = opener.loop_twins(twin)
             if plant is not None:
                 is1 = PythonPlant(plant, reading)
             if is1 is None:
@@ -115,10 +125,8 @@ class StudySources:
                 opened=opened.pop_all(),
                 changed_is1=changed,
                 change_after=change.after_runs if change else None,
-                gains=gains,
-                parameters=parameters,
-                reference_unit=unit,
                 reading=reading,
+                **facts,
             )
 
     def real(self, runs_before: int) -> Source | None:
@@ -145,6 +153,20 @@ class StudySources:
         self.opened.close()
 
 
+def _facts_of(twin: FmuTwin, study: StudyFile) -> dict[str, Any]:
+    """What only an FMU twin knows: its box, its parameters, and which outputs are which states."""
+    signal = twin.signal_specs().get(study.reference.signal)
+    names = {entry.variable: name for name, entry in twin.file.outputs.items()}
+    states = {state: names.get(variable) for state, variable in twin.file.states.items()}
+    return {
+        "gains": twin.gains,
+        "parameters": tuple(twin.parameter_tunable()),
+        "reference_unit": signal.unit if signal else "",
+        "command": states.get("command"),
+        "velocity": states.get("velocity"),
+    }
+
+
 def _check_plant(study: StudyFile, is1: Source | None, plant: PlantFunction | None) -> None:
     if is1 is not None and plant is not None:
         raise InputError("expected one of is1 and plant, got both; they are the same axis")
@@ -156,11 +178,24 @@ def _check_plant(study: StudyFile, is1: Source | None, plant: PlantFunction | No
         raise StudyFileError("[is1] change: only a plant given as twin = FILE can change")
 
 
+def disturbed_ports(study: StudyFile) -> tuple[str, ...]:
+    """Ports at which the disturbances of a study act, each once.
+
+    Parameters
+    ----------
+    study : StudyFile
+        The validated file.
+    """
+    acting = [one.disturbance.port for one in study.references if one.disturbance is not None]
+    return tuple(dict.fromkeys(acting))
+
+
 @dataclass(frozen=True)
 class _Opener:
     seed: int
     folder: Path
     opened: ExitStack
+    ports: tuple[str, ...] = ()
 
     def plant(self, section: PlantSection, reading: SignalReading | None) -> Source | None:
         """Source of the kind that the file names; None where the user asks and tells."""
@@ -184,6 +219,25 @@ class _Opener:
         hidden = section.hidden.drawn(self.seed) if section.hidden is not None else {}
         return {**section.parameters, **hidden}
 
+    def loop_twins(self, twin: FmuTwin) -> tuple[FmuTwin, FmuTwin]:
+        """The twin with its command port driven, stepped finely and at its own step."""
+        from gmfbo.sources.twin.twin import FmuTwin
+
+        ports = tuple(dict.fromkeys([*self.ports, COMMAND_PORT]))
+        steps = (twin.step / FINER, twin.step)
+        fine, coarse = (
+            FmuTwin(
+                twin.path,
+                parameters={**twin.parameters, **twin.texts},
+                step=step,
+                driven_ports=ports,
+            )
+            for step in steps
+        )
+        self.opened.callback(fine.close)
+        self.opened.callback(coarse.close)
+        return fine, coarse
+
     def twin(self, path: str, parameters: Mapping[str, float | Literal["seed"]]) -> FmuTwin:
         from gmfbo.sources.twin.twin import FmuTwin
 
@@ -191,7 +245,7 @@ class _Opener:
             name: float(self.seed) if value == "seed" else value
             for name, value in parameters.items()
         }
-        twin = FmuTwin(self.folder / path, parameters=values)
+        twin = FmuTwin(self.folder / path, parameters=values, driven_ports=self.ports)
         self.opened.callback(twin.close)
         return twin
 

@@ -5,13 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.errors import StudyFileError, did_you_mean
+from gmfbo.errors import InputError, RecordingError, StudyFileError, did_you_mean
+from gmfbo.objective.limits import Limits
+from gmfbo.objective.margins import MARGINS
+from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.own_metrics import OwnMetrics
+from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.experiment.loop_margins import MarginMeter
+from gmfbo.tuning.experiment.scoring_terms import ScoringTerms
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.safety_section import SafetySection
+from gmfbo.tuning.study_file.study_sections import StudyFile
 
 
 def own_metrics(study: Study) -> OwnMetrics | None:
@@ -28,30 +35,102 @@ def own_metrics(study: Study) -> OwnMetrics | None:
     return OwnMetrics.load(label, study.origin, study.file.own_metrics)
 
 
-def experiment_of(study: Study, unit: str, own: OwnMetrics | None) -> ExperimentSeries:
+def experiment_of(study: Study, sources: StudySources, own: OwnMetrics | None) -> ExperimentSeries:
     """References that a study plays, and the metrics of their responses.
 
     Parameters
     ----------
     study : Study
         Its file names the references.
-    unit : str
-        SI unit of the references.
+    sources : StudySources
+        With the unit of the references, and the outputs that are command and velocity.
     own : OwnMetrics or None
         Metrics by a function of the user.
 
     Raises
     ------
     RecordingError
-        A file cannot be read, or does not hold exactly one step.
+        A file cannot be read, or ends before the horizon.
+    StudyFileError
+        A section describes no reference, or a weighted or limited metric cannot be computed.
     """
-    return ExperimentSeries.from_sections(
-        study.file.references,
-        study.file.objective.signal,
-        folder=study.origin,
-        unit=unit,
-        own=own,
+    objective = study.file.objective
+    terms = ScoringTerms(
+        band=objective.band,
+        filter_s=objective.filter,
+        command=objective.command or sources.command,
+        velocity=sources.velocity,
     )
+    try:
+        series = ExperimentSeries.from_sections(
+            study.file.references,
+            objective.signal,
+            folder=study.origin,
+            unit=sources.reference_unit,
+            own=own,
+            terms=terms,
+        )
+    except RecordingError:
+        raise
+    except InputError as error:
+        raise StudyFileError(f"[reference]: {error}") from None
+    _check_computable(study.file, series)
+    return series
+
+
+def _check_computable(file: StudyFile, series: ExperimentSeries) -> None:
+    """Raise for a weighted or limited metric that these references or signals do not give."""
+    weighted = [name for name, weight in file.objective.weights.items() if weight > 0.0]
+    places = [("[objective] weights", weighted), ("[constraints]", list(file.constraints))]
+    for place, names in places:
+        for name in names:
+            if name in METRICS and name not in series.metric_names:
+                raise StudyFileError(
+                    f"{place}: '{name}' needs a reference with a step, and none has one; weigh "
+                    f"{', '.join(TRACKING_METRICS)} or one of the command instead"
+                )
+            if name in COMMAND_METRICS and series.terms.command is None and series.own is None:
+                raise StudyFileError(
+                    f"{place}: '{name}' needs the command, which [states] of the twin file does "
+                    'not name among its [outputs]; say it by [objective] command = "SIGNAL"'
+                )
+
+
+def margin_meter(
+    study: Study, sources: StudySources, experiment: ExperimentSeries
+) -> MarginMeter | None:
+    """What measures margins of the loop on the twin; None unless one is limited.
+
+    Parameters
+    ----------
+    study : Study
+        Its [constraints] limit margins.
+    sources : StudySources
+        With the twin whose command port is driven.
+    experiment : ExperimentSeries
+        Its first reference gives size and length of the motion.
+
+    Raises
+    ------
+    StudyFileError
+        The twin is no FMU, or its command is unknown.
+    """
+    if not Limits(study.file.constraints).of_the_twin:
+        return None
+    limited = next(name for name in study.file.constraints if name in MARGINS)
+    if not sources.loop_twins:
+        raise StudyFileError(
+            f"[constraints] {limited}: needs [is2] twin = FILE, whose loop is excited"
+        )
+    command = experiment.terms.command
+    if command is None:
+        raise StudyFileError(
+            f"[constraints] {limited}: needs the command, which [states] of the twin file does not "
+            'name among its [outputs]; say it by [objective] command = "SIGNAL"'
+        )
+    fine, coarse = sources.loop_twins
+    part = experiment.parts[0]
+    return MarginMeter(fine, coarse, part.reference, command, part.horizon, coarse.step)
 
 
 def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]:

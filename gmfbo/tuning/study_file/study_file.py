@@ -10,13 +10,13 @@ from pydantic import BaseModel, ValidationError
 from gmfbo.errors import StudyFileError, did_you_mean
 from gmfbo.files.toml_text import parse_toml, read_toml_text
 from gmfbo.tuning.study_file.drift_section import DriftSection
+from gmfbo.tuning.study_file.reference_section import DisturbanceSection, ReferenceSection
 from gmfbo.tuning.study_file.study_sections import (
     BudgetSection,
     Normalisation,
     ObjectiveSection,
     PlantChange,
     PlantSection,
-    ReferenceSection,
     StudyFile,
     TwinSection,
 )
@@ -27,6 +27,7 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "is1.change": PlantChange,
     "is2": TwinSection,
     "reference": ReferenceSection,
+    "reference.disturbance": DisturbanceSection,
     "objective": ObjectiveSection,
     "objective.normalise": Normalisation,
     "budget": BudgetSection,
@@ -110,4 +111,5 @@ def _finding(detail: dict[str, Any]) -> str:
 def _keys_at(location: list[str]) -> list[str]:
     """Valid keys at a place; empty where the place is a free table."""
     section = _SECTIONS.get(".".join(location))
-    return list(section.model_fields) if section else []
+    fields = section.model_fields if section else {}
+    return [field.alias or name for name, field in fields.items()]

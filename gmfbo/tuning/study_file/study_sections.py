@@ -17,8 +17,11 @@ from pydantic import (
 
 from gmfbo.errors import did_you_mean
 from gmfbo.objective.cost import PAPER_WEIGHTS
-from gmfbo.objective.metrics import METRICS
+from gmfbo.objective.margins import MARGINS
+from gmfbo.objective.metrics import METRICS, SETTLING_BAND
+from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.tuning.study_file.drift_section import DriftSection
+from gmfbo.tuning.study_file.reference_section import ReferenceSection
 from gmfbo.tuning.study_file.safety_section import SafetySection
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -65,6 +68,9 @@ Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number
 
 DEFAULT_METHOD = "gmfbo_physics"
 """Method with the fewest real runs on the project's studies: `tests/benchmarks/results`."""
+
+KNOWN_METRICS = (*METRICS, *TRACKING_METRICS, *COMMAND_METRICS)
+"""Metrics that need no function of the user."""
 
 # Separates the draw of hidden physics from all other draws of the same seed.
 _HIDDEN_STREAM = 0x41D
@@ -172,26 +178,6 @@ class GainRange(Section):
         return self
 
 
-class ReferenceSection(Section):
-    """Reference for the axis: a step, or a recording of a step."""
-
-    step: Number = 1.0
-    at: NotNegative = 0.1
-    horizon: Positive = 1.0
-    sample_time: Positive = 1e-3
-    signal: str = "reference"
-    file: str | None = None
-    weight: Positive = 1.0  # share of the cost, relative to that of other references
-
-    @model_validator(mode="after")
-    def _step_or_file(self) -> Self:
-        if self.file is not None and self.model_fields_set & {"step", "at", "sample_time"}:
-            raise ValueError("expected either file or step, at and sample_time, got both")
-        if self.step == 0.0:
-            raise ValueError("step: expected a height other than zero")
-        return self
-
-
 class Normalisation(Section):
     """Constants of the cost: from the first `points` runs of IS2, or known ones."""
 
@@ -215,6 +201,9 @@ class ObjectiveSection(Section):
         points=10
     )
     metrics: str | None = None  # FILE.py:FUNCTION of the user
+    band: Annotated[float, Field(gt=0.0, lt=1.0)] = SETTLING_BAND  # share of the step
+    filter: NotNegative = 0.0  # [s] of the low-pass that the response is smoothed by
+    command: str | None = None  # signal; without it the twin file's state of that name
 
     @model_validator(mode="after")
     def _known_metrics(self) -> Self:
@@ -229,11 +218,11 @@ class ObjectiveSection(Section):
         return self
 
     def check_metric(self, name: str) -> None:
-        """Raise for a name that is no step metric and no metric of the user's function."""
-        if name not in METRICS and self.metrics is None:
+        """Raise for a name that is no metric of ours and none of the user's function."""
+        if name not in KNOWN_METRICS and self.metrics is None:
             raise ValueError(
                 f"no metric '{name}'"
-                + did_you_mean(name, METRICS)
+                + did_you_mean(name, KNOWN_METRICS)
                 + ' (one of your own needs [objective] metrics = "FILE.py:FUNCTION")'
             )
 
@@ -297,6 +286,8 @@ class StudyFile(Section):
     @model_validator(mode="after")
     def _known_limits(self) -> Self:
         for name in self.constraints:
+            if name in MARGINS:
+                continue
             try:
                 self.objective.check_metric(name)
             except ValueError as error:
@@ -311,7 +302,7 @@ class StudyFile(Section):
     @property
     def own_metrics(self) -> frozenset[str]:
         """Names that the user's function must return."""
-        return frozenset({*self.objective.weights, *self.constraints} - set(METRICS))
+        return frozenset({*self.objective.weights, *self.constraints} - {*KNOWN_METRICS, *MARGINS})
 
     @property
     def folder_name(self) -> str:

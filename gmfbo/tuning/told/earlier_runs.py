@@ -60,7 +60,9 @@ class EarlierRuns:
         if earlier.location.resolve() == study.location.resolve():
             raise StudyFileError(f"{label}: is this study itself; name another one")
         _check_reference(label, earlier, experiment)
-        real = [trial for trial in earlier.trials if trial.source == "IS1"]
+        undone = earlier.taken_back
+        counted = [trial for trial in earlier.trials if trial.number not in undone]
+        real = [trial for trial in counted if trial.source == "IS1"]
         for trial in real:
             _check_names(label, trial, gains)
             _check_signal(label, trial, experiment)
@@ -116,7 +118,11 @@ def _check_reference(label: str, earlier: Study, experiment: ExperimentSeries) -
     )
     same = len(played.parts) == len(experiment.parts) and all(
         np.array_equal(one.reference.time, other.reference.time)
-        and np.array_equal(_values(one.reference), _values(other.reference))
+        and one.reference.signals.keys() == other.reference.signals.keys()
+        and all(
+            np.array_equal(values, other.reference.signals[name])
+            for name, values in one.reference.signals.items()
+        )
         and one.horizon == other.horizon
         for one, other in zip(played.parts, experiment.parts, strict=True)
     )
@@ -127,15 +133,9 @@ def _check_reference(label: str, earlier: Study, experiment: ExperimentSeries) -
         )
 
 
-def _values(reference: Any) -> Any:
-    (values,) = reference.signals.values()
-    return values
-
-
 def _steps(experiment: ExperimentSeries) -> str:
     return ", ".join(
-        f"a step of {part.step_size:g} at {part.step_time:g} s, {part.horizon:g} s long"
-        for part in experiment.parts
+        f"{part.described}, scored for {part.horizon:g} s" for part in experiment.parts
     )
 
 
@@ -159,7 +159,7 @@ def _check_signal(label: str, trial: Trial, experiment: ExperimentSeries) -> Non
             f"{', '.join(sorted(trial.recording.signals))}; see [objective] signal"
         )
     for part in experiment.parts:
-        (here,) = (part.reference.units.get(signal, "") for signal in part.reference.signals)
+        here = part.reference.units.get(part.reference_signal, "")
         there = trial.recording.units.get(name, "")
         if here and there and here != there:
             raise StudyFileError(

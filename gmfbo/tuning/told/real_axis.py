@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.errors import InputError, RecordingError
 from gmfbo.recordings.recording import Recording
+from gmfbo.recordings.reference import followed_signal
 from gmfbo.sources.plants.failed_run import failed_run
 from gmfbo.sources.plants.source import Source
 from gmfbo.tuning.told.told_gains import same_gain
@@ -79,16 +81,16 @@ def scorable(run: Recording, experiment: Scoring) -> Recording:
 
 
 def on_the_clock_of(reference: Recording, run: Recording) -> Recording:
-    """Shift a recording so that its reference steps at the requested instant.
+    """Shift a recording so that its reference changes when the requested one does.
 
-    A logger's clock begins anywhere. A recording whose reference does not step exactly once is
-    taken to be on the clock of the reference already.
+    A logger's clock begins anywhere. A recording whose reference changes more or less often than
+    the requested one is taken to be on its clock already.
     """
-    (signal,) = reference.signals
-    asked, seen = _step_time(reference, signal), _step_time(run, signal)
-    if asked is None or seen is None:
+    signal = followed_signal(reference)
+    asked, seen = _changes(reference, signal), _changes(run, signal)
+    if asked.size == 0 or asked.size != seen.size:
         return run
-    shift = asked - seen
+    shift = float(asked[0] - seen[0])
     # A shift below one sample is the logger's rounding; simulated runs stay unchanged.
     if abs(shift) <= float(np.median(np.diff(run.time))):
         return run
@@ -96,11 +98,10 @@ def on_the_clock_of(reference: Recording, run: Recording) -> Recording:
     return replace(run, time=run.time + shift, use=use)
 
 
-def _step_time(recording: Recording, signal: str) -> float | None:
-    """[s] When a signal changes; None where it is absent or does not change exactly once."""
+def _changes(recording: Recording, signal: str) -> NDArray[np.float64]:
+    """[s] When a signal changes, shape (c,); empty where it is absent."""
     values = recording.signals.get(signal)
     if values is None:
-        return None
+        return np.empty(0)
     sampled = np.flatnonzero(np.isfinite(values))
-    changes = np.flatnonzero(np.diff(values[sampled])) + 1
-    return float(recording.time[sampled[changes[0]]]) if changes.size == 1 else None
+    return np.asarray(recording.time[sampled[np.flatnonzero(np.diff(values[sampled])) + 1]])

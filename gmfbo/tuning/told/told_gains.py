@@ -72,6 +72,52 @@ def told_gains(
     return used
 
 
+def chosen_request(
+    waiting: Mapping[int, TrialRequest],
+    trial: TrialRequest | int | None,
+    stated: Mapping[str, float],
+) -> TrialRequest:
+    """The request that a recording answers.
+
+    Parameters
+    ----------
+    waiting : mapping of int to TrialRequest
+        Requests that are waited for, by trial number.
+    trial : TrialRequest, int or None
+        Request or its number; None where it is to be found.
+    stated : mapping of str to float
+        Gains that the recording, or the user, states.
+
+    Raises
+    ------
+    InputError
+        It is not waited for, or several are and the stated gains do not tell which.
+    """
+    numbers = ", ".join(str(number) for number in waiting)
+    if trial is None and len(waiting) > 1:
+        fitting = [
+            request
+            for request in waiting.values()
+            if any(name in stated for name in request.gains)
+            and all(same_gain(stated.get(n, v), v) for n, v in request.gains.items())
+        ]
+        if len(fitting) != 1:
+            raise InputError(
+                f"trials {numbers} are waited for, and the gains of the recording tell no one of "
+                "them; say which by --trial NUMBER"
+            )
+        return fitting[0]
+    number = next(iter(waiting), 0) if trial is None else trial
+    number = number if isinstance(number, int) else number.number
+    if number not in waiting:
+        verb = "is" if len(waiting) == 1 else "are"
+        wanted = f"trial{'' if verb == 'is' else 's'} {numbers} {verb}" if waiting else "none is"
+        raise InputError(
+            f"trial {number} is not waited for: {wanted}; ask for the next gains first"
+        )
+    return waiting[number]
+
+
 def same_gain(one: float, other: float) -> bool:
     """Whether two values of a gain are the same."""
     return bool(np.isclose(one, other, rtol=SAME))

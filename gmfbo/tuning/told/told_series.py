@@ -10,13 +10,18 @@ from gmfbo.errors import RecordingError
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.told.contradiction import refuse_other_reference
 from gmfbo.tuning.told.told_file import ToldRun
 
 Told = Recording | str | Path
 
 
 def read_told(
-    told: Told | Sequence[Told], reading: SignalReading | None, experiment: ExperimentSeries
+    told: Told | Sequence[Told],
+    reading: SignalReading | None,
+    experiment: ExperimentSeries,
+    *,
+    anyway: bool = False,
 ) -> ToldRun:
     """Read the recordings told for a query.
 
@@ -28,11 +33,13 @@ def read_told(
         Meaning of a file's columns.
     experiment : ExperimentSeries
         References that were played.
+    anyway : bool
+        Take a file whose own reference is another than was asked for.
 
     Raises
     ------
     RecordingError
-        A file cannot be read, or there are not as many as references.
+        A file cannot be read or follows another reference, or there are not as many as references.
     """
     if isinstance(told, Recording):
         return ToldRun(told)
@@ -43,6 +50,9 @@ def read_told(
         ToldRun.read(one, reading, reference)
         for one, reference in zip(each, experiment.references, strict=False)
     ]
+    if not anyway:
+        for run, part in zip(runs, experiment.parts, strict=False):
+            refuse_other_reference(part.reference, run.recording, part.terms.band)
     if len(each) == len(experiment.references) == 1:
         return runs[0]
     # Joining refuses more recordings than references, and names both numbers.

@@ -57,14 +57,15 @@ class TwinRuns:
         done = len(history.trials)
         runs = list(history.trials)
         for number, point in enumerate(points[done:], start=done + 1):
-            runs.append(self._run(history.gains_at(point), number=number))
+            runs.append(self._run(history.gains_at(point), number=number, with_margins=True))
         history.normalise(runs)
-        constants = history.objective
+        constants, first = history.objective, runs[0].recording
         history.store.log(
             "normalise",
             mean=dict(constants.mean),
             std=dict(constants.std),
             worst=dict(constants.worst),
+            units=history.units_of(first),
         )
         for run in runs[done:]:
             self.announce("initial", history.write(history.priced(run)))
@@ -96,20 +97,20 @@ class TwinRuns:
 
     def query(self, gains: Mapping[str, float]) -> Trial:
         """Run the twin at the gains of a query."""
-        return self.history.write(self._run(gains))
+        return self.history.write(self._run(gains, with_margins=True))
 
     def follow_up(self) -> None:
-        """Run the twin beside the last real run, and make corrected runs around it.
+        """Run the twin beside the newest real runs, and make corrected runs around them.
 
         After a kill, only the missing runs are made.
         """
-        real = self.history.of("IS1")
-        if self.correction is None or not real:
+        if self.correction is None:
             return
-        self._beside(real[-1])
         corrected = CorrectedRuns(self.source, self.history, self.correction)
-        for trial in corrected.around(real[-1]):
-            self.announce("correction", trial)
+        for real in self.history.fresh:
+            self._beside(real)
+            for trial in corrected.around(real):
+                self.announce("correction", trial)
 
     def beside_again(self, real: Trial, gains: Mapping[str, float]) -> None:
         """Run the twin because of a real run, at other gains.
@@ -131,9 +132,20 @@ class TwinRuns:
             self.announce("correction", self.history.write(pair))
 
     def _run(
-        self, gains: Mapping[str, float], *, parent: int | None = None, number: int | None = None
+        self,
+        gains: Mapping[str, float],
+        *,
+        parent: int | None = None,
+        number: int | None = None,
+        with_margins: bool = False,
     ) -> Trial:
         run = play(self.source, gains, self.history.experiment)
         return self.history.trial(
-            "IS2", gains, run, twin=self.source.content_hash, parent=parent, number=number
+            "IS2",
+            gains,
+            run,
+            twin=self.source.content_hash,
+            parent=parent,
+            number=number,
+            with_margins=with_margins,
         )

@@ -12,18 +12,18 @@ import pytest
 from gmfbo.objective import METRICS, PAPER_WEIGHTS, Objective
 from gmfbo.recordings.store.trial import SourceName
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.experiment.experiment import StepExperiment
+from gmfbo.tuning.experiment.experiment import ReferenceExperiment
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.methods import METHODS, find_method
 from gmfbo.tuning.methods.beliefs import corrected_and_twin
 from gmfbo.tuning.query.method import Method, Proposal
-from gmfbo.tuning.study_file.study_sections import ReferenceSection
+from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
 SPACE = GainSpace((Gain("Kp", 10.0, 90.0), Gain("Kd", 1.0, 9.0)))
 
 EXPERIMENT = ExperimentSeries(
-    (StepExperiment.from_section(ReferenceSection(), "position", folder=Path()),)
+    (ReferenceExperiment.from_section(ReferenceSection(), "position", folder=Path()),)
 )
 OBJECTIVE = Objective.from_samples(
     PAPER_WEIGHTS, {name: np.array([0.1, 0.2, 0.3]) for name in METRICS}, horizon=1.0
