@@ -34,7 +34,6 @@ HIDDEN = {"coulomb_friction.level": 0.2}
 """[N.m] Physics of the real axis, of which the FMU knows nothing."""
 
 HERTZ = (0.5, 0.9, 1.4, 2.3)
-ROWS = 2500
 STEP = 1e-3  # [s]
 
 Array = NDArray[np.float64]
@@ -62,16 +61,17 @@ def _renamed(description: str) -> str:
     return description.replace('modelName="servo_axis"', 'modelName="AX7"')
 
 
-def axis_runs(hidden: Mapping[str, float] = HIDDEN, runs: int = 4) -> list[Recording]:
+def axis_runs(runs: int = len(HERTZ), rows: int = 2500) -> list[Recording]:
     """Runs of the real axis: sines of the reference, with noise of the encoder."""
-    time, rng = np.arange(ROWS) * STEP, np.random.default_rng(0)
+    time: Array = np.arange(rows, dtype=np.float64) * STEP
+    rng = np.random.default_rng(0)
     made = []
     with AugmentedTwin(FmuTwin(models_folder() / "servo_axis.toml"), substeps=10) as axis:
         for hertz in HERTZ[:runs]:
             wave = {"reference": 0.4 * np.sin(2.0 * np.pi * hertz * time)}
             plan = axis.plan(Recording(time=time, signals=wave), {})
             noise = 3e-5 * rng.standard_normal(time.size)  # [rad]
-            run = axis.run(plan, {"inertia": 0.0105}, hidden, excitation={"sensor": noise})
+            run = axis.run(plan, {"inertia": 0.0105}, HIDDEN, excitation={"sensor": noise})
             logged = {**wave, **run.held, "position": run.states["position"] + noise}
             made.append(Recording(time=time, signals=logged))
     return made
