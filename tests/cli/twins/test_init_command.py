@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections.abc import Callable
 from io import StringIO
 from pathlib import Path
 
@@ -13,7 +14,14 @@ import pytest
 
 from gmfbo import FmuTwin, Recording, Study, models_folder
 from gmfbo.cli import main
-from tests.cli.twins.vendor_axis import axis_runs, in_ms_and_degrees, vendor_fmu, write_csv
+from tests.cli.twins.vendor_axis import (
+    axis_runs,
+    in_ms_and_degrees,
+    vendor_fmu,
+    write_csv,
+    write_matlab,
+    write_mdf4,
+)
 
 
 def run(*arguments: object) -> int:
@@ -102,7 +110,10 @@ def test_times_in_ms_and_angles_in_degrees_without_any_unit(
     assert run("init", "AX7.fmu", log, "--out", tmp_path / "axis") == 0
     text = (tmp_path / "axis" / "twin.toml").read_text()
     assert 'time = { column = "t", unit = "ms" }  # guess: its rows are 1 apart' in text
-    assert 'position = { column = "ist", unit = "deg" }  # guess: nothing states its unit' in text
+    assert (
+        'position = { column = "ist", unit = "deg" }  # guess: no unit stated, deg fits best'
+        in text
+    )
     with FmuTwin(tmp_path / "axis" / "twin.toml") as source:
         recording = Recording.read(log, source)
     np.testing.assert_allclose(recording.signal("position"), runs[0].signal("position"), atol=1e-7)
@@ -118,6 +129,23 @@ def test_control_seconds_and_radians_without_any_unit_stay_so(
     text = (tmp_path / "axis" / "twin.toml").read_text()
     assert 'position = "ist"  # guess: by the column\'s name' in text
     assert 'time = "t"  # guess: its name; in seconds' in text
+
+
+@pytest.mark.parametrize(("ending", "write"), [("mat", write_matlab), ("mf4", write_mdf4)])
+def test_matlab_and_mdf4_logs_in_degrees(
+    bench: Path,
+    runs: list[Recording],
+    tmp_path: Path,
+    ending: str,
+    write: Callable[[Path, Recording], Path],
+) -> None:
+    log = write(tmp_path / f"run.{ending}", runs[0])
+    assert run("init", "AX7.fmu", log, "--out", tmp_path / "axis") == 0
+    with FmuTwin(tmp_path / "axis" / "twin.toml") as source:
+        recording = Recording.read(log, source)
+    np.testing.assert_allclose(recording.time, runs[0].time, atol=1e-9)
+    for name in ("reference", "position", "torque_command"):
+        np.testing.assert_allclose(recording.signal(name), runs[0].signal(name), atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,10 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
+import asammdf
 import numpy as np
 from numpy.typing import NDArray
+from scipy.io import savemat
 
 from gmfbo import AugmentedTwin, FmuTwin, Recording
 from gmfbo.sources.fmu_file.models import models_folder
@@ -92,4 +94,26 @@ def write_csv(path: Path, table: Mapping[str, Array]) -> Path:
     rows = zip(*table.values(), strict=True)
     lines = [",".join(table), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def write_matlab(path: Path, run: Recording) -> Path:
+    """Write a structure with ms and degrees, and without any unit."""
+    table = dict(
+        zip(("t", "phi_soll", "phi_ist", "moment"), in_ms_and_degrees(run).values(), strict=True)
+    )
+    columns = {name: values.reshape(-1, 1) for name, values in table.items()}
+    savemat(path, {"log": columns, "operator": "B. Meier"})
+    return path
+
+
+def write_mdf4(path: Path, run: Recording) -> Path:
+    """Write channels in degrees, each in a group with a clock of its own."""
+    _, *table = in_ms_and_degrees(run).values()
+    named = (("SetPosition", "deg"), ("ActPosition", "deg"), ("TorqueCommand", "Nm"))
+    with asammdf.MDF() as file:
+        for (name, unit), values in zip(named, table, strict=True):
+            signal = asammdf.Signal(values, run.time, name=f"Drive.{name}", unit=unit)
+            file.append([signal], common_timebase=True)
+        file.save(path, overwrite=True)
     return path
