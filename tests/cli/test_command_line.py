@@ -143,7 +143,7 @@ def test_a_finished_study_is_not_begun_again_by_mistake(
         (("inspect", "missing.fmu"), "no FMU at"),
         (("inspect", "pyproject.toml"), "zip"),
         (("simulate", "missing.toml", "--out", "x.csv"), "no twin file"),
-        (("simulate", "models/linear_axis.toml", "--out", "x.txt"), ".csv or .h5"),
+        (("simulate", "models/linear_axis.toml", "--out", "x.txt"), ".csv, .h5 or .html"),
         (("simulate", "models/linear_axis.toml", "--set", "kp", "--out", "x.csv"), "NAME=VALUE"),
         (("simulate", "models/linear_axis.toml", "--set", "Kp=1", "--out", "x.csv"), "mean 'kp'"),
         (("simulate", "models/linear_axis.toml", "--out", "no/folder/x.csv"), "folder"),
