@@ -13,7 +13,7 @@ WIDTH = 79
 """[characters] Widest line on a terminal."""
 
 _MOST_DIGITS = 7
-_TWO_MINUTES = 120  # [s], and as many minutes are two hours: up to there the finer unit is read
+_TWO_MINUTES = 120  # [s] Up to there seconds alone are read with ease.
 
 
 def words(name: str) -> str:
@@ -64,7 +64,7 @@ def duration(seconds: float) -> str:
         factor, unit = (1e3, "ms") if size >= 1e-3 else (1e6, "us")
         return f"{sign}{number(factor * size)} {unit}"
     minutes, left = divmod(round(abs(seconds)), 60)
-    if minutes < _TWO_MINUTES:
+    if minutes < 60:
         return f"{sign}{minutes} min {left} s" if left else f"{sign}{minutes} min"
     hours, left = divmod(round(abs(seconds) / 60.0), 60)
     return f"{sign}{hours} h {left} min" if left else f"{sign}{hours} h"
