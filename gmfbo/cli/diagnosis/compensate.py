@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 from gmfbo.plain_words import wrapped
+
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.compensation.table import Compensation
 
 INDENT = 15
 
@@ -56,7 +59,8 @@ def compensate(
     shaft, command [its unit], or position reference [rad or m]. It says what it leaves out, and
     why: no feed-forward cancels a delay, a limit or a fault of the sensor.
     """
-    if out.suffix.lower() not in (".csv", ".c", ".st"):
+    ending = out.suffix.lower()
+    if ending not in (".csv", ".c", ".st"):
         raise InputError(f"--out: expected a file ending in .csv, .c or .st, got '{out}'")
 
     from gmfbo.diagnosis import Diagnosis
@@ -64,17 +68,28 @@ def compensate(
     from gmfbo.diagnosis.compensation.structured_text import structured_text
     from gmfbo.diagnosis.compensation.text import c_text, csv_text, formula, target_words
     from gmfbo.files.durable import cause, write_whole
-    from gmfbo.plain_words import number, words
-    from gmfbo.units import unit_words
+    from gmfbo.plain_words import words
 
     made = compensation_of(Diagnosis.from_json(folder), str(folder), smoothing)
-    write = {".csv": csv_text, ".c": c_text, ".st": structured_text}[out.suffix.lower()]
+    write = {".csv": csv_text, ".c": c_text, ".st": structured_text}[ending]
     try:
         write_whole(out, write(made).encode("utf-8"))
     except OSError as error:
         raise InputError(f"--out: cannot write '{out}': {cause(error)}") from None
     for target in made.targets:
         _say("add to", f"{target_words(made, target)}: {formula(made, target)}")
+    _say_tables(made)
+    for remark in made.remarks:
+        _say("note", remark)
+    for entry in made.not_compensated:
+        _say("not in it", f"{words(entry.effect)}: {entry.advice}")
+    _say("written", str(out))
+
+
+def _say_tables(made: Compensation) -> None:
+    from gmfbo.plain_words import number, words
+    from gmfbo.units import unit_words
+
     for table in made.tables:
         ends = f"{number(float(table.y.min()))} to {number(float(table.y.max()))}"
         covered = f"{number(float(table.x[0]))} to {number(float(table.x[-1]))}"
@@ -86,11 +101,6 @@ def compensate(
         )
         if table.remark:
             _say("", table.remark)
-    for remark in made.remarks:
-        _say("note", remark)
-    for entry in made.not_compensated:
-        _say("not in it", f"{words(entry.effect)}: {entry.advice}")
-    _say("written", str(out))
 
 
 def _say(head: str, text: str) -> None:
