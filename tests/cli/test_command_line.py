@@ -219,8 +219,8 @@ def test_an_interrupted_study_keeps_its_runs_and_resumes(study_file: Path) -> No
     study_file.write_text(study_file.read_text().replace("iterations = 3", "iterations = 400"))
     program = [sys.executable, "-m", "gmfbo", "tune", str(study_file)]
     trials = study_file.with_name("small.study") / "trials"
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(program, text=True, **pipes) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(program, text=True, stdout=pipe, stderr=pipe) as process:
         try:
             deadline = time.monotonic() + 60.0
             while len(list(trials.glob("*.h5"))) < 8 and time.monotonic() < deadline:
