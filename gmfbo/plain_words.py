@@ -13,6 +13,7 @@ WIDTH = 79
 """[characters] Widest line on a terminal."""
 
 _MOST_DIGITS = 7
+_TWO_MINUTES = 120  # [s] Up to there seconds alone are read with ease.
 
 
 def words(name: str) -> str:
@@ -46,6 +47,27 @@ def listed(entries: Iterable[str]) -> str:
 def quantity(value: float, unit: str, digits: int = 3) -> str:
     """Value with its unit."""
     return f"{number(value, digits)} {unit_words(unit)}".rstrip()
+
+
+def duration(seconds: float) -> str:
+    """Time as a person writes it: "250 us", "1.2 ms", "8.18 s", "2 min 5 s", "3 h 20 min".
+
+    Up to two minutes it has three significant digits.
+    """
+    if not math.isfinite(seconds):
+        return "-"
+    size = abs(float(f"{seconds:.3g}"))  # rounded first: 0.9996 s is 1 s, not 1e+03 ms
+    sign = "-" if seconds < 0.0 else ""
+    if size == 0.0 or 1.0 <= size < _TWO_MINUTES:
+        return f"{sign}{number(size)} s"
+    if size < 1.0:
+        factor, unit = (1e3, "ms") if size >= 1e-3 else (1e6, "us")
+        return f"{sign}{number(factor * size)} {unit}"
+    minutes, left = divmod(round(abs(seconds)), 60)
+    if minutes < 60:
+        return f"{sign}{minutes} min {left} s" if left else f"{sign}{minutes} min"
+    hours, left = divmod(round(abs(seconds) / 60.0), 60)
+    return f"{sign}{hours} h {left} min" if left else f"{sign}{hours} h"
 
 
 def interval(value: float, low: float, high: float, unit: str, digits: int = 3) -> str:

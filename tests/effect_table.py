@@ -8,29 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from gmfbo.physics import CATALOGUE, Excitation, Units
+from gmfbo.physics import CATALOGUE, Units
+from gmfbo.physics.example_axis import EXAMPLE_AXIS
 
 DOCUMENT = Path(__file__).parents[1] / "notebooks/docs/effects.md"
 BEGIN, END = "<!-- effects -->\n", "<!-- end of effects -->\n"
-
-EXAMPLE = Excitation(
-    torque=10.0,
-    command=10.0,
-    command_rate=1000.0,
-    current=10.0,
-    speed=5.0,
-    stroke=1.0,
-    resolution=1e-5,
-    duration=2.5,
-    total=10.0,
-    sample=1e-3,
-    step=2e-4,
-    loop_time=0.02,
-    inertia=0.01,
-    angular=True,
-    reversals=10,
-)
-"""Axis at which the floors are told; it is described in the document."""
 
 
 def effect_table() -> str:
@@ -51,7 +33,7 @@ def _lines() -> Iterator[str]:
             effect.port,
             f"`{effect.equation}`",
             size,
-            f"{effect.floor(EXAMPLE):.2g}",
+            f"{effect.floor(EXAMPLE_AXIS):.2g}",
             others,
         )
         yield f"| {' | '.join(cells)} |"

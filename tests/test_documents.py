@@ -11,9 +11,10 @@ import pytest
 from gmfbo import diagnose
 from gmfbo.diagnosis.comparison import numbers
 from gmfbo.physics import Effect, States, Units
+from gmfbo.physics.example_axis import EXAMPLE_AXIS
 from gmfbo.tuning.methods import METHODS
 from gmfbo.version import __version__
-from tests.effect_table import EXAMPLE, documented_table, effect_table
+from tests.effect_table import documented_table, effect_table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -60,10 +61,10 @@ def test_documented_effect_is_one() -> None:
     exec(page.split("## Effects at the ports")[1].split("```python\n")[1].split("```")[0], names)
     effect = names["cubic_spring"]
     assert isinstance(effect, Effect)
-    (start,) = effect.starts(EXAMPLE)
-    low, high = effect.bounds(EXAMPLE)["stiffness"]
+    (start,) = effect.starts(EXAMPLE_AXIS)
+    low, high = effect.bounds(EXAMPLE_AXIS)["stiffness"]
     assert low < start["stiffness"] < high
-    assert effect.size(start, EXAMPLE) > effect.floor(EXAMPLE)
+    assert effect.size(start, EXAMPLE_AXIS) > effect.floor(EXAMPLE_AXIS)
     time, position = np.arange(4.0), np.array([0.0, 1.0, 2.0, -3.0])
     still = np.zeros(4)
     states = States(time, position, velocity=still, command=still, current=still, rest=0.1)

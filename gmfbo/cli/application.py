@@ -14,7 +14,7 @@ import typer
 from typer.exceptions import TyperException
 
 from gmfbo.cli import demo
-from gmfbo.cli.diagnosis import check, compensate, diagnose, experiment
+from gmfbo.cli.diagnosis import check, compensate, diagnose, effects, experiment
 from gmfbo.cli.manual import EXITS, Manual, ManualCommand, ManualGroup, definitions
 from gmfbo.cli.tuning import ask, compare, export, methods, repair, report, tell, tune, watch
 from gmfbo.cli.twins import build, columns, import_, init, inspect, simulate
@@ -71,6 +71,7 @@ _COMMANDS: dict[str, tuple[Callable[..., None], Manual]] = {
     "columns": (columns.columns, columns.MANUAL),
     "diagnose": (diagnose.diagnose, diagnose.MANUAL),
     "experiment": (experiment.experiment, experiment.MANUAL),
+    "effects": (effects.effects, effects.MANUAL),
     "compensate": (compensate.compensate, compensate.MANUAL),
     "compare": (compare.compare, compare.MANUAL),
     "methods": (methods.methods, methods.MANUAL),

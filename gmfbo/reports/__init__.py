@@ -1,5 +1,5 @@
-"""Pages and figures of studies and comparisons.
+"""Pages and figures of studies, comparisons and simulations.
 
-`study.page` and `comparison.page` write pages that need no network; `figures.study_figures` and
-`figures.comparison_figures` draw the same for a notebook or a paper.
+`study.page`, `comparison.page` and `simulation.page` write pages that need no network;
+`figures.study_figures` and `figures.comparison_figures` draw the same for a notebook or a paper.
 """

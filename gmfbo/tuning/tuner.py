@@ -307,6 +307,7 @@ class Tuner:
             best=self.history.best,
             recommendation=recommendation,
             is1_runs=self.history.made,
+            is2_runs=len(self.history.of("IS2")),
             queries=self.history.queries,
             cost=self.history.cost,
             drifts=tuple(self.history.drifts),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -134,7 +133,7 @@ def test_a_finished_study_is_not_begun_again_by_mistake(
     assert run("tune", study_file) == 0
     capsys.readouterr()
     assert run("tune", study_file) == 2
-    assert "resume the study" in complaint(capsys)
+    assert "go on with them by --resume, or give another" in complaint(capsys)
 
 
 @pytest.mark.parametrize(
@@ -143,7 +142,7 @@ def test_a_finished_study_is_not_begun_again_by_mistake(
         (("inspect", "missing.fmu"), "no FMU at"),
         (("inspect", "pyproject.toml"), "zip"),
         (("simulate", "missing.toml", "--out", "x.csv"), "no twin file"),
-        (("simulate", "models/linear_axis.toml", "--out", "x.txt"), ".csv or .h5"),
+        (("simulate", "models/linear_axis.toml", "--out", "x.txt"), ".csv, .h5 or .html"),
         (("simulate", "models/linear_axis.toml", "--set", "kp", "--out", "x.csv"), "NAME=VALUE"),
         (("simulate", "models/linear_axis.toml", "--set", "Kp=1", "--out", "x.csv"), "mean 'kp'"),
         (("simulate", "models/linear_axis.toml", "--out", "no/folder/x.csv"), "folder"),
@@ -220,23 +219,26 @@ def test_an_interrupted_study_keeps_its_runs_and_resumes(study_file: Path) -> No
     study_file.write_text(study_file.read_text().replace("iterations = 3", "iterations = 400"))
     program = [sys.executable, "-m", "gmfbo", "tune", str(study_file)]
     trials = study_file.with_name("small.study") / "trials"
-    with subprocess.Popen(program, stderr=subprocess.PIPE, text=True) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(program, text=True, stdout=pipe, stderr=pipe) as process:
         try:
             deadline = time.monotonic() + 60.0
             while len(list(trials.glob("*.h5"))) < 8 and time.monotonic() < deadline:
                 time.sleep(0.05)
             process.send_signal(signal.SIGINT)
-            _, said = process.communicate(timeout=60)
+            shown, said = process.communicate(timeout=60)
         finally:
             process.kill()
     assert process.returncode == 130
     assert said.strip() == "gmfbo: interrupted; all finished work is kept"
+    assert f"'gmfbo tune {study_file} --resume' goes on with it" in shown
     kept = len(list(trials.glob("*.h5")))
     study_file.write_text(
         study_file.read_text().replace("iterations = 400", f"iterations = {kept}")
     )
-    resumed = subprocess.run([*program, "--resume"], check=False, env={**os.environ})
+    resumed = subprocess.run([*program, "--resume"], check=False, capture_output=True, text=True)
     assert resumed.returncode == 0
+    assert "--resume" not in resumed.stdout, "a study that has ended is not gone on with"
     assert len(list(trials.glob("*.h5"))) >= kept
 
 

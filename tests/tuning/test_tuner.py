@@ -322,7 +322,7 @@ def test_a_study_that_was_begun_is_not_begun_again_without_resume(tmp_path: Path
     study = write_study(tmp_path)
     with tuner_of(study) as tuner:
         tuner.run()
-    with pytest.raises(StoreError, match="holds 16 trials already; resume the study"):
+    with pytest.raises(StoreError, match="holds 16 trials already; go on with them by --resume"):
         Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis(), resume=False)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,15 +11,22 @@ from gmfbo.cli.manual import Manual
 from gmfbo.errors import InputError
 from gmfbo.plain_words import wrapped
 
+if TYPE_CHECKING:
+    from gmfbo.diagnosis.compensation.table import Compensation
+
 INDENT = 15
 
 MANUAL = Manual(
-    files={"FILE": "table over the state (.csv), or functions without dependencies (.c)"},
+    files={
+        "FILE": "table over the state (.csv), functions without dependencies (.c), or function "
+        "blocks of IEC 61131-3 (.st)"
+    },
     examples={
         "As C, for the drive's own language:": "gmfbo compensate found --out friction.c",
         "As a table, smoothed within 0.05 rad/s:": (
             "gmfbo compensate found --out friction.csv --smoothing 0.05"
         ),
+        "As a function block for a PLC:": "gmfbo compensate found --out friction.st",
     },
     exits={2: "bad input, or nothing that was found can be cancelled"},
     see_also=("gmfbo diagnose", "gmfbo experiment", "notebooks/docs/after_a_diagnosis.md"),
@@ -31,7 +38,11 @@ def compensate(
         Path, typer.Argument(metavar="DIR", help="Folder that 'gmfbo diagnose' wrote.")
     ],
     out: Annotated[
-        Path, typer.Option(metavar="FILE", help="To write: .csv for a table, .c for C functions.")
+        Path,
+        typer.Option(
+            metavar="FILE",
+            help="To write: .csv for a table, .c for C functions, .st for Structured Text.",
+        ),
     ],
     smoothing: Annotated[
         float | None,
@@ -48,27 +59,40 @@ def compensate(
     shaft, command [its unit], or position reference [rad or m]. It says what it leaves out, and
     why: no feed-forward cancels a delay, a limit or a fault of the sensor.
     """
-    if out.suffix.lower() not in (".csv", ".c"):
-        raise InputError(f"--out: expected a file ending in .csv or .c, got '{out}'")
+    ending = out.suffix.lower()
+    if ending not in (".csv", ".c", ".st"):
+        raise InputError(f"--out: expected a file ending in .csv, .c or .st, got '{out}'")
 
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.diagnosis.compensation.compensation import compensation_of
+    from gmfbo.diagnosis.compensation.structured_text import structured_text
     from gmfbo.diagnosis.compensation.text import c_text, csv_text, formula, target_words
     from gmfbo.diagnosis.result.diagnosis_json import read_diagnosis
     from gmfbo.files.durable import cause, write_whole
-    from gmfbo.plain_words import number, words
-    from gmfbo.units import unit_words
+    from gmfbo.plain_words import words
 
     # What version 0.1 found can be cancelled as well.
     found = read_diagnosis(Diagnosis, folder, also=(1,))
     made = compensation_of(found, str(folder), smoothing)
-    text = csv_text(made) if out.suffix.lower() == ".csv" else c_text(made)
+    write = {".csv": csv_text, ".c": c_text, ".st": structured_text}[ending]
     try:
-        write_whole(out, text.encode("utf-8"))
+        write_whole(out, write(made).encode("utf-8"))
     except OSError as error:
         raise InputError(f"--out: cannot write '{out}': {cause(error)}") from None
     for target in made.targets:
         _say("add to", f"{target_words(made, target)}: {formula(made, target)}")
+    _say_tables(made)
+    for remark in made.remarks:
+        _say("note", remark)
+    for entry in made.not_compensated:
+        _say("not in it", f"{words(entry.effect)}: {entry.advice}")
+    _say("written", str(out))
+
+
+def _say_tables(made: Compensation) -> None:
+    from gmfbo.plain_words import number, words
+    from gmfbo.units import unit_words
+
     for table in made.tables:
         ends = f"{number(float(table.y.min()))} to {number(float(table.y.max()))}"
         covered = f"{number(float(table.x[0]))} to {number(float(table.x[-1]))}"
@@ -80,11 +104,6 @@ def compensate(
         )
         if table.remark:
             _say("", table.remark)
-    for remark in made.remarks:
-        _say("note", remark)
-    for entry in made.not_compensated:
-        _say("not in it", f"{words(entry.effect)}: {entry.advice}")
-    _say("written", str(out))
 
 
 def _say(head: str, text: str) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from gmfbo.cli.arguments import Jobs, Recordings, Seed, TwinFile
+from gmfbo.cli.browser import show_page
 from gmfbo.cli.completion import effects
 from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
@@ -29,6 +30,7 @@ MANUAL = Manual(
     },
     examples={
         "What four recordings say:": "gmfbo diagnose axis.toml run*.csv --out found",
+        "And its page at the end:": "gmfbo diagnose axis.toml run*.csv --out found --open",
         "With two of them outside every choice:": (
             "gmfbo diagnose axis.toml 1.csv 2.csv --validate 3.csv 4.csv --out found"
         ),
@@ -83,6 +85,9 @@ def diagnose(
     ] = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    open_: Annotated[
+        bool, typer.Option("--open", help="Open DIR/report.html in the browser at the end.")
+    ] = False,
 ) -> None:
     """Name the physics that the twin lacks, and model it.
 
@@ -103,6 +108,8 @@ def diagnose(
         seed=seed,
         jobs=jobs,
     )
+    if open_:
+        show_page(out / "report.html")
 
 
 def diagnose_and_show(

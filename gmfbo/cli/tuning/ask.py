@@ -76,9 +76,8 @@ def ask(
     from gmfbo.tuning.told.next_run import remove_next_run, write_next_run
 
     asked = Study.read(study)
-    display = StudyDisplay(console, asked.file.budget.is1_runs)
     with Tuner(asked) as tuner:
-        with display:
+        with StudyDisplay(console, asked.file.budget.is1_runs, tuner.history.first_runs) as display:
             tuner.watch(None if json else display.show)
             requests = _asked(tuner, parse_settings(fix or [], option="--fix"), parallel)
         if not requests:

@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING, Self
 from rich.progress import BarColumn, Progress, TextColumn
 
 from gmfbo.cli.console import gains_text
+from gmfbo.plain_words import duration
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from gmfbo.tuning.query import progress
+
+BAR = 24
+MARK = len("...")
 
 
 class StudyDisplay:
@@ -23,45 +27,50 @@ class StudyDisplay:
         Where to draw; nothing is drawn unless it is a terminal.
     most_real_runs : int or None
         Real runs at which the study ends; None where its queries are counted.
+    first_runs : int
+        Runs of twin and axis before the first query.
     """
 
-    def __init__(self, console: Console, most_real_runs: int | None) -> None:
+    def __init__(self, console: Console, most_real_runs: int | None, first_runs: int) -> None:
         self._console, self._most_real_runs = console, most_real_runs
+        self._first_runs = first_runs
         self._bar = Progress(
             TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
+            BarColumn(bar_width=BAR),
             TextColumn("{task.fields[count]}"),
-            TextColumn("{task.fields[state]}"),
+            TextColumn("{task.fields[state]}", markup=False),  # gains may hold brackets
             console=console,
             disable=not console.is_terminal,
             transient=True,
         )
-        self._task = self._bar.add_task("initial data", total=None, count="", state="")
+        self._task = self._bar.add_task("initial data", total=first_runs, count="", state="")
 
     def show(self, step: progress.Progress) -> None:
         """Show one finished run."""
         if not self._console.is_terminal:
             return
-        if step.phase == "initial":
-            self._bar.update(self._task, count=f"run {step.trial}", state=_state(step))
-        else:
-            what, done, most = self._done(step)
-            count = f"{done} of {most}"
-            self._bar.update(
-                self._task,
-                description=what,
-                completed=done,
-                total=most,
-                count=count,
-                state=_state(step),
-            )
+        what, done, most = self._done(step)
+        count = f"{done} of {most}"
+        # A text that is too long would shrink the bar, or break the line.
+        room = max(self._console.width - len(f"{what} {count} ") - BAR - 2, MARK)
+        state = _state(step)
+        self._bar.update(
+            self._task,
+            description=what,
+            completed=done,
+            total=most,
+            count=count,
+            state=state if len(state) <= room else f"{state[: room - MARK]}...",
+        )
         if told := real_run_text(step):
             self._bar.console.print(told)
         if step.note:
             self._bar.console.print(f"note: {step.note}")
 
     def _done(self, step: progress.Progress) -> tuple[str, int, int]:
-        """Counted unit, number done, and number at which the study ends."""
+        """Counted unit, number done, and number at which this part of the study ends."""
+        if step.phase == "initial":
+            return "initial data", min(step.trial, self._first_runs), self._first_runs
         if self._most_real_runs is not None:
             return "real runs", step.is1_runs, self._most_real_runs
         return "queries", step.iteration, step.iterations
@@ -85,12 +94,13 @@ def real_run_text(step: progress.Progress) -> str:
 
 
 def _state(step: progress.Progress) -> str:
-    parts = [f"{step.source} {gains_text(step.gains)}"]
+    parts = []
+    if step.seconds_left is not None:
+        parts.append(f"{duration(step.seconds_left)} left")
     if step.best_objective is not None:
         parts.append(f"best {step.best_objective:.4f}")
     if step.mismatch is not None:
         parts.append(f"mismatch {step.mismatch:.2f}")
     parts.append(f"cost {step.cost:.1f}")
-    if step.seconds_left is not None:
-        parts.append(f"{step.seconds_left:.0f} s left")
+    parts.append(f"{step.source} {gains_text(step.gains)}")
     return " | ".join(parts)

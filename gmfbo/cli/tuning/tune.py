@@ -64,7 +64,13 @@ def tune(
     """
     from gmfbo.tuning.study.study import Study
 
-    run_study(Study.read(study), resume=resume)
+    opened = Study.read(study)
+    try:
+        run_study(opened, resume=resume)
+    except KeyboardInterrupt:
+        if opened.trials:
+            console.print(f"'gmfbo tune {study} --resume' goes on with it", markup=False)
+        raise
 
 
 def run_study(study: Study, *, resume: bool) -> TuningResult:
@@ -86,15 +92,17 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
     from gmfbo.cli.tuning.study_display import StudyDisplay
     from gmfbo.interrupt import remembered_interrupt
 
-    display = StudyDisplay(console, study.file.budget.is1_runs)
-    with Tuner(study, resume=resume) as tuner, display, remembered_interrupt() as pressed:
+    with Tuner(study, resume=resume) as tuner, remembered_interrupt() as pressed:
+        budget = study.file.budget
+        display = StudyDisplay(console, budget.is1_runs, tuner.history.first_runs)
 
         def show(step: Progress) -> None:
             if pressed.is_set():
                 raise KeyboardInterrupt
             display.show(step)
 
-        result = tuner.run(show)
+        with display:
+            result = tuner.run(show)
     print_result(study, result)
     return result
 
@@ -103,6 +111,7 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     """Print the best gains of a study."""
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
+        f"{result.is2_runs} of the twin (initial ones included), "
         f"{result.queries} queries after the initial data, "
         f"cost {result.cost:.1f} (a twin run counts 0.1)"
     )

@@ -55,7 +55,7 @@ def _print_end(follower: StudyFollower) -> None:
     review = follower.review
     if follower.state == "interrupted":
         console.print(
-            f"interrupted after {len(review.runs)} runs; 'gmfbo tune --resume' goes on",
+            f"interrupted after {len(review.runs)} runs; 'gmfbo tune STUDY.toml --resume' goes on",
             markup=False,
         )
     advised, taken = review.recommendation, review.logged("earlier")
@@ -66,6 +66,7 @@ def _print_end(follower: StudyFollower) -> None:
         if advised
         else None,
         is1_runs=len(review.real) - earlier,
+        is2_runs=sum(run.trial.source == "IS2" for run in review.runs),
         queries=review.runs[-1].query if review.runs else 0,
         cost=review.runs[-1].cost if review.runs else 0.0,
         drifts=review.drifts,

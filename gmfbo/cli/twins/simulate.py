@@ -10,20 +10,29 @@ import typer
 from gmfbo.cli.arguments import TwinFile
 from gmfbo.cli.console import parse_words
 from gmfbo.cli.manual import Manual
-from gmfbo.errors import InputError, SimulationError
+from gmfbo.errors import GmfboError, InputError, SimulationError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from gmfbo.recordings import Recording, Trajectory
     from gmfbo.sources.twin.twin import FmuTwin
 
+_PAGES = (".html", ".htm")
 
 MANUAL = Manual(
-    files={"FILE": "time [s] and the twin's signals in SI; parameters in force above the header"},
+    files={
+        "FILE": "time [s] and the twin's signals in SI, parameters in force above the header; or "
+        "a page with recorded, simulated and what is left, for each signal"
+    },
     examples={
         "The response to a unit step with another gain:": (
             "gmfbo simulate axis.toml --set ctl.Kp=120 --out step.csv"
         ),
         "Against a recording:": "gmfbo simulate axis.toml --reference run1.csv --out sim.csv",
+        "As a picture; of an augmented twin beside the twin that it came from:": (
+            "gmfbo simulate found/augmented.toml --reference run1.csv --out run1.html"
+        ),
     },
     exits={3: "the FMU failed; the rows before that are in FILE"},
     see_also=("gmfbo inspect", "gmfbo diagnose", "notebooks/docs/fmus.md"),
@@ -32,7 +41,10 @@ MANUAL = Manual(
 
 def simulate(
     twin: TwinFile,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Trajectory to write, .csv or .h5.")],
+    out: Annotated[
+        Path,
+        typer.Option(metavar="FILE", help="To write: trajectory (.csv, .h5) or picture (.html)."),
+    ],
     set_: Annotated[
         list[str] | None,
         typer.Option(
@@ -60,21 +72,102 @@ def simulate(
     from gmfbo.sources.recorded.wrapped_angle import unwrapped
     from gmfbo.sources.twin.twin import FmuTwin
 
-    if out.suffix.lower() not in (".csv", ".h5"):
-        raise InputError(f"--out: expected a file ending in .csv or .h5, got '{out}'")
+    _check_ending(out, reference)
     with FmuTwin(twin) as source:
         recorded = Recording.read(reference, source) if reference else _unit_step(source)
         followed, notes = unwrapped(recorded, source) if reference else (recorded, ())
         given = parse_words(set_ or [], source.binding.variables)
         trajectory = source.run({}, followed, parameters=given)
-        write_recording(trajectory, out)
+        remarks: tuple[str, ...] = ()
+        if reference:
+            remarks = (*_doubts(source, followed, trajectory), *recorded.notes, *notes)
+        if out.suffix.lower() in _PAGES and reference:
+            remarks += _write_page(source, reference, followed, trajectory, given, remarks, out)
+        else:
+            write_recording(trajectory, out)
         typer.echo(f"{source.name}: {len(trajectory)} rows, {trajectory.duration:g} s -> {out}")
         if trajectory.status != "ok":
             raise SimulationError(f"{trajectory.message}; the rows before it are in {out}")
         if reference:
-            for line in (*_doubts(source, followed, trajectory), *recorded.notes, *notes):
+            for line in remarks:
                 typer.echo(f"! {line}")
             _print_fit(source, trajectory, followed)
+
+
+def _check_ending(out: Path, reference: Path | None) -> None:
+    ending = out.suffix.lower()
+    if ending not in (".csv", ".h5", *_PAGES):
+        raise InputError(f"--out: expected a file ending in .csv, .h5 or .html, got '{out}'")
+    if ending in _PAGES and reference is None:
+        raise InputError(
+            f"--out {out}: a picture needs a recording beside the twin, got none; give "
+            "--reference REC, or write .csv"
+        )
+
+
+def _write_page(
+    source: FmuTwin,
+    reference: Path,
+    followed: Recording,
+    run: Trajectory,
+    given: Mapping[str, float | str],
+    remarks: tuple[str, ...],
+    out: Path,
+) -> tuple[str, ...]:
+    """Write the picture; further remarks, where the twin's origin is not drawn."""
+    from gmfbo.files.durable import cause, write_whole
+    from gmfbo.reports.simulation.page import Simulated, simulation_page
+
+    compared = tuple(name for name in source.file.outputs if name in followed.signals)
+    if not compared:
+        raise InputError(
+            f"--out {out}: {reference} holds none of the twin's outputs "
+            f"({', '.join(source.file.outputs)}), so there is nothing to draw; name its columns "
+            "('gmfbo columns'), or write .csv"
+        )
+    name, nominal, more = _origin_run(source, reference, given)
+    simulated = Simulated(
+        twin=source.name,
+        recorded=followed,
+        run=run,
+        compared=compared,
+        warmup=source.file.warmup or 0.0,
+        nominal=nominal,
+        nominal_name=name,
+        remarks=(*remarks, *more),
+        settings=given,
+    )
+    try:
+        write_whole(out, simulation_page(simulated).encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"--out: cannot write '{out}': {cause(error)}") from None
+    return more
+
+
+def _origin_run(
+    source: FmuTwin, reference: Path, given: Mapping[str, float | str]
+) -> tuple[str, Trajectory | None, tuple[str, ...]]:
+    """Name and run of the twin from which this one was made, or why it is not drawn."""
+    from gmfbo.recordings import Recording
+    from gmfbo.sources.recorded.wrapped_angle import unwrapped
+    from gmfbo.sources.twin.twin import FmuTwin
+
+    if source.file.origin is None:
+        return "", None, ()
+    path = source.path.parent / source.file.origin
+    if not path.is_file():
+        return "", None, (f"origin = '{source.file.origin}' is not there; the twin is drawn alone",)
+    try:
+        with FmuTwin(path) as twin:
+            followed, _ = unwrapped(Recording.read(reference, twin), twin)
+            shared = {name: v for name, v in given.items() if name in twin.binding.variables}
+            run = twin.run({}, followed, parameters=shared)
+            missing = [s for s in source.file.outputs if s not in twin.file.outputs]
+            if missing:
+                raise InputError(f"it has no output '{missing[0]}'")
+            return twin.name, run, ()
+    except GmfboError as error:
+        return "", None, (f"its origin {path.name} is not drawn: {error}",)
 
 
 def _unit_step(source: FmuTwin) -> Recording:

@@ -21,7 +21,7 @@ from gmfbo.diagnosis.checking.seen_alignment import LEAST_GAIN, ControllerView, 
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
-from gmfbo.plain_words import number, percent, quantity
+from gmfbo.plain_words import duration, number, percent, quantity
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.missing_signals import missing_signals
 
@@ -339,7 +339,7 @@ def _of_culprit(name: str, culprit: Culprit, unit: str, against: str) -> Finding
             "shifted_column",
             name,
             signal,
-            f"is {number(1e3 * abs(size))} ms {side} against {against}",
+            f"is {duration(abs(size))} {side} against {against}",
             f"correct its time, or give {signal} a shift_range in the twin file",
         )
     if culprit.kind == "scale":

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
-from gmfbo.plain_words import number, percent, quantity, words, wrapped
+from gmfbo.plain_words import duration, number, percent, quantity, words, wrapped
 from gmfbo.units import unit_words
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def _range(ends: tuple[float, float]) -> str:
 
 
 def _rows(facts: RecordingFacts) -> str:
-    step = f"{number(1e3 * facts.clock.step)} ms"
+    step = duration(facts.clock.step)
     return step if facts.clock.jitter < 1e-3 else f"{step} +-{percent(facts.clock.jitter)}"
 
 

@@ -12,9 +12,9 @@ from gmfbo.version import __version__
 
 _WORDS = {"torque": "torque", "command": "actuator command", "reference": "position reference"}
 _SIGN = "value to ADD so that the physics that the twin leaves out is cancelled"
-_WIDTH = 96
+WIDTH = 96
 
-_STATES = {
+STATE_WORDS = {
     "velocity": "of the reference: a feed-forward",
     "position": "of the reference, or measured",
     "acceleration": "of the reference",
@@ -67,7 +67,7 @@ def _story(compensation: Compensation) -> list[str]:
         added = target_words(compensation, target)
         lines.append(f"add to {added} = {formula(compensation, target)}")
     for state in dict.fromkeys(s for table in compensation.tables for s in table.states):
-        lines.append(f"{state} [{units[state]}] = {_STATES[state]}")
+        lines.append(f"{state} [{units[state]}] = {STATE_WORDS[state]}")
     for table in compensation.tables:
         if table.factor == "direction":
             lines.append(f"direction = min(max(velocity / {table.rest!r}, -1), 1)")
@@ -81,6 +81,21 @@ def _story(compensation: Compensation) -> list[str]:
     for entry in compensation.not_compensated:
         lines.append(f"not compensated = {words(entry.effect)}: {entry.advice}")
     return [" ".join(line.split()) for line in dict.fromkeys(lines)]
+
+
+def wrapped_story(compensation: Compensation) -> list[str]:
+    """Lines of the header, wrapped for a comment in code.
+
+    Parameters
+    ----------
+    compensation : Compensation
+        Of a diagnosis.
+    """
+    return [
+        piece
+        for line in _story(compensation)
+        for piece in textwrap.wrap(line, WIDTH, subsequent_indent="    ")
+    ]
 
 
 def csv_text(compensation: Compensation) -> str:
@@ -103,12 +118,8 @@ def _is_rate(table: CompensationTable) -> bool:
 
 def c_text(compensation: Compensation) -> str:
     """C99 without any header: one function for each target."""
-    story = [
-        piece
-        for line in _story(compensation)
-        for piece in textwrap.wrap(line.replace("*/", "* /"), _WIDTH, subsequent_indent="    ")
-    ]
-    top = "/* " + "\n * ".join(story) + " */\n"
+    lines = [line.replace("*/", "* /") for line in wrapped_story(compensation)]
+    top = "/* " + "\n * ".join(lines) + " */\n"
     return "\n".join([top, *(_function(compensation, t) for t in compensation.targets)])
 
 
@@ -117,7 +128,7 @@ def _function(compensation: Compensation, target: str) -> str:
     states = list(dict.fromkeys(state for table in tables for state in table.states))
     units = compensation.units
     doc = [f"Returns what to ADD to the {target_words(compensation, target)}.", "", "Parameters:"]
-    doc += [f"  {state} [{units[state]}] {_STATES[state]}" for state in states]
+    doc += [f"  {state} [{units[state]}] {STATE_WORDS[state]}" for state in states]
     arguments = ", ".join(f"double {state}" for state in states)
     blocks = "".join(_block(table) for table in tables)
     return (
@@ -160,7 +171,7 @@ def _block(table: CompensationTable) -> str:
 def _array(name: str, values: list[float]) -> str:
     numbers = textwrap.fill(
         ", ".join(repr(v) for v in values),
-        _WIDTH,
+        WIDTH,
         initial_indent=" " * 12,
         subsequent_indent=" " * 12,
     )

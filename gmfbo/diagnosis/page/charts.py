@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gmfbo.pages.html_page import embedded_json
-from gmfbo.pages.marked_number import unit_text
-from gmfbo.pages.svg_chart import (
-    MOST_BUCKETS,
-    Band,
-    Line,
-    legend,
-    line_chart,
-)
-from gmfbo.pages.thinning import few_digits, thinned_rows
+from gmfbo.pages.signal_panel import SignalPanel, axis_words, panel_figures, panels_json
+from gmfbo.pages.svg_chart import Band, Line, legend, line_chart
 from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
@@ -44,9 +33,6 @@ WORDS: Mapping[str, str] = {
     "noise_floor": "noise floor",
 }
 """Name of each model on the page."""
-
-_MOST_POINTS = 48_000  # of all drawn lines: about half a megabyte
-_MOST_NUMBERS = 110_000  # of all curves for the script: about another half megabyte
 
 
 def recordings_to_show(diagnosis: Findings) -> list[str]:
@@ -90,9 +76,7 @@ def before_and_after_panels(diagnosis: Findings) -> list[str]:
     list of str
         A `<figure>` for each, the most telling first.
     """
-    curves = _ordered_curves(diagnosis)
-    buckets = max(30, min(MOST_BUCKETS, _MOST_POINTS // (10 * max(1, len(curves)))))
-    return [_panel(diagnosis, place, curve, buckets) for place, curve in enumerate(curves)]
+    return panel_figures(_panels(diagnosis))
 
 
 def curves_json(diagnosis: Findings) -> str:
@@ -103,10 +87,11 @@ def curves_json(diagnosis: Findings) -> str:
     str
         A `<script>` element with as many rows as a page of moderate size holds.
     """
-    curves = _ordered_curves(diagnosis)
-    rows = _MOST_NUMBERS // (5 * max(1, len(curves)))
-    told = [_content(curve, rows) for curve in curves]
-    return embedded_json("curves", json.dumps(told, separators=(",", ":"), allow_nan=False))
+    return panels_json(_panels(diagnosis))
+
+
+def _panels(diagnosis: Findings) -> list[SignalPanel]:
+    return [_panel(diagnosis, curve) for curve in _ordered_curves(diagnosis)]
 
 
 def shape_chart(shape: Shape) -> str:
@@ -129,16 +114,12 @@ def shape_chart(shape: Shape) -> str:
     chart = line_chart(
         lines,
         title=f"missing {words(shape.port)} against {words(shape.against)}",
-        x_label=_axis_words(words(shape.against), shape.unit_x),
-        y_label=_axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
+        x_label=axis_words(words(shape.against), shape.unit_x),
+        y_label=axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
         style="shape",
         band=Band(x[known], low[known], high[known]) if known.any() else None,
     )
     return f"<figure>{legend(lines)}{chart}</figure>"
-
-
-def _axis_words(what: str, unit: str) -> str:
-    return f"{what} [{unit_text(unit)}]" if unit_text(unit) else what
 
 
 def part_words(diagnosis: Findings, recording: str) -> str:
@@ -156,63 +137,23 @@ def _models(curve: Curve) -> tuple[list[str], list[str]]:
     return [n for n in signal if n in known], [n for n in errors if n in known]
 
 
-def _panel(diagnosis: Findings, place: int, curve: Curve, buckets: int) -> str:
-    windows = [
-        (window.start, window.end)
-        for window in diagnosis.location.times
-        if window.recording == curve.recording
-    ]
-    name, part = words(curve.signal), part_words(diagnosis, curve.recording)
+def _panel(diagnosis: Findings, curve: Curve) -> SignalPanel:
     signal, errors = _models(curve)
-    lines = [_line(curve, model) for model in signal]
-    left = [_line(curve, model, error=True) for model in errors]
-    drawn = line_chart(
-        lines,
-        title=f"{name} in {curve.recording}",
-        x_label="" if left else "time [s]",
-        y_label=_axis_words(name, curve.unit),
-        windows=windows,
-        buckets=buckets,
+    return SignalPanel(
+        signal=words(curve.signal),
+        recording=curve.recording,
+        part=part_words(diagnosis, curve.recording),
+        unit=curve.unit,
+        time=curve.time,
+        values={name: getattr(curve, name) for name in {*signal, *errors}},
+        drawn=tuple(signal),
+        errors=tuple(errors),
+        styles=STYLES,
+        words=WORDS,
+        windows=tuple(
+            (window.start, window.end)
+            for window in diagnosis.location.times
+            if window.recording == curve.recording
+        ),
+        windows_mean="shaded: where the mismatch shows most",
     )
-    if left:
-        drawn += line_chart(
-            left,
-            title=f"{name} error in {curve.recording}",
-            x_label="time [s]",
-            y_label=_axis_words("what is left: recorded less simulated", curve.unit),
-            style="low",
-            windows=windows,
-            buckets=buckets,
-        )
-    shaded = '<span class="soft">; shaded: where the mismatch shows most</span>' if windows else ""
-    caption = f"<b>{escape(name)}</b> in {escape(curve.recording)}, {part}{shaded}"
-    return (
-        f'<figure class="panel" data-curve="{place}" data-signal="{escape(name)}" '
-        f'data-recording="{escape(curve.recording)}" data-part="{part}">'
-        f"<figcaption>{caption}</figcaption>{legend(lines)}{drawn}</figure>"
-    )
-
-
-def _line(curve: Curve, model: str, *, error: bool = False) -> Line:
-    values: NDArray[np.float64] = getattr(curve, model)
-    y = curve.recorded - values if error else values
-    return Line(WORDS[model], STYLES[model], curve.time, y)
-
-
-def _content(curve: Curve, most: int) -> dict[str, object]:
-    signal, errors = _models(curve)
-    shown = list(dict.fromkeys([*signal, *errors]))
-    judged = [curve.recorded, *(curve.recorded - getattr(curve, name) for name in errors)]
-    if curve.time.size > most:
-        rows = thinned_rows(judged, max(10, most // (2 * len(judged))))
-    else:
-        rows = np.arange(curve.time.size)
-    return {
-        "unit": unit_text(curve.unit),
-        "signals": signal,
-        "errors": errors,
-        "styles": {name: STYLES[name] for name in shown},
-        "words": {name: WORDS[name] for name in shown},
-        "time": few_digits(curve.time[rows], 8),
-        "values": {name: few_digits(getattr(curve, name)[rows], 5) for name in shown},
-    }

@@ -63,7 +63,7 @@ def diagnosis_page(diagnosis: Findings) -> str:
         f"Diagnosis: {verdict_words(diagnosis)}",
         "\n".join(filter(None, parts)),
         styles=(page_file("style.css"),),
-        scripts=(page_file("charts.js"), page_file("diagnosis.js", __package__)),
+        scripts=(page_file("charts.js"), page_file("panels.js")),
     )
 
 

@@ -11,6 +11,8 @@ from gmfbo.diagnosis.result.diagnosis_json import diagnosis_text
 from gmfbo.errors import GmfboError, InputError
 from gmfbo.files.durable import cause, write_whole
 from gmfbo.files.private_folder import PrivateFolder
+from gmfbo.sources.export.augmented_file import with_origin
+from gmfbo.sources.twin_file.twin_file import TwinFile
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.findings import Findings
@@ -64,8 +66,11 @@ def _write_twin(diagnosis: Findings, folder: Path) -> tuple[tuple[Path, ...], st
     private = PrivateFolder()
     try:
         exported = diagnosis.augmentation.export(private.path)
-        for source, name in zip((exported.fmu, exported.twin_file), TWIN_FILES, strict=True):
-            write_whole(folder / name, source.read_bytes())
+        text = exported.twin_file.read_text(encoding="utf-8")
+        text = with_origin(text, diagnosis.augmentation.twin_file, folder)
+        contents = (exported.fmu.read_bytes(), text.encode("utf-8"))
+        for content, name in zip(contents, TWIN_FILES, strict=True):
+            write_whole(folder / name, content)
     except GmfboError as error:
         _remove_twin(folder)
         return (), f"no augmented twin was written: {error}"
@@ -92,8 +97,16 @@ def _kept_twin(diagnosis: Findings, folder: Path) -> tuple[Path, ...]:
         return ()
     if origin.parent.resolve() != folder.resolve():
         for name in TWIN_FILES:
-            write_whole(folder / name, origin.with_name(name).read_bytes())
+            write_whole(folder / name, _moved(origin.with_name(name), folder))
     return tuple(folder / name for name in TWIN_FILES)
+
+
+def _moved(file: Path, folder: Path) -> bytes:
+    """Content of one of the twin's files for another folder, with the way to its origin."""
+    content = file.read_bytes()
+    if file.suffix != ".toml" or (named := TwinFile.read(file).origin) is None:
+        return content
+    return with_origin(content.decode("utf-8"), file.parent / named, folder).encode("utf-8")
 
 
 def _remove_twin(folder: Path) -> None:

@@ -48,6 +48,11 @@ class Augmentation:
         """Name of the user's twin, or of its file."""
         return Path(self.twin).name if isinstance(self.twin, (str, Path)) else self.twin.name
 
+    @property
+    def twin_file(self) -> Path:
+        """The user's twin file."""
+        return Path(self.twin) if isinstance(self.twin, (str, Path)) else self.twin.path
+
     def export(self, folder: Path) -> AugmentedFmu:
         """Write `augmented.fmu` and `augmented.toml` into an existing folder.
 

@@ -6,13 +6,13 @@ from collections.abc import Collection
 
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.physics import CATALOGUE, Effect, Excitation
+from gmfbo.physics.needs import needed_states
 from gmfbo.sources.twin_file.twin_file import TwinFile
 
 NOT_EXCITED_BY_REVERSALS = "not excited: no reversal of the velocity"
 """Reason for effects that a motion in one direction hides: they look like another."""
 
 _GAINS = {"actuator_gain_loss", "sensor_scale"}
-_STATES_FOR_FREE = {"velocity", "current"}  # differentiated, or taken from the command
 
 
 def untestable(
@@ -56,15 +56,9 @@ def _why_not(
 ) -> str | None:
     if effect.port not in file.ports:
         return f"the twin has no {effect.port} port"
-    if effect.port == "command" and not {"command", "current"} & set(file.states):
-        return "the twin names no state 'command'"
-    if "position" not in file.states and "velocity" not in file.states:
-        return "the twin names neither a position nor a velocity"
-    if effect.region_state == "position" and "position" not in file.states:
-        return "the twin names no state 'position'"
-    missing = [s for s in effect.requires if s not in file.states and s not in _STATES_FOR_FREE]
-    if missing:
-        return f"the twin names no state '{missing[0]}'"
+    for needed in needed_states(effect):
+        if not set(needed.any_of) & set(file.states):
+            return needed.lacking
     if effect.inertia_share and not has_inertia:
         return "the twin names no inertia in [roles] from which the load's could be taken"
     if (inertia := file.roles.get("inertia")) in file.uncertain and (

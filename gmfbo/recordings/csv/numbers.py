@@ -23,6 +23,8 @@ def with_point(texts: list[str], delimiter: str, dialect: str) -> list[str]:
     dialect : str
         One of `gmfbo.recordings.columns.column_mapping.DIALECTS`.
     """
+    if dialect != "decimal_comma" and "," not in "".join(texts):
+        return texts  # the usual column: nothing in it can be a decimal comma
     if dialect == "decimal_comma" or _surely_comma(texts):
         return [_from_comma(text) for text in texts]
     # A comma beside points may separate thousands: that cell is no number.

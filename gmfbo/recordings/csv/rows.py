@@ -36,13 +36,13 @@ class Rows:
         self.dialect = dialect
         self.separator = separator
         # A spreadsheet writes an empty line as a row of separators.
-        keep = [k for k, row in enumerate(rows) if any(cell.strip() for cell in row)]
+        keep = [k for k, row in enumerate(rows) if any(map(str.strip, row))]
         self.rows = [rows[k] for k in keep]
         self.places = [places[k] for k in keep]
 
     def check_width(self, width: int) -> None:
         for row, place in zip(self.rows, self.places, strict=True):
-            if len(row) < width or any(cell.strip() for cell in row[width:]):
+            if len(row) != width and (len(row) < width or any(map(str.strip, row[width:]))):
                 hint = (
                     "a decimal comma needs ';' between the cells"
                     if self.separator == "," and len(row) > width
@@ -62,7 +62,7 @@ class Rows:
             values = np.array(texts, dtype=np.float64) if texts else np.empty(0)
             # NumPy reads 1_000 as a thousand and 1e999 as infinity.
             sound = infinite or not np.isinf(values).any()
-            if sound and not any("_" in text for text in texts):
+            if sound and "_" not in "".join(texts):
                 return Column(name, values, unit)
         except ValueError:
             pass

@@ -102,8 +102,13 @@ def _read_large(path: Path, label: str, dialect: str) -> RecordedColumns:
 def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
     if not any(line.lstrip("# ").startswith("gmfbo") for line in lines[:1]):
         lines = with_bare_header(lines)
-    head = read_head([line for line in lines if is_comment(line)], label)
-    places = [k for k, line in enumerate(lines, 1) if line.strip() and not is_comment(line)]
+    comments, places = [], []
+    for place, line in enumerate(lines, start=1):
+        if is_comment(line):
+            comments.append(line)
+        elif line.strip():
+            places.append(place)
+    head = read_head(comments, label)
     if not places:
         raise RecordingError(
             f"{label}: expected a header such as 'time [s],position [rad]' and rows, got an empty "

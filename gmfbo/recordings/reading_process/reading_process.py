@@ -21,6 +21,11 @@ from gmfbo.recordings.reading_process.column_stream import read_columns_from
 
 TIME_LIMIT_S = 20.0
 TIME_LIMIT_S_PER_MB = 1.0
+PROCESSOR_LIMIT_S = 8.0
+"""A library that loops in a damaged file is ended after so much computing, and 1 s a MB.
+
+The limit of time is longer, since it also runs while a slow disk loads the library itself.
+"""
 MEMORY_LIMIT_BYTES = 2 * 2**30
 MEMORY_LIMIT_PER_BYTE = 20  # per byte of the file; text and compressed files need less
 
@@ -87,6 +92,7 @@ def _ask(
         "arguments": arguments,
         "memory_bytes": MEMORY_LIMIT_BYTES + MEMORY_LIMIT_PER_BYTE * size,
         "seconds": 2.0 * limit_s,
+        "processor_s": PROCESSOR_LIMIT_S + TIME_LIMIT_S_PER_MB * size / 1e6,
     }
     with _turn:
         answer = _process().ask(order, limit_s, path.name)
@@ -150,7 +156,7 @@ class ReadingProcess:
             why = (
                 f"did not end within {limit_s:.0f} s"
                 if late.is_set()
-                else f"crashed ({self._end_reason()})"
+                else self._end_reason(float(str(order["processor_s"])))
             )
             raise RecordingError(
                 f"{label}: the library that reads such files {why}; the file is damaged or "
@@ -162,9 +168,11 @@ class ReadingProcess:
             if not done or late.is_set():
                 self.close()
 
-    def _end_reason(self) -> str:
+    def _end_reason(self, processor_s: float) -> str:
         status = self._process.wait()
-        return signal_name(status) if status < 0 else f"exit status {status}"
+        if status < 0 and signal_name(status) == "SIGXCPU":
+            return f"did not end within {processor_s:.0f} s of computing"
+        return f"crashed ({signal_name(status) if status < 0 else f'exit status {status}'})"
 
     def close(self) -> None:
         """End the process; a second call does nothing."""

@@ -7,6 +7,7 @@ crash it, hang it or fill the memory; this then ends this process only.
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import pickle
 import signal
@@ -32,6 +33,7 @@ def main() -> None:
         for order in _orders():
             limit_memory(order["memory_bytes"])
             _end_after(order["seconds"])
+            _limit_computing(order["processor_s"])
             _answer(answers, order)
             answers.flush()
             _end_after(0.0)
@@ -70,6 +72,19 @@ def _end_after(seconds: float) -> None:
     """Have the system end this process after a time, in case the parent was killed; 0 is never."""
     if hasattr(signal, "setitimer"):
         signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def _limit_computing(seconds: float) -> None:
+    """Have the system end this process once it has computed so long; Windows has no such limit."""
+    if sys.platform != "win32":
+        import resource
+
+        used = resource.getrusage(resource.RUSAGE_SELF)
+        limit = math.ceil(used.ru_utime + used.ru_stime + seconds)
+        hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+        with contextlib.suppress(ValueError, OSError):
+            soft = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
+            resource.setrlimit(resource.RLIMIT_CPU, (soft, hard))
 
 
 def _write_no_core() -> None:

@@ -118,9 +118,10 @@ class StudyReview:
             file = parse_study(store.study_text, label=f"{path}: study.toml", default_name=name)
             events, trials = store.events(), store.trials()
         if not trials:
+            begin = "gmfbo ask" if file.is1.ask_tell else "gmfbo tune"
             raise StoreError(
                 f"{path}: expected a study with runs, but there is none yet; wait for its first "
-                "runs, or go on with 'gmfbo tune --resume'"
+                f"runs, or begin with '{begin}'"
             )
         return cls.placed(file, path, trials, events)
 

@@ -24,7 +24,7 @@ def content_hash(binding: Binding, parameters: Mapping[str, float | str], step: 
     """
     # Neither a logger's column names nor the list of uncertain parameters changes a run.
     apart = {"name", "fmu", "fmus", "step", "columns", "dialect", "tables", "fixed", "limits"}
-    apart |= {"time_limit"}
+    apart |= {"time_limit", "origin"}
     each: dict[str, Any] = {key: {"__all__": {"wrapped"}} for key in ("inputs", "outputs")}
     # Of [recording] the clock alone reaches the FMUs.
     each["recording"] = True if binding.file.recording.clock == "own" else {"resample"}

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import textwrap
 from collections.abc import Mapping
+from pathlib import Path
 
 from gmfbo.sources.twin_file.twin_file import TwinFile
 
 # A table's nodes in force are local variables, which the container does not show.
-_LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters", "tables"}
+_LEFT_OUT = {"name", "fmu", "fmus", "wires", "step", "parameters", "tables", "origin"}
 
 
 def augmented_twin_file(
@@ -38,15 +40,40 @@ def augmented_twin_file(
     lines = [f"# {line}" for line in textwrap.wrap(note, 97)]
     lines += [f"name = {_value(file.name + ', augmented')}", f"fmu = {_value(fmu)}"]
     lines.append(f"step = {_value(step)}")
-    if (warmup := given.pop("warmup", None)) is not None:
-        lines.append(f"warmup = {_value(warmup)}")
-    if (dialect := given.pop("dialect", None)) is not None:
-        lines.append(f"dialect = {_value(dialect)}")
+    # TOML wants single values above the first table: warm-up, dialect, stop time, time limit.
+    single = {key: value for key, value in given.items() if not isinstance(value, Mapping)}
+    lines += [f"{key} = {_value(value)}" for key, value in single.items() if value is not None]
     for table, entries in given.items():
-        if entries:
+        if entries and table not in single:
             lines += ["", f"[{table}]"]
             lines += [f"{_key(name)} = {_entry(entry)}" for name, entry in entries.items()]
     return "\n".join(lines) + "\n"
+
+
+def with_origin(text: str, origin: Path, folder: Path) -> str:
+    """Name the twin file that was augmented, so that both can be drawn side by side.
+
+    Parameters
+    ----------
+    text : str
+        From `augmented_twin_file`.
+    origin : Path
+        Twin file of the user's twin.
+    folder : Path
+        Folder that the text is written to: a path from there outlives a move of both.
+
+    Returns
+    -------
+    str
+        With one more line, above that of the step.
+    """
+    try:
+        path = Path(os.path.relpath(origin.resolve(), folder.resolve()))
+    except ValueError:  # on another drive of Windows
+        path = origin.resolve()
+    named = f"origin = {_value(path.as_posix())}\n"
+    text = re.sub("^origin = .*\n", "", text, count=1, flags=re.MULTILINE)
+    return re.sub("^step = ", lambda step: named + step[0], text, count=1, flags=re.MULTILINE)
 
 
 def _key(name: str) -> str:

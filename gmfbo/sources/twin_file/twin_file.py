@@ -108,6 +108,8 @@ class TwinFile(Table):
         [s] Stop time that is announced to the FMUs; True for the end of each run and one step.
     time_limit : float or None
         [s] Wall-clock time of one run; None for 10 s and 20 times its simulated time.
+    origin : str or None
+        Path of the twin file from which an augmented twin was made; no run depends on it.
     """
 
     name: Text
@@ -134,6 +136,7 @@ class TwinFile(Table):
     words: dict[str, str] = Field(default_factory=dict)
     stop_time: StrictBool | Number = False
     time_limit: Positive | None = None
+    origin: Text | None = None
 
     @model_validator(mode="before")
     @classmethod

@@ -141,6 +141,12 @@ class History:
         return max(len(self.of("IS1")) - self.earlier, 0)
 
     @property
+    def first_runs(self) -> int:
+        """Number of runs before the first query: initial ones of both sources, and the survey."""
+        budget = self.study.budget
+        return max(budget.initial_is1 - self.earlier, 0) + budget.initial_is2 + self.survey
+
+    @property
     def queries(self) -> int:
         """Number of queries of both sources, without initial, survey, paired and IS3 runs."""
         budget, twin = self.study.budget, len(self.unprompted) - self.survey

@@ -72,6 +72,8 @@ class TuningResult:
         Number of real runs, initial ones included.
     earlier, left_out : int
         Number of real runs of an earlier study that were taken over, and that were not.
+    is2_runs : int
+        Number of runs of the twin, initial ones and those beside real runs included.
     queries : int
         Queries of either source after the initial ones.
     cost : float
@@ -91,3 +93,4 @@ class TuningResult:
     earlier: int = 0
     left_out: int = 0
     twin_versions: tuple[str, ...] = ()
+    is2_runs: int = 0

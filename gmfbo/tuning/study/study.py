@@ -169,8 +169,8 @@ class Study:
     def _check_begun(self, store: StudyStore, resume: bool) -> None:
         if not resume and store.next_number() > 1:
             raise StoreError(
-                f"{self.location}: holds {store.next_number() - 1} trials already; resume the "
-                f"study, or give another 'out'"
+                f"{self.location}: holds {store.next_number() - 1} trials already; go on with "
+                "them by --resume, or give another 'out'"
             )
         label = f"{self.location}/study.toml"
         begun_with = parse_study(store.study_text, label=label, default_name=self.file.name)

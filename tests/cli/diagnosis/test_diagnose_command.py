@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +65,45 @@ def test_the_result_is_printed_on_one_screen_and_written(
     assert said == ""
     assert Diagnosis.from_json(out) == friction()
     assert (out / "report.html").is_file()
+
+
+def test_the_report_is_opened_only_where_that_is_asked_for(
+    search: StandIn,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda page: opened.append(page) or True)
+    assert run("diagnose", TWIN, "a.csv", "--out", tmp_path) == 0
+    assert opened == []
+    assert run("diagnose", TWIN, "a.csv", "--out", tmp_path, "--open") == 0
+    assert opened == [(tmp_path / "report.html").as_uri()]
+    assert capsys.readouterr().err == ""
+    search.failure = SimulationError("the FMU failed")
+    assert run("diagnose", TWIN, "a.csv", "--out", tmp_path, "--open") == 3
+    assert len(opened) == 1, "a diagnosis that failed has no new page to open"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="BROWSER is that of Linux")
+@pytest.mark.parametrize(("program", "shown"), [("/bin/echo", ""), ("/no/browser", "open {page}")])
+def test_a_page_is_handed_to_the_browser_of_this_machine(
+    program: str, shown: str, tmp_path: Path
+) -> None:
+    page = tmp_path / "a page.html"
+    code = f"from pathlib import Path; from gmfbo.cli.browser import show_page; \
+show_page(Path({str(page)!r}))"
+    finished = subprocess.run(
+        [sys.executable, "-c", code],
+        # No other browser is found, so that nothing opens where tests run.
+        env={**os.environ, "BROWSER": f"{program} %s", "PATH": "", "DISPLAY": ""},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert shown.format(page=page) in finished.stderr
+    assert (page.as_uri() in finished.stdout) == (program == "/bin/echo")
 
 
 def test_no_progress_is_drawn_where_output_goes_to_a_file(

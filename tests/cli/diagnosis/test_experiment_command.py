@@ -126,7 +126,7 @@ def test_limits_that_nothing_keeps_are_one_line(
     assert "stands at 0 and the limits of the position are 0.2 to 0.5" in complaint(capsys)
 
 
-@pytest.mark.parametrize("ending", ["csv", "c"])
+@pytest.mark.parametrize("ending", ["csv", "c", "st"])
 def test_a_compensation_is_written_and_told(
     ending: str, found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -139,6 +139,7 @@ def test_a_compensation_is_written_and_told(
     assert "to ADD" in text
     assert "0.1" in text
     assert ("double torque_compensation(double velocity)" in text) == (ending == "c")
+    assert ("FUNCTION_BLOCK torque_compensation" in text) == (ending == "st")
 
 
 def test_where_nothing_can_be_compensated_the_status_is_two(
@@ -154,7 +155,10 @@ def test_where_nothing_can_be_compensated_the_status_is_two(
 
 @pytest.mark.parametrize(
     ("out", "message"),
-    [("x.txt", "expected a file ending in .csv or .c, got"), ("no/x.c", "the folder does not")],
+    [
+        ("x.txt", "expected a file ending in .csv, .c or .st, got"),
+        ("no/x.c", "the folder does not"),
+    ],
 )
 def test_a_compensation_that_cannot_be_written_is_one_line(
     out: str, message: str, found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -57,8 +57,8 @@ def test_runs_are_told_as_they_come_and_the_end_ends_it(tmp_path: Path) -> None:
     assert lines[1].endswith("(unsafe)")
     # 3 real runs, 8 + 3 of the twin and 6 corrected.
     assert lines[2] == (
-        "live: gmfbo_paper, 3 real runs, 1 queries after the initial data, cost 4.7 "
-        "(a twin run counts 0.1)"
+        "live: gmfbo_paper, 3 real runs, 11 of the twin (initial ones included), "
+        "1 queries after the initial data, cost 4.7 (a twin run counts 0.1)"
     )
     assert lines[3].split(None, 2)[2] == "ctl.Kp = 800, ctl.Kd = 50"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import subprocess
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +20,8 @@ from fmu_build.platforms import this_platform
 from gmfbo import FmuTwin, Recording
 from gmfbo.diagnosis.compensation.compensation import compensation_of
 from gmfbo.diagnosis.compensation.laws import ADVICE
-from gmfbo.diagnosis.compensation.table import Compensation
+from gmfbo.diagnosis.compensation.structured_text import structured_text
+from gmfbo.diagnosis.compensation.table import Compensation, CompensationTable
 from gmfbo.diagnosis.compensation.text import c_text, csv_text
 from gmfbo.diagnosis.result.whereabouts import Shape
 from gmfbo.errors import InputError
@@ -27,6 +29,7 @@ from gmfbo.physics import CATALOGUE, States
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.compensation.compensation_cases import VALUES, diagnosis_of
+from tests.diagnosis.compensation.structured_text_reading import NotStructuredText, blocks
 
 Column = NDArray[np.float64]
 SERVO = models_folder() / "servo_axis.toml"
@@ -314,3 +317,88 @@ def test_a_compensation_of_a_weak_name_says_so_and_of_a_sure_one_does_not() -> N
         "coulomb friction has a probability of 0.62 only: see on the axis whether this helps",
     )
     assert compensation_of(sure, "found").remarks == ()
+
+
+# ---- Structured Text ----------------------------------------------------------------------------
+
+
+def all_of_them() -> Compensation:
+    return made(*(n for n in VALUES if n not in BY_COMMAND), *sorted(BY_COMMAND))
+
+
+def points(tables: Sequence[CompensationTable], states: Sequence[str], rows: int) -> Column:
+    """States, shape (rows, states): far and near, at rest, and the nodes themselves."""
+    rng = np.random.default_rng(7)
+    at = rng.uniform(-9.0, 9.0, (rows, len(states)))
+    at[::7] *= 1e3  # many periods, and beyond the ends
+    at[::11] *= 1e-4  # within the smoothed sign
+    at[::101] = 0.0
+    for table in tables:
+        where = rng.choice(rows, min(table.x.size, rows // 10), replace=False)
+        at[where, states.index(table.over)] = rng.choice(table.x, where.size)
+    return at
+
+
+@pytest.mark.parametrize("target", ["torque", "command", "reference"])
+def test_structured_text_computes_what_the_c_function_does(
+    compiled: ctypes.CDLL, target: str
+) -> None:
+    """Read by a grammar of its own; equal to the last bit, whichever way a controller rounds."""
+    found = all_of_them()
+    block = blocks(structured_text(found))[f"{target}_compensation"]
+    rounds, cuts = block.function(round), block.function(int)
+    in_c = getattr(compiled, f"{target}_compensation")
+    in_c.argtypes, in_c.restype = [ctypes.c_double] * len(block.inputs), ctypes.c_double
+    at = points(found.of(target), block.inputs, 10_000)
+    expected = [in_c(*row) for row in at.tolist()]
+    assert [rounds(*row) for row in at.tolist()] == expected
+    assert [cuts(*row) for row in at[:2000].tolist()] == expected[:2000]
+    assert len(set(expected)) > 100, "the points tell one value from another"
+
+
+def test_control_a_changed_sign_or_digit_of_structured_text_is_noticed() -> None:
+    text = structured_text(made("coulomb_friction", "cogging_torque"))
+    right = blocks(text)["torque_compensation"].function()
+    at = {"velocity": 2.0, "position": 0.3}
+    for old, new in ((" + (y_2", " - (y_2"), ("0.2]", "0.2000000001]"), ("whole - 1", "whole - 2")):
+        assert old in text
+        changed = blocks(text.replace(old, new))["torque_compensation"].function(round)
+        values = [changed(**{**at, "position": p}) for p in (0.3, -0.31)]
+        assert values != [right(**{**at, "position": p}) for p in (0.3, -0.31)], new
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("total := 0.0;", "total := 0;", "expected LREAL, got DINT"),
+        ("DINT_TO_LREAL(whole)", "whole", "LREAL beside DINT"),
+        ("END_WHILE;", "END_FOR;", "END_FOR"),
+        ("    whole : DINT;\n", "", "whole cannot be assigned to"),
+        ("LREAL_TO_DINT(turns)", "LREAL_TO_INT(turns)", "no function lreal_to_int"),
+        ("    low, high, middle : DINT;", "    low, at, middle : DINT;", "AT"),
+    ],
+)
+def test_control_text_that_a_strict_compiler_refuses_is_refused(
+    old: str, new: str, said: str
+) -> None:
+    text = structured_text(made("cogging_torque"))
+    assert old in text
+    with pytest.raises(NotStructuredText, match=said):
+        blocks(text.replace(old, new, 1))
+
+
+def test_numbers_of_structured_text_have_a_point_before_their_exponent() -> None:
+    small = diagnosis_of({"constant_torque_offset": {"level": 2.5e-20}})
+    large = diagnosis_of({"constant_torque_offset": {"level": -4e22}})
+    for diagnosis, value in ((small, -2.5e-20), (large, 4e22)):
+        text = structured_text(compensation_of(diagnosis, "found"))
+        assert blocks(text)["torque_compensation"].function()(1.0) == value
+    assert "4.0E+22" in text
+
+
+def test_structured_text_tells_its_story_and_no_text_ends_its_comment() -> None:
+    found = replace(made("coulomb_friction"), diagnosis="a *) b (* c")
+    text = structured_text(found)
+    assert "diagnosis = a * ) b ( * c" in text
+    assert "value to ADD so that the physics that the twin leaves out is cancelled" in text
+    assert [*blocks(text)] == ["torque_compensation"]

@@ -18,6 +18,7 @@ from gmfbo.recordings import step_reference
 from gmfbo.sources.export.export import PhysicsParameter
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin_file.twin_file import TwinFile
 from tests.diagnosis.example_diagnoses import friction, nothing
 
 ALL = ["augmented.fmu", "augmented.toml", "diagnosis.json", "report.html"]
@@ -84,6 +85,23 @@ def test_a_diagnosis_that_was_read_is_saved_elsewhere_with_its_twin(
     written = Diagnosis.from_json(saved).save(tmp_path)
     assert sorted(path.name for path in written) == ALL
     assert (tmp_path / "augmented.fmu").read_bytes() == (saved / "augmented.fmu").read_bytes()
+
+
+def test_an_augmented_twin_names_its_origin_from_wherever_it_is_saved(
+    saved: Path, tmp_path: Path
+) -> None:
+    Diagnosis.from_json(saved).save(tmp_path / "deeper")
+    original = models_folder() / "linear_axis.toml"
+    for folder in (saved, tmp_path / "deeper"):
+        named = TwinFile.read(folder / "augmented.toml").origin
+        assert named is not None
+        assert not Path(named).is_absolute()
+        assert (folder / named).resolve() == original.resolve()
+    with (
+        FmuTwin(saved / "augmented.toml") as one,
+        FmuTwin(tmp_path / "deeper/augmented.toml") as other,
+    ):
+        assert one.content_hash == other.content_hash
 
 
 def test_a_diagnosis_saved_where_it_was_read_keeps_its_twin(saved: Path, tmp_path: Path) -> None:

@@ -26,6 +26,12 @@ def hang(path: Path) -> NoReturn:
     raise AssertionError("was never stopped")
 
 
+def loop(path: Path) -> NoReturn:
+    """Compute for ever, as a library does that follows a list which leads back to its start."""
+    while True:
+        pass
+
+
 def fill(path: Path) -> NoReturn:
     """Take all memory."""
     held = []

@@ -20,7 +20,15 @@ from gmfbo.recordings.columns.columns import RecordedColumns
 from gmfbo.recordings.formats.hdf5_file import read_hdf5
 from gmfbo.recordings.reading_process import reading_process
 from gmfbo.recordings.reading_process.reading_process import Reader, read_apart, try_apart
-from tests.recordings.reading_process.bad_readers import chatter, crash, fill, hang, leave, raise_
+from tests.recordings.reading_process.bad_readers import (
+    chatter,
+    crash,
+    fill,
+    hang,
+    leave,
+    loop,
+    raise_,
+)
 
 
 @pytest.fixture
@@ -78,6 +86,21 @@ def test_a_reader_that_hangs_is_ended_at_the_limit(
     assert time.monotonic() - began < 5.0
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows limits no process's computing")
+def test_a_reader_that_loops_is_ended_by_what_it_computed(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However busy the machine is; what waits and does not compute has the limit of time."""
+    monkeypatch.setattr(reading_process, "PROCESSOR_LIMIT_S", 1.0)
+    for _ in range(2):  # the limit counts anew for each file
+        with pytest.raises(RecordingError, match="did not end within 1 s of computing; the file"):
+            read_apart(file, loop)
+        assert len(Recording.read(file)) == 4
+    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 2.0)
+    with pytest.raises(RecordingError, match="did not end within 2 s; the file"):
+        read_apart(file, hang)  # control
 
 
 def test_what_a_library_prints_does_not_reach_the_answer(file: Path) -> None:

@@ -65,6 +65,15 @@ def test_all_but_fmus_and_parameters_is_kept(text: str) -> None:
     assert copy.name == f"{file.name}, augmented"
 
 
+def test_single_values_stand_above_the_tables() -> None:
+    head, tables = EVERYTHING.split("[", 1)
+    given = "stop_time = true\ntime_limit = 30.0\n"
+    file = TwinFile.parse(f"{head}{given}[{tables}", "original")
+    copy = again(file)
+    assert (copy.stop_time, copy.time_limit) == (True, 30.0)
+    assert (copy.warmup, copy.outputs) == (file.warmup, file.outputs)
+
+
 @given(st.text(min_size=1).filter(lambda t: "\r" not in t and t.isprintable()))
 def test_any_name_survives(name: str) -> None:
     quoted = json.dumps(name, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -210,7 +210,7 @@ def test_every_method_goes_on_from_runs_that_count_less(tmp_path: Path, method: 
 
 def test_the_change_is_printed_on_the_terminal() -> None:
     screen = Console(file=io.StringIO(), force_terminal=True, width=200, highlight=False)
-    with StudyDisplay(screen, 12) as display:
+    with StudyDisplay(screen, 12, 12) as display:
         display.show(
             Progress(
                 phase="drift", iteration=1, iterations=9, is1_runs=3, trial=13, source="IS1",

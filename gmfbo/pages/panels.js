@@ -36,7 +36,7 @@ const switcher = () => {
   list.setAttribute("aria-label", "recording");
   recordings.forEach((name) => {
     const first = panels.find((panel) => panel.dataset.recording === name);
-    const option = text("option", `${name}, ${first.dataset.part}`);
+    const option = text("option", [name, first.dataset.part].filter(Boolean).join(", "));
     option.value = name;
     list.append(option);
   });
