@@ -111,7 +111,8 @@ class Tuner:
                 earlier=len(self._earlier),
             )
             hashes = {"metrics": own.content_hash} if own else {}
-            study.log_begin(self._store, self._sources.content_hashes | hashes)
+            units = {name: self._sources.units.get(name, "") for name in self.gains.names}
+            study.log_begin(self._store, self._sources.content_hashes | hashes, units)
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()

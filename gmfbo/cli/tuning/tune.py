@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gmfbo.cli.arguments import StudyFile
+from gmfbo.cli.arguments import LivePage, StudyFile
 from gmfbo.cli.console import console, gains_text
 from gmfbo.cli.manual import Manual
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from gmfbo.reports.study.review import StudyReview
     from gmfbo.tuning.query.progress import Progress
     from gmfbo.tuning.query.request import TuningResult
@@ -21,9 +23,11 @@ MANUAL = Manual(
     files={
         "STUDY.study/": "study.toml, trials/000001.h5 and so on, events.jsonl, index.h5; beside "
         "the study file unless that says 'out'",
+        "PAGE": "of --html: a page that reloads itself; open it as a file, no server is needed",
     },
     examples={
         "Tune:": "gmfbo tune joint.toml",
+        "Tune, and see in a browser how it goes:": "gmfbo tune joint.toml --html joint.html",
         "Go on after Ctrl-C, a kill or a power cut, with the same gains as without it:": (
             "gmfbo tune joint.toml --resume"
         ),
@@ -46,6 +50,7 @@ def tune(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a study that was stopped or killed.")
     ] = False,
+    html: LivePage = None,
 ) -> None:
     """Run a tuning study; every trajectory of every source is kept.
 
@@ -55,10 +60,10 @@ def tune(
     """
     from gmfbo.tuning.study.study import Study
 
-    run_study(Study.read(study), resume=resume)
+    run_study(Study.read(study), resume=resume, html=html)
 
 
-def run_study(study: Study, *, resume: bool) -> TuningResult:
+def run_study(study: Study, *, resume: bool, html: Path | None = None) -> TuningResult:
     """Run a study with its progress on the terminal, and print its result.
 
     Parameters
@@ -67,6 +72,8 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         Not begun, or with `resume` stopped.
     resume : bool
         Go on where it was stopped.
+    html : Path, optional
+        Page that is kept up to date while the study runs.
 
     Returns
     -------
@@ -74,16 +81,24 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         Best observed gains and, separately, the recommended ones.
     """
     from gmfbo import Tuner
+    from gmfbo.cli.tuning.live_study import LiveStudy
     from gmfbo.cli.tuning.study_display import StudyDisplay
     from gmfbo.interrupt import remembered_interrupt
 
+    live = LiveStudy.begin(html)
     display = StudyDisplay(console, study.file.budget.is1_runs)
-    with Tuner(study, resume=resume) as tuner, display, remembered_interrupt() as pressed:
+    with (
+        Tuner(study, resume=resume) as tuner,
+        display,
+        live.following(study.location),
+        remembered_interrupt() as pressed,
+    ):
 
         def show(step: Progress) -> None:
             if pressed.is_set():
                 raise KeyboardInterrupt
             display.show(step)
+            live.show()
 
         result = tuner.run(show)
     print_result(study, result)

@@ -1,4 +1,4 @@
-"""Charts of a diagnosis: each recording before and after, and the shape of missing physics."""
+"""Charts of a diagnosis: each recording before and after."""
 
 from __future__ import annotations
 
@@ -12,20 +12,13 @@ from numpy.typing import NDArray
 
 from gmfbo.pages.html_page import embedded_json
 from gmfbo.pages.marked_number import unit_text
-from gmfbo.pages.svg_chart import (
-    MOST_BUCKETS,
-    Band,
-    Line,
-    legend,
-    line_chart,
-)
+from gmfbo.pages.svg_chart import MOST_BUCKETS, Line, legend, line_chart
 from gmfbo.pages.thinning import few_digits, thinned_rows
 from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.curve import Curve
     from gmfbo.diagnosis.result.findings import Findings
-    from gmfbo.diagnosis.result.whereabouts import Shape
 
 STYLES: Mapping[str, str] = {
     "recorded": "recorded",
@@ -45,7 +38,7 @@ WORDS: Mapping[str, str] = {
 }
 """Name of each model on the page."""
 
-_MOST_POINTS = 48_000  # of all drawn lines: about half a megabyte
+_MOST_POINTS = 48_000  # of all simulated lines: about half a megabyte
 _MOST_NUMBERS = 110_000  # of all curves for the script: about another half megabyte
 
 
@@ -109,35 +102,8 @@ def curves_json(diagnosis: Findings) -> str:
     return embedded_json("curves", json.dumps(told, separators=(",", ":"), allow_nan=False))
 
 
-def shape_chart(shape: Shape) -> str:
-    """Draw the inferred signal with its band.
-
-    Parameters
-    ----------
-    shape : Shape
-        The signal against a state.
-
-    Returns
-    -------
-    str
-        A `<figure>` element.
-    """
-    x, y = np.array(shape.x), np.array(shape.y)
-    low, high = np.array(shape.y_low), np.array(shape.y_high)
-    known = np.isfinite(low) & np.isfinite(high)
-    lines = [Line("inferred without a name, with its 95 % band", "after", x, y)]
-    chart = line_chart(
-        lines,
-        title=f"missing {words(shape.port)} against {words(shape.against)}",
-        x_label=_axis_words(words(shape.against), shape.unit_x),
-        y_label=_axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
-        style="shape",
-        band=Band(x[known], low[known], high[known]) if known.any() else None,
-    )
-    return f"<figure>{legend(lines)}{chart}</figure>"
-
-
-def _axis_words(what: str, unit: str) -> str:
+def axis_words(what: str, unit: str) -> str:
+    """Label of an axis: a quantity and its unit, if it has one."""
     return f"{what} [{unit_text(unit)}]" if unit_text(unit) else what
 
 
@@ -170,7 +136,7 @@ def _panel(diagnosis: Findings, place: int, curve: Curve, buckets: int) -> str:
         lines,
         title=f"{name} in {curve.recording}",
         x_label="" if left else "time [s]",
-        y_label=_axis_words(name, curve.unit),
+        y_label=axis_words(name, curve.unit),
         windows=windows,
         buckets=buckets,
     )
@@ -179,7 +145,7 @@ def _panel(diagnosis: Findings, place: int, curve: Curve, buckets: int) -> str:
             left,
             title=f"{name} error in {curve.recording}",
             x_label="time [s]",
-            y_label=_axis_words("what is left: recorded less simulated", curve.unit),
+            y_label=axis_words("what is left: recorded less simulated", curve.unit),
             style="low",
             windows=windows,
             buckets=buckets,
@@ -196,7 +162,8 @@ def _panel(diagnosis: Findings, place: int, curve: Curve, buckets: int) -> str:
 def _line(curve: Curve, model: str, *, error: bool = False) -> Line:
     values: NDArray[np.float64] = getattr(curve, model)
     y = curve.recorded - values if error else values
-    return Line(WORDS[model], STYLES[model], curve.time, y)
+    # What was measured keeps its shape, however many recordings share the page.
+    return Line(WORDS[model], STYLES[model], curve.time, y, whole=model == "recorded")
 
 
 def _content(curve: Curve, most: int) -> dict[str, object]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -43,6 +43,8 @@ class StudySources:
         Box of the twin file; None where the twin is the user's own source.
     parameters : tuple of str
         All FMU parameters of the twin; empty where it is the user's own source.
+    units : mapping of str to str
+        Unit of each of them, as the FMU spells it.
     reference_unit : str
         SI unit of the reference; empty where unknown.
     reading : SignalReading or None
@@ -57,6 +59,7 @@ class StudySources:
     change_after: int | None = None
     gains: GainSpace | None = None
     parameters: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
     reference_unit: str = ""
     reading: SignalReading | None = None
 
@@ -94,12 +97,12 @@ class StudySources:
         change = study.is1.change
         changed, gains, unit = None, None, ""
         reading: SignalReading | None = is2 if isinstance(is2, SignalReading) else None
-        parameters: tuple[str, ...] = ()
+        units: Mapping[str, str] = {}
         with ExitStack() as opened:
             opener = _Opener(study.seed, folder, opened)
             if is2 is None:
                 is2 = reading = twin = opener.twin(study.is2.twin, study.is2.parameters)
-                gains, parameters = twin.gains, tuple(twin.parameter_tunable())
+                gains, units = twin.gains, twin.parameter_units()
                 signal = twin.signal_specs().get(study.reference.signal)
                 unit = signal.unit if signal else ""
             if plant is not None:
@@ -116,7 +119,8 @@ class StudySources:
                 changed_is1=changed,
                 change_after=change.after_runs if change else None,
                 gains=gains,
-                parameters=parameters,
+                parameters=tuple(units),
+                units=units,
                 reference_unit=unit,
                 reading=reading,
             )
