@@ -126,6 +126,25 @@ class Browser:
             process.kill()
         return count == 2
 
+    def opened(self, page: Path) -> str:
+        """HTML of a page that lies beside its scripts, after these had time to draw.
+
+        Parameters
+        ----------
+        page : Path
+            Opened where it lies.
+        """
+        *command, _ = self._command("", 1280, 800)
+        done = subprocess.run(
+            [*command, "--dump-dom", "--virtual-time-budget=10000", page.resolve().as_uri()],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=90,
+            check=True,
+        )
+        return done.stdout
+
     def picture(self, page: str, wide: int, high: int, *options: str) -> bytes:
         """Take a screenshot.
 
