@@ -111,7 +111,7 @@ class Tuner:
                 earlier=len(self._earlier),
             )
             hashes = {"metrics": own.content_hash} if own else {}
-            units = {name: self._sources.units.get(name, "") for name in self.gains.names}
+            units = self._sources.units_of(self.gains)
             study.log_begin(self._store, self._sources.content_hashes | hashes, units)
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)

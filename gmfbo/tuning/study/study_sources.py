@@ -17,6 +17,7 @@ from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.space import GainSpace
+from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import PlantSection, StudyFile
 
 if TYPE_CHECKING:
@@ -124,6 +125,16 @@ class StudySources:
                 reference_unit=unit,
                 reading=reading,
             )
+
+    def units_of(self, gains: GainChoice) -> dict[str, str]:
+        """Unit of each gain, as the twin's FMU spells it; empty where it has none.
+
+        Parameters
+        ----------
+        gains : GainChoice
+            Tuned and fixed ones.
+        """
+        return {name: self.units.get(name, "") for name in (*gains.space.names, *gains.fixed)}
 
     def real(self, runs_before: int) -> Source | None:
         """Source of the next real run.
