@@ -28,7 +28,9 @@ def fitted(hidden: PortCase, effect: str) -> Fitted:
     case = hidden.case
     (start, *_) = CATALOGUE[effect].starts(case.setting.excitation)
     hypothesis = Hypothesis(case.setting, (Candidate(effect, start),))
-    return fit(case.misfit, hypothesis, case.base.parameters)
+    found = fit(case.misfit, hypothesis, case.base.parameters)
+    assert found is not None
+    return found
 
 
 def shape_of(hidden: PortCase, effect: str) -> Shape:
@@ -39,7 +41,7 @@ def shape_of(hidden: PortCase, effect: str) -> Shape:
 
 
 def law_at(shape: Shape, x: np.ndarray) -> np.ndarray:
-    return np.interp(x, shape.law_x, shape.law_y)
+    return np.asarray(np.interp(x, shape.law_x, shape.law_y))
 
 
 def test_the_right_law_lies_within_the_band_of_the_curve(rubbing: PortCase) -> None:
