@@ -34,7 +34,7 @@ def watch(
     ] = 1.0,
     html: LivePage = None,
 ) -> None:
-    """Follow a running study in the terminal, and on a page, until it ends.
+    """Follow a running study in the terminal until it ends.
 
     Ctrl-C stops watching, not the study. It reads the folder alone, so it may run on another
     machine that sees the folder.
