@@ -83,6 +83,21 @@ def interval(value: float, low: float, high: float, unit: str, digits: int = 3) 
     return f"{number(value, digits)} {ends} {unit_words(unit)}".rstrip()
 
 
+def time_left(seconds: float) -> str:
+    """Say a time to come as roughly as it is known: seconds, minutes or hours.
+
+    Parameters
+    ----------
+    seconds : float
+        [s] At least 0.
+    """
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    if seconds < 90.0 * 60.0:
+        return f"{seconds / 60.0:.0f} min"
+    return f"{seconds / 3600.0:.1f} h"
+
+
 def probability(value: float) -> str:
     """Probability with two decimals."""
     return f"{value:.2f}" if math.isfinite(value) else "-"

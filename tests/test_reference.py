@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import html
 import importlib
 import inspect
 import re
@@ -15,10 +16,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import pytest
 from numpydoc.docscrape import NumpyDocString
 from sphinx.util.inventory import InventoryFile
+
+from tests.pages.headless_browser import NO_BROWSER, Browser, browser_path
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "notebooks" / "docs"
@@ -168,7 +172,53 @@ def field_names(one: type) -> Iterator[str]:
         yield from [*inspect.signature(one).parameters]
 
 
+def broken_links(folder: Path) -> set[str]:
+    """Links between built pages that lead to no file or no anchor, and all that is fetched."""
+    pages = {path: path.read_text(encoding="utf-8") for path in folder.rglob("*.html")}
+    anchors = {path: set(re.findall(r'\bid="([^"]+)"', page)) for path, page in pages.items()}
+    broken = set()
+    for path, page in pages.items():
+        fetched = re.findall(r'<(?:script|link|img)\b[^>]*?(?:src|href)="([^"]+)"', page)
+        broken |= {f"{path.name}: fetches {one}" for one in fetched if "//" in one}
+        for link in re.findall(r'<a\b[^>]*?href="([^"]+)"', page):
+            target, _, anchor = unquote(html.unescape(link)).partition("#")
+            if re.match(r"[a-z]+:", target):
+                continue
+            file = (path.parent / target).resolve() if target else path
+            if not file.exists() or (anchor and anchor not in anchors.get(file, {anchor})):
+                broken.add(f"{path.name}: {link}")
+    return broken
+
+
+def test_links_between_the_pages_lead_to_their_file_and_anchor(built: Built) -> None:
+    assert not broken_links(built.folder)
+
+
+def test_control_a_link_to_no_anchor_no_file_and_a_fetch_are_seen(tmp_path: Path) -> None:
+    page = """<h1 id="here"></h1><a href="#here"></a><a class="x" href="#gone"></a>
+    <a href="no.html"></a><a href="https://example.com/x"></a>
+    <script src="https://example.com/a.js"></script>"""
+    (tmp_path / "page.html").write_text(page, encoding="utf-8")
+    assert broken_links(tmp_path) == {
+        "page.html: #gone", "page.html: no.html", "page.html: fetches https://example.com/a.js"
+    }  # fmt: skip
+
+
+@pytest.mark.skipif(browser_path() is None, reason=NO_BROWSER)
+def test_formulas_are_drawn_from_the_disk(built: Built, tmp_path: Path) -> None:
+    browser = browser_path()
+    assert browser is not None
+    source = (built.folder / "diagnosis_decision.html").read_text(encoding="utf-8")
+    formulas = len(re.findall(r'<(?:span|div) class="math notranslate', source))
+    assert formulas > 5
+    shown = Browser(browser, tmp_path).opened(built.folder / "diagnosis_decision.html")
+    assert shown.count("<mjx-container") == formulas
+    assert "Apache" in (built.folder / "_static/mathjax/LICENSE.txt").read_text(encoding="utf-8")
+
+
 def test_the_pages_of_the_documentation_are_reached_from_the_first() -> None:
     first = (DOCS / "index.md").read_text(encoding="utf-8")
     for page in DOCS.glob("*.md"):
         assert page.stem == "index" or f"\n{page.stem}\n" in first
+    captions = re.findall(r"^:caption: (.+)$", first, re.MULTILINE)
+    assert captions == ["Start", "How to", "Concepts", "Reference", "Benchmarks", "Decisions"]

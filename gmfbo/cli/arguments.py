@@ -21,6 +21,16 @@ StudyFile = Annotated[
     ),
 ]
 
+LivePage = Annotated[
+    Path | None,
+    typer.Option(
+        "--html",
+        metavar="PAGE",
+        help="Page (.html) to keep up to date while the study runs; a browser that shows the "
+        "file loads it again by itself.",
+    ),
+]
+
 StudyFolder = Annotated[
     Path,
     typer.Argument(

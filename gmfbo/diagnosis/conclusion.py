@@ -31,18 +31,20 @@ from gmfbo.diagnosis.naming.decision_told import (
 )
 from gmfbo.diagnosis.naming.open_explanations import predictions_of
 from gmfbo.diagnosis.outside.free_function import Unnamed
+from gmfbo.diagnosis.outside.named_law import inferred_beside_law
 from gmfbo.diagnosis.result.estimated import EstimatedParameter
 from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.result.whereabouts import Location, Shape
+from gmfbo.diagnosis.screening.port_response import PortResponse
 from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.drifting_parameters import drifts_of
 from gmfbo.diagnosis.validating.reference_tests import residual_tests
 from gmfbo.diagnosis.validating.remainder_place import remainder_of
 from gmfbo.diagnosis.validating.validation import Validated
-from gmfbo.physics import CATALOGUE, Units
+from gmfbo.physics import Units
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,8 @@ class Conclusion:
         Free function, where the laws leave most of what is missing.
     result : Validated
         Errors on recordings that were not fitted.
+    response : PortResponse or None
+        Answer of the outputs to a torque; None without a torque port.
     """
 
     case: Case
@@ -71,6 +75,7 @@ class Conclusion:
     reasons: dict[str, str]
     free: Unnamed | None
     result: Validated
+    response: PortResponse | None = None
 
     @cached_property
     def units(self) -> Units:
@@ -220,9 +225,10 @@ class Conclusion:
 
     @property
     def _latent(self) -> Shape | None:
-        """The inferred signal beside named effects; None unless one acts at the torque port."""
-        at_torque = [r for r in self.decision.rounds if CATALOGUE[r.winner.name].port == "torque"]
-        return self._shape if at_torque else None
+        """What acts at the torque port, inferred beside the named law; None without such a law."""
+        if not self.decision.rounds:
+            return None
+        return inferred_beside_law(self.case, self.result.augmented, self.response, self.units)
 
     def _verdict(self, tests: Sequence[ResidualTest]) -> Verdict:
         decision = self.decision

@@ -76,7 +76,7 @@ class Search:
         free = self._free_function(decision)
         self.progress("validating", 0.85)
         decision, result = self._confirmed(decision, free, unseen)
-        found = Conclusion(case, unseen, decision, reasons, free, result)
+        found = Conclusion(case, unseen, decision, reasons, free, result, self.lines.response)
         return found.diagnosis(seed, started, self.progress)
 
     def _decision(self, reasons: dict[str, str]) -> Decision:

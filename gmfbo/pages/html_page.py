@@ -7,6 +7,8 @@ from functools import cache
 from html import escape
 from importlib.resources import files
 
+_STACKED = 5  # columns of a table that do not fit side by side on a phone
+
 
 @cache
 def page_file(name: str, package: str = __package__) -> str:
@@ -139,13 +141,16 @@ def table(
     Returns
     -------
     str
-        A table that scrolls sideways on a narrow screen; the first column heads its row.
+        A table whose first column heads its row. On a narrow screen one of many columns becomes a
+        list for each row, where each value has the head of its column beside it.
     """
     if not rows:
         return ""
+    stacks = len(heads) >= _STACKED
 
     def tag(kind: str, column: int) -> str:
-        return f"<{kind} class=number>" if column in numbers else f"<{kind}>"
+        said = f' data-head="{escape(heads[column])}"' if stacks and kind == "td" else ""
+        return f"<{kind} class=number{said}>" if column in numbers else f"<{kind}{said}>"
 
     head = "".join(f"{tag('th', i)}{escape(text)}</th>" for i, text in enumerate(heads))
     body = []
@@ -153,7 +158,8 @@ def table(
         cells = "".join(f"{tag('td', i)}{cell}</td>" for i, cell in enumerate(others, start=1))
         opened = '<tr class="best">' if place == best else "<tr>"
         body.append(f'{opened}<th scope="row">{first}</th>{cells}</tr>')
-    kind = f' class="{style}"' if style else ""
+    styles = " ".join(filter(None, (style, "stack" if stacks else "")))
+    kind = f' class="{styles}"' if styles else ""
     return (
         f'<div class="scroll"><table{kind}><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(body)}</tbody></table></div>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from itertools import pairwise
 
 import numpy as np
@@ -73,3 +74,49 @@ def shaded_cells(values: Array, levels: Array) -> list[str]:
         for level, path in enumerate(paths)
         if path
     ]
+
+
+def shade_scale(values: Array, levels: Array, label: str) -> str:
+    """Draw the scale of a map: its shades, with the values between them.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, m)
+        Mapped values.
+    levels : ndarray, shape (SHADES - 1,)
+        Of `shade_levels`.
+    label : str
+        Quantity with its unit.
+
+    Returns
+    -------
+    str
+        An HTML figure; the lowest values are on the left.
+    """
+    wide = 100.0 / SHADES
+    cells = "".join(
+        f'<rect class="cell s{k}" x="{k * wide:g}%" y="0" width="{wide:g}%" height="12"/>'
+        for k in range(SHADES)
+    )
+    ends = [float(values.min()), *levels.tolist(), float(values.max())]
+    places = range(0, SHADES + 1, 2)
+    texts = _scale_texts([ends[k] for k in places])
+    anchors = {0: "start", SHADES: "end"}
+    told = "".join(
+        f'<text x="{k * wide:g}%" y="27" text-anchor="{anchors.get(k, "middle")}">{text}</text>'
+        for k, text in zip(places, texts, strict=True)
+    )
+    return (
+        f'<figure class="scale"><figcaption>{escape(label)}, low is good</figcaption>'
+        f'<svg role="img" aria-label="{escape(label)}, from {texts[0]} to {texts[-1]}">'
+        f"{cells}{told}</svg></figure>"
+    )
+
+
+def _scale_texts(values: list[float]) -> list[str]:
+    """As few digits as tell neighbours apart, at least three."""
+    for digits in range(3, 9):
+        texts = [f"{value + 0.0:.{digits}g}" for value in values]
+        if len(set(texts)) == len(set(values)):
+            break
+    return texts

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 RECORDED = "recorded"
 
-_MOST_POINTS = 48_000  # of all drawn lines: about half a megabyte
+_MOST_POINTS = 48_000  # of all simulated lines: about half a megabyte
 _MOST_NUMBERS = 110_000  # of all curves for the script: about another half megabyte
 
 
@@ -144,7 +144,8 @@ def _figure(place: int, panel: SignalPanel, buckets: int) -> str:
 def _line(panel: SignalPanel, name: str, *, error: bool = False) -> Line:
     values = panel.values[name]
     y = panel.values[RECORDED] - values if error else values
-    return Line(panel.words[name], panel.styles[name], panel.time, y)
+    # What was measured keeps its shape, however many recordings share the page.
+    return Line(panel.words[name], panel.styles[name], panel.time, y, whole=name == RECORDED)
 
 
 def _content(panel: SignalPanel, most: int) -> dict[str, object]:

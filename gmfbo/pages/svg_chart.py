@@ -27,12 +27,15 @@ class Line:
         Class in the page's style, which gives colour and dashes.
     x, y : ndarray, shape (n,)
         Points in order; the line is interrupted where y is NaN.
+    whole : bool
+        Whether it is drawn as finely as a screen shows, in a chart of few points too.
     """
 
     name: str
     style: str
     x: Array
     y: Array
+    whole: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +158,7 @@ def line_path(line: Line, x_axis: Axis, y_axis: Axis, buckets: int = MOST_BUCKET
     pieces = []
     known = np.isfinite(line.y) & np.isfinite(line.x)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(np.int8)))
+    buckets = MOST_BUCKETS if line.whole else buckets
     for start, end in edges.reshape(-1, 2):
         rows = thinned_rows([line.y[start:end]], buckets)
         x, y = line.x[start:end][rows], line.y[start:end][rows]

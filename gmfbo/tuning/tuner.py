@@ -123,7 +123,8 @@ class Tuner:
                 meter=meter,
             )
             hashes = {"metrics": own.content_hash} if own else {}
-            study.log_begin(self._store, self._sources.content_hashes | hashes)
+            units = self._sources.units_of(self.gains)
+            study.log_begin(self._store, self._sources.content_hashes | hashes, units)
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()

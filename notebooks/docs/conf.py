@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections import Counter
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +20,7 @@ copyright = "the authors of gmfbo"
 release = version = __version__
 
 extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "myst_parser"]
-html_theme = "alabaster"
-html_theme_options = {
-    "page_width": "68rem",
-    "sidebar_width": "14rem",
-    "code_font_size": "0.8em",
-    "font_family": "sans-serif",
-    "head_font_family": "sans-serif",
-    "font_size": "15px",
-}
+html_theme = "furo"
 html_title = f"gmfbo {release}"
 html_show_sourcelink = False
 man_pages = [("reference/commands", "gmfbo", "tune a controller, diagnose its twin", [], 1)]
@@ -35,7 +29,14 @@ nitpicky = True
 highlight_language = "none"
 default_role = "code"
 myst_heading_anchors = 3
-myst_enable_extensions = ["dollarmath"]  # drawn by MathJax, which a browser loads from its server
+myst_enable_extensions = ["dollarmath"]
+
+# MathJax lies beside the pages, so that formulas are drawn without a network; SVG needs no fonts.
+MATHJAX = "sphinx-mathjax-offline"
+mathjax_path = "mathjax/tex-svg.js"
+MATHJAX_NOTE = """MathJax 3.2.2, copyright The MathJax Consortium, under the Apache License 2.0
+(https://www.apache.org/licenses/LICENSE-2.0); copied from the Python package {package} {version}.
+"""
 
 # Types stand in the text of each docstring, with shapes and units, which annotations do not have.
 autodoc_typehints = "none"
@@ -79,6 +80,20 @@ class CommandHelp(Directive):
         return [nodes.literal_block(text=asked.output, language="none")]
 
 
+def copy_mathjax(app: Any, exception: Exception | None) -> None:
+    """Put MathJax and a note of its licence beside the pages."""
+    if exception is not None or app.builder.format != "html":
+        return
+    package = distribution(MATHJAX)
+    source = next(file for file in package.files or () if file.match("static/mathjax/tex-svg.js"))
+    folder = Path(app.outdir) / "_static" / "mathjax"
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(source.locate(), folder / "tex-svg.js")
+    note = MATHJAX_NOTE.format(package=MATHJAX, version=package.version)
+    (folder / "LICENSE.txt").write_text(note, encoding="utf-8")
+
+
 def setup(app: Any) -> None:
-    """Add the directive."""
+    """Add the directive, and what is copied at the end of a build."""
     app.add_directive("command-help", CommandHelp)
+    app.connect("build-finished", copy_mathjax)

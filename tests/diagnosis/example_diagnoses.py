@@ -213,6 +213,19 @@ def outside() -> Diagnosis:
     )  # fmt: skip
 
 
+def with_law() -> Diagnosis:
+    """Friction is missing, and the curve inferred without a name has its law over it."""
+    x = np.linspace(-30.0, 30.0, 15)
+    y, half = -0.52 * np.sign(x), np.where(np.abs(x) > 29.0, 50.0, 0.02)
+    across = np.linspace(-30.0, 30.0, 120)
+    latent = Shape(
+        "torque", "velocity", tuple(x.tolist()), tuple(y.tolist()), tuple((y - half).tolist()),
+        tuple((y + half).tolist()), "rad/s", "N.m", "coulomb_friction", tuple(across.tolist()),
+        tuple((-0.521 * np.sign(across)).tolist()),
+    )  # fmt: skip
+    return replace(friction(), latent=latent)
+
+
 def too_little() -> Diagnosis:
     """Recordings that excite next to nothing."""
     return replace(nothing(), evidence="insufficient", next_experiment=rivals().next_experiment)

@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -96,6 +97,54 @@ class Browser:
         answer["complaints"] += re.findall(r"CONSOLE\S* (.*)", done.stderr)
         return answer
 
+    def loads_again(self, page: str, most: float) -> bool:
+        """Open a page, and wait until it loads itself a second time.
+
+        Parameters
+        ----------
+        page : str
+            HTML.
+        most : float
+            [s] Time after which it counts as one that does not.
+        """
+        said = "<script>console.error('loaded here');</script></body>"
+        command = self._command(page.replace("</body>", said), 1280, 800)
+        # Some port of its own keeps the browser open; nobody connects to it.
+        options = ("--enable-logging=stderr", "--remote-debugging-port=0")
+        count = 0
+        with subprocess.Popen(
+            [*command[:-1], *options, command[-1]], stderr=subprocess.PIPE, text=True
+        ) as process:
+            ending = threading.Timer(most, process.kill)
+            ending.start()
+            assert process.stderr is not None
+            for line in process.stderr:
+                count += "loaded here" in line and "CONSOLE" in line
+                if count == 2:
+                    break
+            ending.cancel()
+            process.kill()
+        return count == 2
+
+    def opened(self, page: Path) -> str:
+        """HTML of a page that lies beside its scripts, after these had time to draw.
+
+        Parameters
+        ----------
+        page : Path
+            Opened where it lies.
+        """
+        *command, _ = self._command("", 1280, 800)
+        done = subprocess.run(
+            [*command, "--dump-dom", "--virtual-time-budget=10000", page.resolve().as_uri()],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=90,
+            check=True,
+        )
+        return done.stdout
+
     def picture(self, page: str, wide: int, high: int, *options: str) -> bytes:
         """Take a screenshot.
 
@@ -121,19 +170,24 @@ class Browser:
     def _run(
         self, page: str, wide: int, high: int, *options: str
     ) -> subprocess.CompletedProcess[str]:
-        opened = self.folder / "page.html"
-        opened.write_text(page, encoding="utf-8")
-        # A sandbox of its own is refused to root and in most containers; the page is ours.
-        command = [str(self.path), *_QUIET, *_OFFLINE, "--no-sandbox"]
-        command += [f"--user-data-dir={self.folder / 'profile'}", f"--window-size={wide},{high}"]
+        *command, opened = self._command(page, wide, high)
         return subprocess.run(
-            [*command, *options, opened.as_uri()],
+            [*command, *options, opened],
             capture_output=True,
             text=True,
             errors="replace",
             timeout=90,
             check=True,
         )
+
+    def _command(self, page: str, wide: int, high: int) -> list[str]:
+        """Write the page, and name program, options and page."""
+        opened = self.folder / "page.html"
+        opened.write_text(page, encoding="utf-8")
+        # A sandbox of its own is refused to root and in most containers; the page is ours.
+        command = [str(self.path), *_QUIET, *_OFFLINE, "--no-sandbox"]
+        command += [f"--user-data-dir={self.folder / 'profile'}", f"--window-size={wide},{high}"]
+        return [*command, opened.as_uri()]
 
 
 def browser_path() -> Path | None:

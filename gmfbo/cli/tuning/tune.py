@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gmfbo.cli.arguments import LivePage
 from gmfbo.cli.arguments import StudyFile as StudyPath
 from gmfbo.cli.console import console, gains_text
 from gmfbo.cli.manual import Manual
@@ -17,6 +18,7 @@ from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from gmfbo.recordings.store.trial import Trial
     from gmfbo.reports.study.review import StudyReview
@@ -30,9 +32,11 @@ MANUAL = Manual(
     files={
         "STUDY.study/": "study.toml, trials/000001.h5 and so on, events.jsonl, index.h5; beside "
         "the study file unless that says 'out'",
+        "PAGE": "of --html: a page that reloads itself; open it as a file, no server is needed",
     },
     examples={
         "Tune:": "gmfbo tune joint.toml",
+        "Tune, and see in a browser how it goes:": "gmfbo tune joint.toml --html joint.html",
         "Go on after Ctrl-C, a kill or a power cut, with the same gains as without it:": (
             "gmfbo tune joint.toml --resume"
         ),
@@ -55,6 +59,7 @@ def tune(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a study that was stopped or killed.")
     ] = False,
+    html: LivePage = None,
 ) -> None:
     """Run a tuning study; every trajectory of every source is kept.
 
@@ -66,14 +71,14 @@ def tune(
 
     opened = Study.read(study)
     try:
-        run_study(opened, resume=resume)
+        run_study(opened, resume=resume, html=html)
     except KeyboardInterrupt:
         if opened.trials:
             console.print(f"'gmfbo tune {study} --resume' goes on with it", markup=False)
         raise
 
 
-def run_study(study: Study, *, resume: bool) -> TuningResult:
+def run_study(study: Study, *, resume: bool, html: Path | None = None) -> TuningResult:
     """Run a study with its progress on the terminal, and print its result.
 
     Parameters
@@ -82,6 +87,8 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         Not begun, or with `resume` stopped.
     resume : bool
         Go on where it was stopped.
+    html : Path, optional
+        Page that is kept up to date while the study runs.
 
     Returns
     -------
@@ -89,10 +96,16 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         Best observed gains and, separately, the recommended ones.
     """
     from gmfbo import Tuner
+    from gmfbo.cli.tuning.live_study import LiveStudy
     from gmfbo.cli.tuning.study_display import StudyDisplay
     from gmfbo.interrupt import remembered_interrupt
 
-    with Tuner(study, resume=resume) as tuner, remembered_interrupt() as pressed:
+    live = LiveStudy.begin(html)
+    with (
+        Tuner(study, resume=resume) as tuner,
+        live.following(study.location),
+        remembered_interrupt() as pressed,
+    ):
         budget = study.file.budget
         display = StudyDisplay(console, budget.is1_runs, tuner.history.first_runs)
 
@@ -100,6 +113,7 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
             if pressed.is_set():
                 raise KeyboardInterrupt
             display.show(step)
+            live.show()
 
         with display:
             result = tuner.run(show)

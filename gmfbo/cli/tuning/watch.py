@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gmfbo.cli.arguments import StudyFolder
+from gmfbo.cli.arguments import LivePage, StudyFolder
 from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 MANUAL = Manual(
     examples={
         "Look every ten seconds:": "gmfbo watch joint.study --interval 10",
+        "In a browser, from any machine that sees the folder:": (
+            "gmfbo watch joint.study --html joint.html"
+        ),
     },
     exits={130: "Ctrl-C; the study goes on"},
     see_also=("gmfbo tune", "gmfbo report", "notebooks/docs/reports.md"),
@@ -29,21 +32,26 @@ def watch(
     interval: Annotated[
         float, typer.Option(min=0.1, metavar="SECONDS", help="Between two looks at the folder [s].")
     ] = 1.0,
+    html: LivePage = None,
 ) -> None:
     """Follow a running study in the terminal until it ends.
 
     Ctrl-C stops watching, not the study. It reads the folder alone, so it may run on another
     machine that sees the folder.
     """
+    from gmfbo.cli.tuning.live_study import LiveStudy
     from gmfbo.cli.tuning.watch_display import WatchDisplay
     from gmfbo.reports.study.follower import StudyFollower
 
     follower = StudyFollower(study)
-    with WatchDisplay(console, follower) as display:
+    live = LiveStudy.begin(html)
+    with live.following(study, owns=False), WatchDisplay(console, follower) as display:
         display.show(follower.news())
+        live.show()
         while follower.state == "running":
             time.sleep(interval)
             display.show(follower.news())
+            live.show()
     _print_end(follower)
 
 

@@ -25,8 +25,8 @@ class Family:
 
     Attributes
     ----------
-    name : {"velocity", "position", "signed_position", "damped_position", "each_way", "time"}
-        Which.
+    name : str
+        `velocity`, `position`, `folded_position`, `signed_position`, `damped_position` or `time`.
     against : str
         The state, in words.
     unit : {"velocity", "position", "time"}
@@ -56,8 +56,8 @@ class Family:
 def families(states: Sequence[States]) -> list[Family]:
     """All families over what recordings show."""
     found = [
-        _of_velocity(states),
-        _of_position(states),
+        of_velocity(states),
+        of_position(states),
         _of_signed_position(states),
         _of_position_with_speed(states),
     ]
@@ -96,7 +96,8 @@ def hinges(knots: Array) -> Array:
     return np.column_stack([np.ones(knots.size), (knots - knots[0]) / extent, bends])
 
 
-def _of_velocity(states: Sequence[States]) -> Family | None:
+def of_velocity(states: Sequence[States]) -> Family | None:
+    """Free function of the velocity, each direction for itself; None where nothing moves."""
     velocity = np.concatenate([s.velocity for s in states])
     forth, back = float(np.quantile(velocity, 0.998)), -float(np.quantile(velocity, 0.002))
     fastest = max(forth, back)
@@ -114,8 +115,30 @@ def _of_velocity(states: Sequence[States]) -> Family | None:
     return Family("velocity", "velocity", "velocity", knots, turn, bends, columns)
 
 
-def _of_position(states: Sequence[States]) -> Family | None:
+def of_position(states: Sequence[States]) -> Family | None:
+    """Free function of the position; None where nothing moves."""
     return _along_position(states, "position", "position", lambda s: [1.0])
+
+
+def of_folded_position(states: Sequence[States], period: float) -> Family:
+    """Free function of the position within one period of what repeats over it.
+
+    Parameters
+    ----------
+    states : sequence of States
+        Of each recording.
+    period : float
+        [unit of the position] Positive.
+    """
+    knots = np.linspace(0.0, period, _POSITION_KNOTS)
+    # The end of a period is its start: one value for both.
+    turn = np.vstack([np.eye(knots.size - 1), np.eye(1, knots.size - 1)])
+    columns = tuple(
+        between_points(turn.T @ hats(np.mod(s.position, period), knots)) for s in states
+    )
+    free = np.ones(knots.size - 1, dtype=bool)
+    against = "position within one period"
+    return Family("folded_position", against, "position", knots, turn, free, columns)
 
 
 def _of_signed_position(states: Sequence[States]) -> Family | None:

@@ -1,4 +1,4 @@
-"""Charts of a diagnosis: each recording before and after, and the shape of missing physics."""
+"""Charts of a diagnosis: each recording before and after."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gmfbo.pages.signal_panel import SignalPanel, axis_words, panel_figures, panels_json
-from gmfbo.pages.svg_chart import Band, Line, legend, line_chart
+from gmfbo.pages.signal_panel import SignalPanel, panel_figures, panels_json
 from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.curve import Curve
     from gmfbo.diagnosis.result.findings import Findings
-    from gmfbo.diagnosis.result.whereabouts import Shape
 
 STYLES: Mapping[str, str] = {
     "recorded": "recorded",
@@ -92,34 +90,6 @@ def curves_json(diagnosis: Findings) -> str:
 
 def _panels(diagnosis: Findings) -> list[SignalPanel]:
     return [_panel(diagnosis, curve) for curve in _ordered_curves(diagnosis)]
-
-
-def shape_chart(shape: Shape) -> str:
-    """Draw the inferred signal with its band.
-
-    Parameters
-    ----------
-    shape : Shape
-        The signal against a state.
-
-    Returns
-    -------
-    str
-        A `<figure>` element.
-    """
-    x, y = np.array(shape.x), np.array(shape.y)
-    low, high = np.array(shape.y_low), np.array(shape.y_high)
-    known = np.isfinite(low) & np.isfinite(high)
-    lines = [Line("inferred without a name, with its 95 % band", "after", x, y)]
-    chart = line_chart(
-        lines,
-        title=f"missing {words(shape.port)} against {words(shape.against)}",
-        x_label=axis_words(words(shape.against), shape.unit_x),
-        y_label=axis_words(f"missing at the {words(shape.port)} port", shape.unit_y),
-        style="shape",
-        band=Band(x[known], low[known], high[known]) if known.any() else None,
-    )
-    return f"<figure>{legend(lines)}{chart}</figure>"
 
 
 def part_words(diagnosis: Findings, recording: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import part_words
 from gmfbo.diagnosis.result.certainty import claim
-from gmfbo.pages.html_page import columns, paragraph, table
+from gmfbo.pages.html_page import columns, folded, paragraph, table
 from gmfbo.pages.marked_number import (
     marked_interval,
     marked_number,
@@ -40,12 +40,16 @@ def effect_account(place: int, diagnosis: Findings) -> str:
     evidence = marked_number((*own, "evidence"), effect.evidence)
     threshold = marked_number((*own, "threshold"), effect.threshold)
     known = marked_probability((*own, "probability"), effect.probability)
-    whose = f" that it is {escape(words(effect.name))}" if effect.indistinguishable_from else ""
+    whose = escape(words(effect.name)) if effect.indistinguishable_from else "this effect"
     sure = (
-        f"<p>Probability{whose} <b>{known}</b>. "
-        f"Log odds {evidence} against the best explanation without it ({threshold} is a "
-        "probability of 0.95). It acts at the "
+        f"<p>Probability <b>{known}</b> that {whose} is at work. It acts at the "
         f"{escape(words(effect.port))} port.</p>"
+    )
+    odds = folded(
+        "How the probability comes about",
+        f"<p>The explanations with and without this effect were compared by how well they fit, "
+        f"and by how many free values they need. The logarithm of their odds is {evidence}; "
+        f"{threshold} is a probability of 0.95.</p>",
     )
     return "".join(
         (
@@ -53,6 +57,7 @@ def effect_account(place: int, diagnosis: Findings) -> str:
             paragraph(effect.statement),
             f'<p class="law">{law_html(effect.equation)}</p>',
             sure,
+            odds,
             _share(own, effect),
             _parameters(place, effect),
             columns(_rivals(place, effect), _recordings(place, effect, diagnosis)),
@@ -118,16 +123,26 @@ def _rivals(place: int, effect: NamedEffect) -> str:
 
 
 def _recordings(place: int, effect: NamedEffect, diagnosis: Findings) -> str:
+    whole = sum(abs(gain) for gain in effect.evidence_per_recording.values())
+    if not whole > 0.0:
+        return ""
     rows = [
         [
             escape(name),
             part_words(diagnosis, name),
-            marked_number(("effects", place, "evidence_per_recording", name), gain),
+            marked_number(
+                ("effects", place, "evidence_per_recording", name),
+                gain,
+                factor=0.01 * whole,
+                digits=2,
+            )
+            + "\u00a0%",
         ]
         for name, gain in effect.evidence_per_recording.items()
     ]
-    listed = table(["recording", "part", "evidence"], rows, numbers=(2,))
-    return f"<h4>Evidence by recording</h4>{listed}" if rows else ""
+    told = paragraph("Share of each recording in what speaks for this effect.", "soft small")
+    listed = table(["recording", "part", "share"], rows, numbers=(2,))
+    return f"<h4>Which recordings show it</h4>{told}{listed}"
 
 
 def law_html(equation: str) -> str:

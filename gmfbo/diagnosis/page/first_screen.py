@@ -80,15 +80,15 @@ def _head(diagnosis: Findings) -> str:
     verdict = verdict_words(diagnosis)
     twin = diagnosis.augmentation.twin_name if diagnosis.augmentation else ""
     enough = {
-        "sufficient": "the recordings can tell",
-        "insufficient": "the recordings cannot tell enough",
+        "sufficient": "these recordings move the axis enough to tell",
+        "insufficient": "these recordings move the axis too little to tell",
     }[diagnosis.evidence]
     named = f"<span>Diagnosis of <b>{escape(twin)}</b></span>" if twin else "<span>Diagnosis</span>"
     headline, rest = _split_sentence(verdict_sentence(diagnosis))
     return (
         f'<header><div class="top">{named}'
         f'<span class="badge {diagnosis.verdict}">{verdict}</span>'
-        f"<span>evidence {diagnosis.evidence}: {enough}</span>{_sure(diagnosis)}</div>"
+        f"<span>{enough}</span>{_sure(diagnosis)}</div>"
         f'<h1 id="verdict">{escape(unbroken(headline))}</h1>'
         f"{paragraph(unbroken(rest), 'lead')}</header>"
     )
@@ -236,7 +236,9 @@ def _would_have_shown(diagnosis: Findings) -> list[str]:
             sizes.append(f"{escape(words(name))} from {size}\u00a0{escape(scale.unit)}")
     if not sizes:
         return []
-    return [f'<b>Would have shown</b>: {", ".join(sizes)}, <a href="#shown">and others</a>']
+    return [
+        f'<b>Looked for, and not found</b>: {", ".join(sizes)}, <a href="#shown">and others</a>'
+    ]
 
 
 def _effect_fact(place: int, effect: NamedEffect) -> str:

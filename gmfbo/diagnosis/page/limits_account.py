@@ -18,6 +18,19 @@ _UNSEEN = "The motion does not show it"
 _PARAMETER = "A refitted parameter does the same"
 _TWIN = "The twin does not offer it"
 
+_MEASURES = {
+    "level": "largest value",
+    "breakaway": "extra force before it moves",
+    "cut": "largest part of the command that is cut off",
+    "lag": "largest delay behind the command",
+    "loss": "largest share that is lost",
+    "windup": "twist under the largest load",
+    "width": "width of the zone without response",
+    "share": "error as a share of the reading",
+    "time": "time constant",
+}
+"""What the size of an effect is, where its name alone does not say it."""
+
 
 def untested_effects(diagnosis: Findings) -> str:
     """List the effects that could not be tested, by reason."""
@@ -56,13 +69,17 @@ def detectable_sizes(diagnosis: Findings) -> str:
         path = ("detectable", name, one.parameter)
         size = marked_number(path, one.size, factor=scale.factor, digits=2)
         unit = f"\u00a0{escape(scale.unit)}" if scale.unit else ""
-        row = [escape(words(name)), escape(words(one.parameter)), f"{size}{unit}"]
+        measure = _MEASURES.get(one.parameter, words(one.parameter))
+        row = [escape(words(name)), escape(measure), f"{size}{unit}"]
         parts.setdefault(known.signal_path if known else "", []).append(row)
-    told = paragraph("Effects that were not named, and the smallest size that would have been.")
+    told = paragraph(
+        "Each of these effects would have been named if it were larger than the size given here. "
+        "A smaller one may be there: these recordings do not show it."
+    )
     known_parts = [part for part in _PARTS if part in parts]
     drawn = [
         f"<h3>{escape(part.capitalize() or 'Elsewhere')}</h3>"
-        + table(["effect", "measured by", "smallest"], parts[part], numbers=(2,))
+        + table(["effect", "its size is the", "named from"], parts[part], numbers=(2,))
         for part in (*known_parts, *(part for part in parts if part not in _PARTS))
     ]
     return told + columns(*drawn)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.page.charts import curves_json, shape_chart
+from gmfbo.diagnosis.page.charts import curves_json
 from gmfbo.diagnosis.page.effect_account import effect_account
 from gmfbo.diagnosis.page.first_screen import first_screen, place_words, verdict_words
 from gmfbo.diagnosis.page.limits_account import detectable_sizes, residual_tests, untested_effects
 from gmfbo.diagnosis.page.loop_drawing import loop_drawing
+from gmfbo.diagnosis.page.shape_chart import inferred_shape
 from gmfbo.diagnosis.page.time_line import time_line
 from gmfbo.diagnosis.page.twin_account import alignment_table, combination_table, parameter_table
 from gmfbo.diagnosis.result.cautions import cautions
@@ -52,7 +53,7 @@ def diagnosis_page(diagnosis: Findings) -> str:
         section("Does what is left still follow the reference?", residual_tests(diagnosis)),
         section("What to record next", *_next(diagnosis), name="next"),
         section("What could not be tested", untested_effects(diagnosis)),
-        section("What would have shown", detectable_sizes(diagnosis), name="shown"),
+        section("Looked for, and not found", detectable_sizes(diagnosis), name="shown"),
         section("Remarks", *(paragraph(note) for note in diagnosis.notes)),
         _data(diagnosis),
         _footer(diagnosis),
@@ -85,20 +86,7 @@ def _where(diagnosis: Findings) -> list[str]:
             labels.setdefault(known.signal_path, []).append(label(effect))
     drawing = loop_drawing(list(guilty), {part: names[:2] for part, names in labels.items()})
     sentence = f"{told[0].upper()}{told[1:]}." if told else ""
-    return [columns(paragraph(sentence) + drawing, _shape(diagnosis)), time_line(diagnosis)]
-
-
-def _shape(diagnosis: Findings) -> str:
-    shape = diagnosis.shape or diagnosis.latent
-    if shape is None:
-        return ""
-    told = (
-        f"What is missing at the {words(shape.port)} port, inferred as a free function of the "
-        f"{words(shape.against)}."
-    )
-    if diagnosis.shape is not None:
-        told += " No effect in the library has this shape."
-    return paragraph(told) + shape_chart(shape)
+    return [columns(paragraph(sentence) + drawing, inferred_shape(diagnosis)), time_line(diagnosis)]
 
 
 def _next(diagnosis: Findings) -> list[str]:

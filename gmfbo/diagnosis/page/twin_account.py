@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis.result.estimated import Alignment
     from gmfbo.diagnosis.result.findings import Findings
 
+_LOGGED = {"held": "the one still in force", "new": "the one just computed"}
+"""What a controller logs beside a measurement: the command before or after its computation."""
+
 
 def parameter_table(diagnosis: Findings) -> str:
     """Show each uncertain parameter before and after the refit."""
@@ -78,7 +81,7 @@ def alignment_table(diagnosis: Findings) -> str:
     rows = [
         [
             escape(words(name)),
-            escape(one.logged),
+            escape(_LOGGED.get(one.logged, one.logged)),
             _lateness(name, one),
             marked(("alignment", name, "scale"), f"{one.scale:.4f}"),
             _offset(name, one, units.get(name, "")),
@@ -89,7 +92,7 @@ def alignment_table(diagnosis: Findings) -> str:
     ]
     told = "Found beside the physics, and never taken for physics."
     heads = [
-        *("signal", "command logged", "column is", "scale", "offset"),
+        *("signal", "the command in each row is", "column is", "scale", "offset"),
         *("more than usual, in standard deviations", "or else"),
     ]
     listed = table(heads, rows, numbers=(2, 3, 4)) if rows else ""

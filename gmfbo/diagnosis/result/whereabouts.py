@@ -45,7 +45,7 @@ class Location:
 
 @dataclass(frozen=True)
 class Shape:
-    """Inferred signal of an unnamed mismatch against the state that it depends on.
+    """Inferred signal of a mismatch against the state that it depends on.
 
     Attributes
     ----------
@@ -61,6 +61,12 @@ class Shape:
         [unit_y] Ends of its 95 % band.
     unit_x, unit_y : str
         Units.
+    law : str
+        Named effect that stands for it; empty where no law does.
+    law_x : tuple of float, m values
+        [unit_x] The state along the law, rising.
+    law_y : tuple of float, m values
+        [unit_y] Torque of all named laws at the port.
     """
 
     port: str
@@ -71,3 +77,6 @@ class Shape:
     y_high: tuple[float, ...]
     unit_x: str
     unit_y: str
+    law: str = ""
+    law_x: tuple[float, ...] = ()
+    law_y: tuple[float, ...] = ()

@@ -111,11 +111,12 @@ def _count(count: int, x: float, y: float, x_axis: Axis, y_axis: Axis) -> str:
 
 def trust_charts(review: StudyReview) -> str:
     """Draw mismatch, lengthscale, query cost, and the twin's error before and after correction."""
-    charts = [_mismatch_chart(review), _allowed_chart(review), _error_chart(review)]
+    charts = [mismatch_chart(review), _allowed_chart(review), error_chart(review)]
     return columns(*charts, style="three")
 
 
-def _mismatch_chart(review: StudyReview) -> str:
+def mismatch_chart(review: StudyReview) -> str:
+    """Draw the mismatch of the twin over the queries; nothing where no method asked for it."""
     queries, values = mismatch_series(review)
     if not queries.size:
         return ""
@@ -146,7 +147,8 @@ def _allowed_chart(review: StudyReview) -> str:
     )
 
 
-def _error_chart(review: StudyReview) -> str:
+def error_chart(review: StudyReview) -> str:
+    """Draw the twin's error before and after correction; nothing where none was made."""
     x, twin, corrected = error_series(review)
     if not x.size:
         return ""

@@ -33,7 +33,7 @@ def study_first_screen(review: StudyReview, content: Mapping[str, Any]) -> str:
     content : mapping
         Of `study_content`.
     """
-    panel = _responses(review)
+    panel = responses_panel(review)
     numbers = f'<div class="numbers">{_comparison(review, content)}{_facts(review, content)}</div>'
     layout = "first" if panel else "first alone"
     return f'{_head(review, content)}<div class="{layout}">{panel}{numbers}</div>'
@@ -72,19 +72,17 @@ def _head(review: StudyReview, content: Mapping[str, Any]) -> str:
 
 def _lead(review: StudyReview, content: Mapping[str, Any]) -> str:
     counts, parts = content["counts"], []
-    for source, what in (("IS2", "runs of the twin"), ("IS3", "of the corrected twin")):
+    for source, what in (("IS2", "of the twin"), ("IS3", "of the corrected twin")):
         if counts[source]:
             parts.append(f"{marked_count(('counts', source), counts[source])} {what}")
-    stood_in = f"{' and '.join(parts)} were made instead of real ones. " if parts else ""
-    cost = marked_number(("cost",), content["cost"], digits=4)
+    real = marked_count(("counts", "IS1"), counts["IS1"])
+    simulated = marked_count(("simulated",), content["simulated"])
+    which = f" ({', '.join(parts)})" if len(parts) > 1 else ""
     best = review.best
     limits = ""
     if best is not None and review.limits and not review.limits.met(best.metrics):
         limits = " <b>It does not meet the limits; no real run does.</b>"
-    return (
-        f'<p class="lead">{stood_in}All runs together cost as much as {cost} real ones, '
-        f"a run of the twin counted 0.1.{limits}</p>"
-    )
+    return f'<p class="lead">{real} real runs, {simulated} simulated{which}.{limits}</p>'
 
 
 def _state(review: StudyReview) -> tuple[str, str]:
@@ -156,7 +154,8 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
     return f'<ul class="key">{"".join(f"<li>{fact}</li>" for fact in facts)}</ul>'
 
 
-def _responses(review: StudyReview) -> str:
+def responses_panel(review: StudyReview) -> str:
+    """Draw the first and the best real run over the reference; nothing before a run succeeded."""
     best, first = review.best, review.first
     signal = review.file.objective.signal
     if best is None or first is None or signal not in best.recording.signals:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.pages.html_page import paragraph
-from gmfbo.pages.shaded_map import shade_levels, shade_of, shaded_cells
+from gmfbo.pages.shaded_map import shade_levels, shade_of, shade_scale, shaded_cells
 from gmfbo.pages.svg_axis import Axis, LogAxis
 from gmfbo.pages.svg_chart import Line, line_path
 from gmfbo.pages.svg_frame import HIGH, WIDE, framed
@@ -122,13 +122,14 @@ def _map(review: StudyReview) -> str:
         y_axis,
         [],
         title=f"gains that were run: {first.name} against {second.name}",
-        x_label=first.name,
-        y_label=second.name,
+        x_label=_label(review, first),
+        y_label=_label(review, second),
         style="map",
         under=under,
         over=marks,
     )
-    return chart + told
+    scale = "" if found is None else shade_scale(found.objective, found.levels, "objective g [1]")
+    return chart + scale + told
 
 
 def _map_words(found: CostMap | None) -> str:
@@ -136,7 +137,7 @@ def _map_words(found: CostMap | None) -> str:
         return "Too few runs to interpolate the cost between them."
     return (
         f"Shaded: cost of the {SOURCES[found.source]}, interpolated between {found.runs} of its "
-        "runs, from strong (low, good) to faint, as much area of each shade. A real run has the "
+        "runs. The scale has ten shades, each with as much area of the map. A real run has the "
         "shade of its own cost: where it stands out, the twin is wrong."
     )
 
@@ -167,7 +168,7 @@ def _profile(review: StudyReview, column: int) -> str:
         y_axis,
         [line_path(line, x_axis, y_axis)],
         title=f"objective against {gain.name}",
-        x_label=gain.name,
+        x_label=_label(review, gain),
         y_label="objective g [1]",
         over=marks,
     )
@@ -191,6 +192,11 @@ def _legend(review: StudyReview) -> str:
 
 def _best(review: StudyReview) -> Run | None:
     return next((run for run in review.runs if run.trial is review.best), None)
+
+
+def _label(review: StudyReview, gain: Gain) -> str:
+    unit = review.gain_unit(gain.name)
+    return f"{gain.name} [{unit}]" if unit else gain.name
 
 
 def _axis(gain: Gain, start: float, end: float) -> Axis:

@@ -31,11 +31,17 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         "weights": dict(file.objective.weights),
         "limits": dict(file.constraints),
         "gains": {
-            gain.name: {"low": gain.low, "high": gain.high, "scale": gain.scale}
+            gain.name: {
+                "low": gain.low,
+                "high": gain.high,
+                "scale": gain.scale,
+                "unit": review.gain_unit(gain.name),
+            }
             for gain in review.space.gains
         },
         "metrics": {name: review.unit_of(name) for name in review.metrics},
         "counts": {source: len(review.of(source)) for source in ("IS1", "IS2", "IS3")},
+        "simulated": len(review.of("IS2")) + len(review.of("IS3")),
         "earlier": sum(run.role == "earlier" for run in review.runs),
         "queries": review.runs[-1].query,
         "cost": review.runs[-1].cost,

@@ -15,6 +15,7 @@ from gmfbo.errors import StoreError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.metric_units import metric_unit
+from gmfbo.pages.marked_number import unit_text
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
@@ -221,6 +222,17 @@ class StudyReview:
             elif given is None and min(values) < max(values):
                 gains.append(Gain(name, min(values), max(values)))
         return GainSpace(tuple(gains))
+
+    def gain_unit(self, name: str) -> str:
+        """Unit of a gain, for reading; empty where its FMU has none, or none was logged.
+
+        Parameters
+        ----------
+        name : str
+            Of the gain.
+        """
+        begun = self.logged("begin")
+        return unit_text(str(begun[-1].get("units", {}).get(name, ""))) if begun else ""
 
     def points(self, runs: Sequence[Run]) -> Array:
         """Gains of runs in the unit cube, shape (n, d).

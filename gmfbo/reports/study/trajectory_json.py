@@ -17,9 +17,10 @@ from gmfbo.reports.study.review import StudyReview
 Array = NDArray[np.float64]
 
 _MOST_NUMBERS = 280_000
-"""Of all runs, half of them for the most viewed runs: about two megabytes."""
+"""Of all simulated runs, half of them for the most viewed ones: about two megabytes."""
 
-_FEWEST_ROWS = 40
+_FEWEST_ROWS = 40  # of a simulated run
+_REAL_ROWS = 1600  # of a real run: a lowest and a highest point for each pixel of the chart
 _DIGITS = 5
 
 
@@ -44,20 +45,22 @@ def trajectories_json(review: StudyReview) -> str:
     """
     signals = _shown_signals(review)
     scored = [name for name in signals if name == review.file.objective.signal]
-    often = [
-        run.trial
-        for run in review.runs
-        if run.trial.source == "IS1" or run.trial.parent is not None
-    ]
-    known = {trial.number for trial in often}
-    seldom = [run.trial for run in review.runs if run.trial.number not in known]
-    groups = ((often, list(signals)), (seldom, scored))
+    real = [run.trial for run in review.real]
+    simulated = [run.trial for run in review.runs if run.trial.source != "IS1"]
+    often = [trial for trial in simulated if trial.parent is not None]
+    seldom = [trial for trial in simulated if trial.parent is None]
+    names = list(signals)
+    groups = (
+        (real, names, _REAL_ROWS),
+        (often, names, _rows_each(often, names)),
+        (seldom, scored, _rows_each(seldom, scored)),
+    )
     told = {
         "signals": [{"name": name, "unit": unit} for name, unit in signals.items()],
         "reference": _reference(review),
         "runs": {
-            str(trial.number): _run(trial, names, _rows_each(trials, names))
-            for trials, names in groups
+            str(trial.number): _run(trial, shown, most)
+            for trials, shown, most in groups
             for trial in trials
         },
     }
@@ -66,7 +69,7 @@ def trajectories_json(review: StudyReview) -> str:
 
 def _rows_each(trials: Sequence[Trial], names: Sequence[str]) -> int:
     """Most rows of each trial, for times and values of each signal."""
-    numbers = 2 * max(len(names), 1) * len(trials)
+    numbers = 2 * max(len(names), 1) * max(len(trials), 1)
     return max(_MOST_NUMBERS // (2 * numbers), _FEWEST_ROWS)
 
 

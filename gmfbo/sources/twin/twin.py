@@ -199,6 +199,11 @@ class FmuTwin:
         parameters = self._binding.parameters
         return {name: bound.variable.tunable for name, bound in parameters.items()}
 
+    def parameter_units(self) -> Mapping[str, str]:
+        """Unit of each FMU parameter, as its FMU spells it; empty where it has none."""
+        parameters = self._binding.parameters
+        return {name: bound.variable.unit for name, bound in parameters.items()}
+
     def run(
         self,
         gains: Mapping[str, float] | Sequence[float],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -181,7 +182,7 @@ class Study:
                 f"only the end of the [budget] may change; give another 'out'"
             )
 
-    def log_begin(self, store: TrialStore, twins: dict[str, str]) -> None:
+    def log_begin(self, store: TrialStore, twins: dict[str, str], units: Mapping[str, str]) -> None:
         """Log who runs, and refuse to mix runs of different twins in one study.
 
         Parameters
@@ -190,6 +191,8 @@ class Study:
             Open for writing.
         twins : dict of str to str
             Content hash by source.
+        units : mapping of str to str
+            Unit of each gain; empty where it has none.
 
         Raises
         ------
@@ -206,7 +209,7 @@ class Study:
                     "back, or give another 'out'"
                 )
         origin = os.path.relpath(self.origin.resolve(), self.location.resolve())
-        store.log("begin", origin=Path(origin).as_posix(), twins=twins)
+        store.log("begin", origin=Path(origin).as_posix(), twins=twins, units=dict(units))
 
     def _last(self, event: str) -> dict[str, Any] | None:
         logged = self._logged(event)

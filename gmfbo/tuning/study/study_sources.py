@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -19,6 +19,7 @@ from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.space import GainSpace
 from gmfbo.tuning.experiment.loop_margins import COMMAND_PORT, FINER
+from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import PlantSection, StudyFile
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ class StudySources:
         Box of the twin file; None where the twin is the user's own source.
     parameters : tuple of str
         All FMU parameters of the twin; empty where it is the user's own source.
+    units : mapping of str to str
+        Unit of each of them, as the FMU spells it.
     reference_unit : str
         SI unit of the reference; empty where unknown.
     reading : SignalReading or None
@@ -64,6 +67,7 @@ class StudySources:
     change_after: int | None = None
     gains: GainSpace | None = None
     parameters: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
     reference_unit: str = ""
     reading: SignalReading | None = None
     command: str | None = None
@@ -129,6 +133,16 @@ class StudySources:
                 **facts,
             )
 
+    def units_of(self, gains: GainChoice) -> dict[str, str]:
+        """Unit of each gain, as the twin's FMU spells it; empty where it has none.
+
+        Parameters
+        ----------
+        gains : GainChoice
+            Tuned and fixed ones.
+        """
+        return {name: self.units.get(name, "") for name in (*gains.space.names, *gains.fixed)}
+
     def real(self, runs_before: int) -> Source | None:
         """Source of the next real run.
 
@@ -155,12 +169,13 @@ class StudySources:
 
 def _facts_of(twin: FmuTwin, study: StudyFile) -> dict[str, Any]:
     """What only an FMU twin knows: its box, its parameters, and which outputs are which states."""
-    signal = twin.signal_specs().get(study.reference.signal)
+    signal, units = twin.signal_specs().get(study.reference.signal), twin.parameter_units()
     names = {entry.variable: name for name, entry in twin.file.outputs.items()}
     states = {state: names.get(variable) for state, variable in twin.file.states.items()}
     return {
         "gains": twin.gains,
-        "parameters": tuple(twin.parameter_tunable()),
+        "parameters": tuple(units),
+        "units": units,
         "reference_unit": signal.unit if signal else "",
         "command": states.get("command"),
         "velocity": states.get("velocity"),

@@ -30,6 +30,7 @@ from tests.diagnosis.example_diagnoses import (
     too_little,
     too_narrow,
     weak,
+    with_law,
 )
 from tests.pages.page_text import PageText, at_path, rounds_to
 
@@ -140,9 +141,44 @@ def test_a_number_stays_on_the_line_of_its_unit(text: str, whole: str) -> None:
     assert unbroken(text).replace("\u00a0", " ") == text
 
 
-def test_a_verdict_that_nothing_is_missing_says_what_would_have_shown() -> None:
+def test_a_verdict_that_nothing_is_missing_says_what_was_looked_for() -> None:
     page = diagnosis_page(nothing())
-    assert re.search(r"<b>Would have shown</b>: backlash from <data [^>]+>810</data>\xa0µrad", page)
+    told = r"<b>Looked for, and not found</b>: backlash from <data [^>]+>810</data>\xa0µrad"
+    assert re.search(told, page)
+
+
+def test_the_named_law_is_drawn_over_the_curve_on_an_axis_of_both() -> None:
+    page = diagnosis_page(with_law())
+    drawn = page[page.index('<div class="chart shape"') :]
+    ends = re.search(r'data-y="(\S+) (\S+)"', drawn)
+    latent = with_law().latent
+    assert ends is not None
+    assert latent is not None
+    (low, high), curve, law = map(float, ends.groups()), latent.y, latent.law_y
+    assert low < min(*curve, *law) < max(*curve, *law) < high
+    # The band at an end that the motion hardly reaches is a hundred times as wide.
+    assert high - low < 2.0 * (max(*curve, *law) - min(*curve, *law))
+    assert 'class="line law-line"' in drawn
+    assert "named law: coulomb friction" in page
+    assert 'class="line law-line"' not in diagnosis_page(outside())
+
+
+def test_no_word_of_the_engine_is_left_unexplained() -> None:
+    page = re.sub(r"<script.*?</script>", "", diagnosis_page(with_law()), flags=re.DOTALL)
+    for word in ("named from 30", "What would have shown", "<td>cut", "<td>held", ">evidence<"):
+        assert word not in page
+
+
+def test_a_recording_among_many_keeps_its_curve() -> None:
+    """However many are shown: a point for each pixel of the chart, not a polygon."""
+    many = tuple(
+        replace(curve, recording=f"rec{k}.csv") for k in range(30) for curve in friction().curves
+    )
+    page = diagnosis_page(replace(friction(), curves=many))
+    paths = re.findall(r'<path class="line recorded" d="([^"]+)"', page)
+    paths = [path for path in paths if "L" in path]  # not those of legends
+    assert len(paths) == 60
+    assert min(path.count("L") for path in paths) > 600
 
 
 def evil() -> Diagnosis:

@@ -17,6 +17,7 @@ from tests.diagnosis.example_diagnoses import (
     parameters,
     rivals,
     too_little,
+    with_law,
 )
 from tests.pages.headless_browser import NO_BROWSER, Browser, browser_path
 
@@ -175,3 +176,24 @@ def test_dark_and_light_are_different_pictures(browser: Browser) -> None:
     page = diagnosis_page(friction())
     dark = browser.picture(page, WIDE, HIGH, "--blink-settings=preferredColorScheme=0")
     assert dark != browser.picture(page, WIDE, HIGH)
+
+
+CLIPPED = """const cut = (root) => [...root.querySelectorAll(".scroll,.legend,.law")]
+    .filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent);
+  const frame = document.createElement("iframe");
+  const own = document.documentElement.outerHTML.replace(/<script>[^]*?<\\/script>/g, "");
+  frame.style.cssText = "width:480px;height:800px;border:0";
+  document.body.replaceChildren(frame);
+  frame.contentDocument.write(own);
+  return cut(frame.contentDocument)"""
+
+
+@pytest.mark.parametrize("made", [with_law(), rivals(), nothing()], ids=["law", "rivals", "none"])
+def test_no_table_is_cut_off_at_480_pixels(browser: Browser, made: Diagnosis) -> None:
+    assert browser.ask(diagnosis_page(made), CLIPPED, WIDE, HIGH)["told"] == []
+
+
+def test_control_a_table_that_stays_wide_is_cut_off(browser: Browser) -> None:
+    page = re.sub(r'class="[^"]*\bstack"', "", diagnosis_page(with_law()))
+    page = page.replace("tbody th{white-space:normal}", "")
+    assert browser.ask(page, CLIPPED, WIDE, HIGH)["told"] != []

@@ -237,6 +237,7 @@ def test_a_file_of_version_0_1_is_read_only_where_that_is_asked(tmp_path: Path) 
 
 def test_a_shape_has_the_published_names() -> None:
     names = ["port", "against", "x", "y", "y_low", "y_high", "unit_x", "unit_y"]
+    names += ["law", "law_x", "law_y"]  # empty where no law stands for the shape
     assert list(json.loads(outside().to_json())["shape"]) == names
 
 
