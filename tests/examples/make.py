@@ -19,7 +19,7 @@ from gmfbo import FmuTwin, Recording, models_folder
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "notebooks" / "examples"
 SAMPLE_S = 1e-3
-AXIS = {"inertia": 0.0105, "viscous": 0.05, "encoder.noise": 3e-5}
+AXIS = {"inertia": 0.0105, "viscous": 0.05, "encoder.counts": 0.0, "encoder.noise": 3e-5}
 """The twin has an inertia of 0.01 kg m2, and 0.05 N m s/rad."""
 
 FRICTION = {"friction.forward": 0.2, "friction.backward": 0.2}
@@ -72,7 +72,7 @@ def record(
     return run.signals["position"], run.signals["torque_command"]
 
 
-def sine(hertz: float, seconds: float = 2.5) -> NDArray[np.float64]:
+def sine(hertz: float, seconds: float = 1.5) -> NDArray[np.float64]:
     """[rad] Sine of 0.4 rad."""
     return 0.4 * np.sin(2.0 * np.pi * hertz * SAMPLE_S * np.arange(round(seconds / SAMPLE_S)))
 
@@ -132,7 +132,7 @@ def write_logs(folder: Path) -> None:
         log = servo_log(sine(hertz), seed=number)
         (folder / f"run{number}.csv").write_text(log, encoding="utf-8")
     for number, hertz in enumerate((0.6, 1.3)):
-        log = vendor_log(sine(hertz, 2.0), seed=10 + number)
+        log = vendor_log(sine(hertz), seed=10 + number)
         (folder / "vendor" / f"log{number}.csv").write_text(log, encoding="utf-8")
 
 

@@ -69,7 +69,7 @@ def test_every_file_is_told_in_the_readme_beside_them(tour: Path) -> None:
 
 
 def test_recordings_and_study_load_as_they_are(tour: Path) -> None:
-    assert Recording.read(tour / "run0.csv").time.size == 2500
+    assert Recording.read(tour / "run0.csv").time.size == 1500
     study = Study.read(tour / "joint.toml")
     assert study.location == tour / "joint.study"
 
