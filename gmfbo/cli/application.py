@@ -17,7 +17,7 @@ from gmfbo.cli import demo, examples
 from gmfbo.cli.diagnosis import check, compensate, diagnose, experiment
 from gmfbo.cli.manual import EXITS, Manual, ManualCommand, ManualGroup, definitions
 from gmfbo.cli.tuning import ask, compare, export, methods, repair, report, tell, tune, watch
-from gmfbo.cli.twins import build, columns, import_, inspect, simulate
+from gmfbo.cli.twins import build, columns, import_, init, inspect, simulate
 from gmfbo.cli.twins.many_values import ManyValuesCommand
 from gmfbo.errors import GmfboError
 from gmfbo.interrupt import unwrapped_interrupt
@@ -61,6 +61,7 @@ _COMMANDS: dict[str, tuple[Callable[..., None], Manual]] = {
     "demo": (demo.demo, demo.MANUAL),
     "examples": (examples.examples, examples.MANUAL),
     "inspect": (inspect.inspect, inspect.MANUAL),
+    "init": (init.init, init.MANUAL),
     "import": (import_.import_, import_.MANUAL),
     "simulate": (simulate.simulate, simulate.MANUAL),
     "tune": (tune.tune, tune.MANUAL),

@@ -138,7 +138,11 @@ def _cases(
     )
     closing.callback(case.simulations.close)
     case.notes.extend(dict.fromkeys((*given.notes, *held_out.notes)))
-    case.notes.extend(dict.fromkeys(f"{m.recording}: {m.what}: {m.without}" for m in missing))
+    case.notes.extend(
+        dict.fromkeys(
+            f"{m.recording}: {m.what}: {m.without}; gmfbo columns maps it" for m in missing
+        )
+    )
     not_compared = tuple(dict.fromkeys(f"{m.signal} ({m.recording}: {m.what})" for m in missing))
     if gain is not None:
         case.notes.append(gain.note)

@@ -1,4 +1,6 @@
-"""Commands about twins and recordings: build, import, inspect, columns, simulate.
+"""Commands about twins and recordings: build, import, init, inspect, columns, simulate.
 
-Each module holds one command; `many_values.ManyValuesCommand` takes several files after one flag.
+Each module holds one command; `column_options` has the options by which a person maps columns,
+`init_questions.answered` asks for them at a terminal, `many_values.ManyValuesCommand` takes
+several files after one flag.
 """

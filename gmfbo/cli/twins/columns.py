@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,8 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gmfbo.cli.arguments import TwinFile
-from gmfbo.cli.completion import dialects, presets
 from gmfbo.cli.manual import Manual
+from gmfbo.cli.twins.column_options import (
+    DialectName,
+    PresetName,
+    SampleTime,
+    Settings,
+    check_dialect,
+    column_settings,
+    counted_rows,
+)
 from gmfbo.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
@@ -19,18 +26,19 @@ if TYPE_CHECKING:
     from gmfbo.recordings.columns.columns import Column, RecordedColumns
     from gmfbo.sources.twin.twin import FmuTwin
 
-_REFERENCE = re.compile(r"ref|set_?(point|pos|val)|target|soll|desired", re.IGNORECASE)
 _TYPO = 0.75  # likeness from which a name is a slip: one letter in four
-_MEASURED = re.compile(r"act|ist|meas|feedback|fb", re.IGNORECASE)
 
 
 MANUAL = Manual(
-    files={"FILE": "of --save: the mapping, for the line 'columns = ...' of a twin file"},
+    files={
+        "FILE": "of --save: [columns] of the twin file, if FILE is TWIN; else the mapping in a "
+        "file of its own, for the line 'columns = ...' of several twin files"
+    },
     examples={
         "What is in a file:": "gmfbo columns axis.toml log.csv",
-        "Of a VESC:": "gmfbo columns axis.toml vesc.csv --preset vesc --save vesc.toml",
+        "Of a VESC:": "gmfbo columns axis.toml vesc.csv --preset vesc --save axis.toml",
         "Say what it is, and keep it:": (
-            "gmfbo columns axis.toml log.csv --set 'position=Pos [deg]' --save log.toml"
+            "gmfbo columns axis.toml log.csv --set 'position=Pos [deg]' --save axis.toml"
         ),
     },
     see_also=("gmfbo check", "notebooks/docs/recordings.md", "notebooks/docs/studies.md"),
@@ -40,52 +48,31 @@ MANUAL = Manual(
 def columns(
     twin: TwinFile,
     recording: Annotated[Path, typer.Argument(metavar="REC", help="Recording of the logger.")],
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=COLUMN",
-            help="Signal and its column, 'position=ActPos [deg]'; may be repeated.",
-        ),
-    ] = None,
-    dialect: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="How a text file is written: auto, plain, decimal_comma, twincat_scope.",
-            autocompletion=dialects,
-        ),
-    ] = None,
-    sample_time: Annotated[
-        float | None,
-        typer.Option(metavar="SECONDS", help="Time between two rows, where the file has no clock."),
-    ] = None,
-    preset: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Columns of a known logger: halsampler, odrive, twincat_scope, vesc.",
-            autocompletion=presets,
-        ),
-    ] = None,
+    set_: Settings = None,
+    dialect: DialectName = None,
+    sample_time: SampleTime = None,
+    preset: PresetName = None,
     save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the mapping to this .toml file.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the mapping to this .toml file; TWIN itself too."),
     ] = None,
 ) -> None:
     """Show which column of a recording is which signal of a twin.
 
     With the unit of each column and its range [that unit]. --preset fills in a known logger's
-    columns, --set corrects it, --save keeps it for the next recordings; one line in the twin
-    file then names the saved file.
+    columns, --set corrects it, --save keeps it for the next recordings: in the twin file itself,
+    whose other lines stay, or in a file that a line of the twin file then names.
     """
     from gmfbo.recordings.columns.column_mapping import ColumnMapping
     from gmfbo.recordings.reader import read_columns
     from gmfbo.sources.twin.twin import FmuTwin
 
     _check_options(dialect, save)
+    if save is not None:
+        _check_target(save, twin)
     with FmuTwin(twin) as source:
         given = source.column_mapping()
-        settings = {**_settings(set_ or []), **_counted_rows(sample_time)}
+        settings = {**column_settings(set_ or []), **counted_rows(sample_time)}
         mapping = ColumnMapping({**given.columns, **settings}, dialect or given.dialect)
         file = read_columns(recording, mapping.dialect, _words(source, mapping), every=True)
         _check_settings(settings, source, file)
@@ -113,7 +100,7 @@ def _print_all(
     guesses: Mapping[str, str],
 ) -> None:
     clock = "" if mapping.sample_time else found.get("time") or _clock_name(file)
-    _print_columns(file, {clock: "time", **_by_column(found)}, guesses)
+    print_columns(file, {clock: "time", **_by_column(found)}, guesses)
     if mapping.sample_time:
         typer.echo(f"time: a row each {mapping.sample_time:g} s, as stated")
     _print_missing(source, found, file, timed=bool(clock or mapping.sample_time))
@@ -155,26 +142,9 @@ def _print_notes(source: FmuTwin, recording: Path, mapping: ColumnMapping) -> No
 
 
 def _check_options(dialect: str | None, save: Path | None) -> None:
-    from gmfbo.recordings.columns.column_mapping import DIALECTS
-
-    if dialect is not None and dialect not in DIALECTS:
-        raise InputError(f"--dialect: no dialect '{dialect}'" + did_you_mean(dialect, DIALECTS))
+    check_dialect(dialect)
     if save is not None and save.suffix.lower() != ".toml":
         raise InputError(f"--save: expected a file ending in .toml, got '{save}'")
-
-
-def _settings(texts: list[str]) -> dict[str, MappedColumn]:
-    from gmfbo.recordings.columns.column_mapping import MappedColumn
-    from gmfbo.recordings.csv.header import split_unit
-
-    settings = {}
-    for text in texts:
-        name, equals, column = (part.strip() for part in text.partition("="))
-        if not (equals and name and column):
-            raise InputError(f"--set: expected NAME=COLUMN, such as position=ActPos, got '{text}'")
-        plain, unit = split_unit(column)
-        settings[name] = MappedColumn(plain, unit)
-    return settings
 
 
 def _check_settings(
@@ -192,16 +162,6 @@ def _check_names(settings: Mapping[str, MappedColumn], source: FmuTwin) -> None:
     for name in settings:
         if name not in known and get_close_matches(name.lower(), map(str.lower, known), 1, _TYPO):
             raise InputError(f"--set: the twin has no '{name}'" + did_you_mean(name, known))
-
-
-def _counted_rows(sample_time: float | None) -> dict[str, MappedColumn]:
-    from gmfbo.recordings.columns.column_mapping import MappedColumn
-
-    if sample_time is None:
-        return {}
-    if not 0.0 < sample_time < float("inf"):
-        raise InputError(f"--sample-time: expected seconds above 0, got {sample_time:g}")
-    return {"time": MappedColumn("", sample_time=sample_time)}
 
 
 def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
@@ -245,28 +205,14 @@ def _found(source: FmuTwin, mapping: ColumnMapping, file: RecordedColumns) -> di
 
 
 def _guesses(source: FmuTwin, found: Mapping[str, str], file: RecordedColumns) -> dict[str, str]:
-    """Free columns whose last word resembles a signal's name."""
+    """Columns that are likely signals, where one is likelier than all others."""
+    from gmfbo.recordings.columns.column_guesses import guess_columns
+
     taken = {*found.values(), _clock_name(file)}
-    free = [c.name for c in file.columns if c.name not in taken and not c.fault]
-    guesses: dict[str, str] = {}
-    for name in source.signal_specs():
-        likely = [column for column in free if name not in found and _alike(name, column)]
-        measured = [column for column in likely if _MEASURED.search(_last_word(column))]
-        for choice in (likely, measured):
-            if len(choice) == 1 and choice[0] not in guesses.values():
-                guesses.setdefault(name, choice[0])
-    return guesses
-
-
-def _last_word(column: str) -> str:
-    """`MAIN.fbAxis.fActPos` is fActPos."""
-    return re.split(r"[./:\\]", column)[-1]
-
-
-def _alike(name: str, column: str) -> bool:
-    if name == "reference":
-        return _REFERENCE.search(_last_word(column)) is not None
-    return name.lower()[:3] in _last_word(column).lower() and not _REFERENCE.search(column)
+    free = [c for c in file.columns if c.name not in taken and not c.fault]
+    wanted = {name: spec for name, spec in source.signal_specs().items() if name not in found}
+    guesses = guess_columns(wanted, free)
+    return {name: g.columns[0] for name, g in guesses.items() if len(g.columns) == 1}
 
 
 def _clock_name(file: RecordedColumns) -> str:
@@ -283,9 +229,20 @@ def _by_column(found: Mapping[str, str]) -> dict[str, str]:
     return {column: name for name, column in found.items()}
 
 
-def _print_columns(
+def print_columns(
     file: RecordedColumns, names: Mapping[str, str], guesses: Mapping[str, str]
 ) -> None:
+    """Print the columns of a file with unit and range [that unit], and what they are.
+
+    Parameters
+    ----------
+    file : RecordedColumns
+        The file.
+    names : mapping of str to str
+        Signals by column.
+    guesses : mapping of str to str
+        Columns by signal that are only guessed.
+    """
     maybe = _by_column(guesses)
     rows = len(file.columns[0].values) if file.columns else 0
     typer.echo(f"{file.label}: {len(file.columns)} columns, {rows} rows")
@@ -329,20 +286,61 @@ def _save(
     found: Mapping[str, str],
     guesses: Mapping[str, str],
 ) -> None:
-    from gmfbo.files.durable import cause, write_whole
     from gmfbo.recordings.columns.column_mapping import MappedColumn
     from gmfbo.sources.twin_file.column_file import column_file_text
 
     entries = {name: MappedColumn(column) for name, column in found.items() if name != column}
     entries.update(mapping.columns)
+    if _is_twin(save, twin):
+        _write(save, _with_columns(twin, entries, mapping.dialect, guesses))
+        typer.echo(f"written: [columns] of {twin}")
+        return
     story = f"Columns of {recording.name}, for {twin.name}"
-    text = column_file_text(entries, mapping.dialect, guesses, story)
-    try:
-        write_whole(save, text.encode("utf-8"))
-    except OSError as error:
-        raise InputError(f"--save: cannot write '{save}': {cause(error)}") from None
+    _write(save, column_file_text(entries, mapping.dialect, guesses, story))
     typer.echo(f"written: {save}; to use it, put this line above the tables of {twin}:")
     typer.echo(f'columns = "{_relative(save, twin)}"')
+
+
+def _with_columns(
+    twin: Path, entries: Mapping[str, MappedColumn], dialect: str, guesses: Mapping[str, str]
+) -> str:
+    """Text of the twin file with these columns; it loads."""
+    from gmfbo.sources.twin_file.columns_in_twin import with_columns
+    from gmfbo.sources.twin_file.twin_file import TwinFile
+
+    # As bytes, since reading as text would change the line ends of the whole file.
+    text = with_columns(twin.read_bytes().decode("utf-8"), entries, dialect, guesses)
+    TwinFile.parse(text, twin.name, twin.parent)
+    return text
+
+
+def _is_twin(save: Path, twin: Path) -> bool:
+    return save.exists() and save.samefile(twin)
+
+
+def _check_target(save: Path, twin: Path) -> None:
+    """Refuse a file that would be lost: one that is there and holds no column mapping."""
+    from gmfbo.errors import TwinFileError
+    from gmfbo.sources.twin_file.column_file import ColumnFile
+
+    if not save.exists() or _is_twin(save, twin):
+        return
+    try:
+        ColumnFile.read(save)
+    except TwinFileError as error:
+        raise InputError(
+            f"--save: '{save}' is there and would be lost, since it is no column mapping: {error}; "
+            f"give a new name, or {twin} itself"
+        ) from None
+
+
+def _write(path: Path, text: str) -> None:
+    from gmfbo.files.durable import cause, write_whole
+
+    try:
+        write_whole(path, text.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"--save: cannot write '{path}': {cause(error)}") from None
 
 
 def _relative(save: Path, twin: Path) -> str:

@@ -27,6 +27,7 @@ MANUAL = Manual(
     },
     exits={0: "done, also where it cannot run here"},
     see_also=(
+        "gmfbo init",
         "gmfbo simulate",
         "gmfbo import",
         "notebooks/docs/fmus.md",

@@ -94,7 +94,10 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
     if not recorded.signals.keys() - source.file.inputs.keys():
         return []  # a reference alone: there is nothing to compare
     missing = missing_signals(source, [recorded])
-    lines = [f"{m.recording}: {m.what}; {m.signal} is not compared" for m in missing]
+    lines = [
+        f"{m.recording}: {m.what}; {m.signal} is not compared, unless 'gmfbo columns' maps it"
+        for m in missing
+    ]
     return lines + list(filter(None, [contradiction(source, recorded, run)]))
 
 

@@ -126,8 +126,8 @@ def find_clock(label: str, columns: tuple[Column, ...]) -> Column:
     names = ", ".join(column.name for column in columns[:8])
     raise RecordingError(
         f"{label}: expected a column 'time' or 't', or one in [s] or [ms], got columns {names}; "
-        "name the clock 'time'; where there is none, state [columns] time = { sample_time = 1e-3 } "
-        "in the twin file"
+        "say which is the clock with 'gmfbo columns'; where there is none, state "
+        "[columns] time = { sample_time = 1e-3 } in the twin file"
     )
 
 

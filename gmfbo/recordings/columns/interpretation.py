@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from gmfbo.recordings.columns.signal import SignalReading, SignalSpec
 
 
+_MAPPED = "; 'gmfbo columns' shows the file's columns and maps them"
+
+
 @dataclass
 class _Reading:
     signals: dict[str, NDArray[np.float64]] = field(default_factory=dict)
@@ -168,6 +171,7 @@ def _read_signals(
                 raise file.refuse(
                     f"no column '{spec.column}' for signal '{name}'"
                     + did_you_mean(spec.column, columns)
+                    + _MAPPED
                 )
             continue
         if column.fault:
@@ -190,6 +194,7 @@ def _read_signals(
         raise file.refuse(
             f"expected columns for the twin's signals ({', '.join(wanted)}), got none of them"
             + did_you_mean(wanted[0], columns)
+            + _MAPPED
         )
     for name in taken:
         del columns[name]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.recordings.columns.columns import Column, RecordedColumns
 from gmfbo.units import number, parse_unit
@@ -44,30 +45,59 @@ def check_spacing(file: RecordedColumns, clock: Column, name: str, step: float) 
     RecordingError
         The message names the likely unit, and the line that states it.
     """
-    # Rows of one instant are read as one.
-    recorded = clock.values[np.append(True, np.diff(clock.values) != 0.0)]
+    likely = mistaken_time_unit(clock, step)
     unit = parse_unit(clock.unit or "s")
-    if recorded.size < 2 or unit is None:
+    if likely is None or unit is None:
         return
-    time, apart = unit.to_si(recorded), float(np.median(np.diff(recorded)))
+    time = unit.to_si(_instants(clock))
     spacing, duration = float(np.median(np.diff(time))), float(time[-1] - time[0])
-    # A step of 1 ms that was written as 0.99 ms is no other number of steps.
-    far = spacing > 1.01 * _MOST_STEPS * step
-    close = duration < _FEWEST_STEPS * step and time.size >= _LEAST_ROWS
-    if not (far or close):
-        return
-    likely = _likely(apart, step)
-    if math.isclose(spacing, apart * _UNITS[likely]):
-        return
     steps = round(spacing / step)
     seen = f"rows {spacing:,.9g} s apart, {steps:,} steps of the twin each"
-    if close:
+    if _is_close(time, step):
         seen = f"{time.size:,} rows in {number(duration / step)} steps of the twin"
     stated = clock.unit or "s"
     raise file.refuse(
         f'{seen}; is the time in {likely}? write time = {{ column = "{name}", unit = "{likely}" }} '
         f'in [columns] of the twin file, or unit = "{stated}" there if it is right'
     )
+
+
+def mistaken_time_unit(clock: Column, step: float) -> str | None:
+    """Unit in which a clock probably is, where rows contradict the one that it states.
+
+    Parameters
+    ----------
+    clock : Column
+        Times as they were recorded, increasing or equal; seconds where it states no unit.
+    step : float
+        [s] Communication step of the twin.
+
+    Returns
+    -------
+    str or None
+        None where the stated unit may be right.
+    """
+    recorded = _instants(clock)
+    unit = parse_unit(clock.unit or "s")
+    if recorded.size < 2 or unit is None:
+        return None
+    time, apart = unit.to_si(recorded), float(np.median(np.diff(recorded)))
+    spacing = float(np.median(np.diff(time)))
+    # A step of 1 ms that was written as 0.99 ms is no other number of steps.
+    if not (spacing > 1.01 * _MOST_STEPS * step or _is_close(time, step)):
+        return None
+    likely = _likely(apart, step)
+    return None if math.isclose(spacing, apart * _UNITS[likely]) else likely
+
+
+def _instants(clock: Column) -> NDArray[np.float64]:
+    """Times of the rows; rows of one instant are read as one."""
+    return clock.values[np.append(True, np.diff(clock.values) != 0.0)]
+
+
+def _is_close(time: NDArray[np.float64], step: float) -> bool:
+    """Whether many rows lie within a few steps."""
+    return bool(time[-1] - time[0] < _FEWEST_STEPS * step and time.size >= _LEAST_ROWS)
 
 
 def _likely(spacing: float, step: float) -> str:

@@ -20,7 +20,11 @@ _INERTIA = ("kg", "kg.m2")
 _VISCOUS = ("N.s/m", "N.m.s/rad")
 
 _ADDED = re.compile(r"\b(port|dist\w*|noise|offset|fault|extern\w*|added)\b", re.IGNORECASE)
-_REFERENCE = re.compile(r"(^|\b|_)(ref\w*|set_?point|target|desired|goal)", re.IGNORECASE)
+_REFERENCE = re.compile(
+    r"(^|\b|_)(ref\w*|set_?point|set(\b|_)|soll|target|desired|goal)"
+    r"|(?-i:(?<=[a-z0-9])(Ref|Set|Soll|Target)(?![a-z]))",  # phiRef, posSet
+    re.IGNORECASE,
+)
 _COMMAND = re.compile(r"command|cmd|voltage|duty|current|amplifier", re.IGNORECASE)
 _SENSOR = re.compile(r"sensor|enc|measur|reading", re.IGNORECASE)
 _LOAD = re.compile(r"\bload\b|\bload[._ ](torque|force)\b", re.IGNORECASE)
@@ -154,7 +158,7 @@ def _port_of(variable: FmuVariable) -> str:
 
 def _driven(inputs: Sequence[FmuVariable]) -> tuple[list[FmuVariable], list[FmuVariable]]:
     """Inputs that a recording drives, and inputs left at their start value."""
-    references = [v for v in inputs if _REFERENCE.search(v.name)]
+    references = [v for v in inputs if is_reference(v)]
     # Inputs of velocity and torque are feed-forwards, which are zero in many recordings.
     positions = [v for v in references if _has_unit(v, _WAY)]
     # Exporters offer constants as inputs: a spring rate that begins at 1 is no signal.
@@ -164,7 +168,7 @@ def _driven(inputs: Sequence[FmuVariable]) -> tuple[list[FmuVariable], list[FmuV
 
 def _drive(driven: Sequence[FmuVariable]) -> FmuVariable | None:
     """Input that drives a plant without a controller."""
-    if any(_REFERENCE.search(v.name) for v in driven):
+    if any(is_reference(v) for v in driven):
         return None
     return next((v for v in driven if _has_unit(v, (*_FORCE, "A", "V"))), None)
 
@@ -186,7 +190,7 @@ def _states(
             break
     if "command" not in found and "current" not in found:
         forces = [v for v in outputs if _has_unit(v, _FORCE) and v not in found.values()]
-        if forces and not any(_REFERENCE.search(v.name) for v in driven):
+        if forces and not any(is_reference(v) for v in driven):
             yield Guess("command", forces[0], f"the only force{_unit_words(forces[0])}")
 
 
@@ -208,6 +212,11 @@ def _inertia(parameters: Sequence[FmuVariable], states: Sequence[Guess]) -> Iter
     fitting.sort(key=lambda v: not re.search("load", v.name, re.IGNORECASE))
     if fitting:
         yield Guess("inertia", fitting[0], f"the unit {fitting[0].unit}")
+
+
+def is_reference(variable: FmuVariable) -> bool:
+    """Whether a variable's name is that of a set point."""
+    return _REFERENCE.search(variable.name) is not None
 
 
 def _is_gain(variable: FmuVariable) -> bool:

@@ -8,6 +8,12 @@ from typing import TYPE_CHECKING
 
 from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, is_text_parameter
 from gmfbo.sources.inspection.role_guesses import Guess, Guesses, guess_roles
+from gmfbo.sources.inspection.variable_lines import (
+    choices,
+    described,
+    range_lines,
+    written_start,
+)
 from gmfbo.sources.twin_file.toml_lines import bare_key, free_key, toml_table, toml_text
 
 if TYPE_CHECKING:
@@ -53,7 +59,7 @@ def starting_twin_file(report: FmuReport) -> str:
             "parameters",
             "values over the FMU's own; remove the # to change one",
             (
-                _line(v, f"# {toml_text(v.name)} = {_start(v)}", _choices(v))
+                described(v, f"# {toml_text(v.name)} = {written_start(v)}", choices(v))
                 for v in report.parameters
                 if is_text_parameter(v) or (v.value_type is not None and v.start is not None)
             ),
@@ -68,12 +74,14 @@ def _guessed(guesses: Guesses) -> Iterator[str]:
     """Tables by guesses, all of whose lines are comments."""
     story = "guesses, remove the # where one is right"
     yield toml_table(
-        "gains", f"what tuning may move = [low, high]; {story}", _ranges(guesses.gains)
+        "gains",
+        f"what tuning may move = [low, high]; {story}",
+        _commented(range_lines(guesses.gains)),
     )
     yield toml_table(
         "uncertain",
         f"known only roughly = [low, high], refitted before any physics is claimed; {story}",
-        _ranges(guesses.uncertain),
+        _commented(range_lines(guesses.uncertain)),
     )
     for name, means, entries in (
         ("ports", "FMU inputs where left-out physics may act", guesses.ports),
@@ -85,6 +93,10 @@ def _guessed(guesses: Guesses) -> Iterator[str]:
             f"{means}; {story}",
             (f"# {g.key} = {toml_text(g.variable.name)}  # guess: {g.why}" for g in entries),
         )
+
+
+def _commented(lines: Iterable[str]) -> Iterator[str]:
+    return (f"# {line}" for line in lines)
 
 
 def _controller(report: FmuReport, guesses: Guesses) -> str:
@@ -112,6 +124,8 @@ def _controller(report: FmuReport, guesses: Guesses) -> str:
 def _head(report: FmuReport, step: float) -> str:
     stated = "" if report.default_step else ", a guess: the FMU states none"
     return (
+        "# A skeleton. With a log of the axis, 'gmfbo init FMU LOG --out DIR' writes one that is "
+        "checked.\n"
         f"name = {toml_text(report.name)}\n"
         f"fmu = {toml_text(Path(report.path).name)}\n"
         f"step = {step!r}  # [s] communication step{stated}\n"
@@ -121,52 +135,10 @@ def _head(report: FmuReport, step: float) -> str:
 def _signals(variables: Iterable[FmuVariable], taken: set[str]) -> Iterator[str]:
     for variable in variables:
         name = free_key(bare_key(variable.name), taken)
-        yield _line(variable, f"{name} = {toml_text(variable.name)}")
+        yield described(variable, f"{name} = {toml_text(variable.name)}")
 
 
 def _local_signals(guesses: Iterable[Guess], taken: set[str]) -> Iterator[str]:
     for guess in guesses:
         name = free_key(guess.key, taken)
         yield f"# {name} = {toml_text(guess.variable.name)}  # guess: {guess.why}"
-
-
-def _ranges(parameters: Iterable[FmuVariable]) -> Iterator[str]:
-    for variable in parameters:
-        assert variable.start is not None
-        low, high = sorted((0.5 * variable.start, 2.0 * variable.start))
-        low = low if variable.minimum is None else max(low, variable.minimum)
-        high = high if variable.maximum is None else min(high, variable.maximum)
-        if low < high:
-            yield _line(variable, f"# {toml_text(variable.name)} = [{low!r}, {high!r}]")
-
-
-def _line(variable: FmuVariable, entry: str, more: str = "") -> str:
-    unit = f"[{variable.unit}]" if variable.unit else ""
-    words = " ".join(part for part in (unit, more, variable.description) if part)
-    return f"{entry}  # {' '.join(words.split())}" if words else entry
-
-
-def _start(variable: FmuVariable) -> str:
-    """Start value in the words of its type."""
-    if variable.type == "String":
-        return toml_text(variable.start_text)
-    if variable.type == "Boolean":
-        return "true" if variable.start else "false"
-    names = {value: name for name, value in variable.items}
-    if variable.start in names:
-        return toml_text(names[int(variable.start)])
-    return repr(variable.start)
-
-
-def _choices(variable: FmuVariable) -> str:
-    if not variable.items:
-        return _bounds(variable)
-    return "one of " + ", ".join(f"{name}={value}" for name, value in variable.items)
-
-
-def _bounds(variable: FmuVariable) -> str:
-    if variable.minimum is None and variable.maximum is None:
-        return ""
-    low = "-inf" if variable.minimum is None else f"{variable.minimum:g}"
-    high = "inf" if variable.maximum is None else f"{variable.maximum:g}"
-    return f"{low} to {high};"

@@ -70,7 +70,7 @@ def input_columns(
         have = ", ".join(recording.signals) or "none"
         raise RecordingError(
             f"{label}: expected at least one signal of [inputs] ({', '.join(inputs)}) to drive "
-            f"'{binding.file.name}', it holds {have}"
+            f"'{binding.file.name}', it holds {have}; 'gmfbo columns' maps its columns"
         )
     for name in present:
         _check_unit(binding, recording, name, label)

@@ -163,15 +163,18 @@ def column_file_text(
     """
     lines = [f"# {' '.join(story.split())}", f"dialect = {_text(dialect)}", ""]
     lines.append("[columns]  # signal, FMU parameter or time = column of the file")
-    lines += [f"{_key(name)} = {_entry(entry)}" for name, entry in columns.items()]
-    lines += [
-        f"# {_key(name)} = {_text(column)}  # a guess; remove the # if it is right"
-        for name, column in guesses.items()
-    ]
+    lines += [f"{written_key(name)} = {written_entry(entry)}" for name, entry in columns.items()]
+    lines += [guess_line(name, column) for name, column in guesses.items()]
     return "\n".join(lines) + "\n"
 
 
-def _entry(entry: MappedColumn) -> str:
+def guess_line(name: str, column: str) -> str:
+    """Comment that holds a guessed entry."""
+    return f"# {written_key(name)} = {_text(column)}  # a guess; remove the # if it is right"
+
+
+def written_entry(entry: MappedColumn) -> str:
+    """TOML value of an entry of a column mapping."""
     if entry.sample_time is not None:
         return f"{{ sample_time = {float(entry.sample_time)!r} }}"
     if not entry.converts:
@@ -183,7 +186,8 @@ def _entry(entry: MappedColumn) -> str:
     return "{ " + ", ".join(pairs) + " }"
 
 
-def _key(name: str) -> str:
+def written_key(name: str) -> str:
+    """TOML key of a name, in quotes where it needs them."""
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 

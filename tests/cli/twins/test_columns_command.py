@@ -181,3 +181,68 @@ def test_names_of_other_twins_are_no_mistake(twin: Path, tmp_path: Path) -> None
     (tmp_path / "logger.toml").write_text('[columns]\nposition_2 = "a"\ncurrent = "b"\n')
     use(twin, 'columns = "logger.toml"')
     assert set(FmuTwin(twin).column_mapping().columns) == {"position_2", "current"}
+
+
+def comments(text: str) -> list[str]:
+    return [line.partition("#")[2] for line in text.splitlines() if "#" in line]
+
+
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_saved_into_the_twin_file_it_keeps_every_other_line(
+    twin: Path, log: Path, line_end: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = twin.read_text().replace("\n", line_end)
+    twin.write_bytes(before.encode())
+    assert run("columns", twin, log, *SETTINGS, "--save", twin) == 0
+    assert capsys.readouterr().out.endswith(f"written: [columns] of {twin}\n")
+    after = twin.read_bytes().decode()
+    assert after.startswith(before.rstrip())
+    with FmuTwin(twin) as source:
+        recording = Recording.read(log, source)
+    np.testing.assert_allclose(recording.signal("position"), ANGLE, atol=1e-10)
+    # A second time: one entry changes, and nothing else does.
+    text = twin.read_bytes().decode().replace('unit = "deg" }', 'unit = "deg" } # by the drive')
+    twin.write_bytes(text.encode())
+    assert run("columns", twin, log, "--set", "position=AX7.ActPos [mrad]", "--save", twin) == 0
+    again = twin.read_bytes().decode()
+    assert again == text.replace('"deg" } #', '"mrad" } #')
+    with FmuTwin(twin) as source:
+        recording = Recording.read(log, source)
+    np.testing.assert_allclose(recording.signal("position"), np.rad2deg(ANGLE) * 1e-3, atol=1e-10)
+
+
+def test_a_mapping_file_is_still_read_and_goes_into_the_twin_file_where_asked(
+    twin: Path, log: Path, tmp_path: Path
+) -> None:
+    logger = tmp_path / "logger.toml"
+    assert run("columns", twin, log, *SETTINGS, "--dialect", "plain", "--save", logger) == 0
+    use(twin, 'columns = "logger.toml"')
+    mapping = FmuTwin(twin).column_mapping()
+    assert mapping.columns["time"] == MappedColumn("Takt", "ms")
+    told = comments(twin.read_text())
+    assert run("columns", twin, log, "--save", twin) == 0
+    assert set(told) <= set(comments(twin.read_text()))
+    logger.unlink()
+    assert FmuTwin(twin).column_mapping() == mapping
+
+
+def test_guesses_are_comments_in_the_twin_file_and_stand_there_once(twin: Path, log: Path) -> None:
+    told = ("--set", "time=Takt [ms]", "--set", "reference=AX7.SetPos")
+    for _ in range(2):
+        assert run("columns", twin, log, *told, "--save", twin) == 0
+    lines = [line for line in twin.read_text().splitlines() if "a guess" in line]
+    assert lines == [
+        f'# {name} = "AX7.{column}"  # a guess; remove the # if it is right'
+        for name, column in (("position", "ActPos"), ("torque_command", "ActTorque"))
+    ]
+    assert set(FmuTwin(twin).column_mapping().columns) == {"time", "reference"}
+
+
+def test_a_file_that_is_no_mapping_is_not_overwritten(
+    twin: Path, log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "study.toml"
+    other.write_text('name = "monday"\n')
+    assert run("columns", twin, log, *SETTINGS, "--save", other) == 2
+    assert "is there and would be lost" in capsys.readouterr().err
+    assert other.read_text() == 'name = "monday"\n'
