@@ -33,7 +33,7 @@ def test_torch_is_pinned_to_the_tested_build_that_readme_names() -> None:
     (version,) = re.findall(r"torch==(\S+)", (ROOT / "tests/constraints.txt").read_text())
     assert version == "2.13.0"
     before, _, _ = README.partition("<!-- demo command -->")
-    assert f") {version} into" in before
+    assert f"locally/) {version}\ninto it first" in before
 
 
 def test_readme_marks_one_demo_and_one_test_command() -> None:

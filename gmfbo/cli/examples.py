@@ -17,10 +17,10 @@ MODELS = ("servo_axis", "demo_axis")
 MANUAL = Manual(
     files={
         "DIR/README.md": "what each file is",
-        "DIR/servo_axis.toml": "a twin, with four recordings run0.csv to run3.csv of its axis",
-        "DIR/limits.toml": "what that axis may do; played.csv: a run made within it",
+        "DIR/vendor/": "a vendor's FMU, with logs of its axis in milliseconds and degrees",
+        "DIR/limits.toml": "what that axis may do",
         "DIR/joint.toml": "a tuning study of the same axis",
-        "DIR/vendor/": "a vendor's FMU, with logs in milliseconds and degrees",
+        "DIR/servo_axis.toml": "a twin, with four recordings run0.csv to run3.csv of its axis",
     },
     examples={"Then cd tour, and type README's commands:": "gmfbo examples tour"},
     see_also=("gmfbo demo", "gmfbo diagnose", "README.md"),

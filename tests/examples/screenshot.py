@@ -12,7 +12,7 @@ from PIL import Image
 from tests.pages.headless_browser import NO_BROWSER, Browser, browser_path
 
 IMAGES = Path(__file__).resolve().parents[2] / "notebooks" / "docs" / "images"
-WIDE, HIGH = 1000, 760  # [px] of the page that is shown
+WIDE, HIGH = 1100, 700  # [px] of the page that is shown
 COLOURS = 64  # a page of lines and text needs no more, and the file shrinks to a third
 SCHEMES = {
     "light": "--blink-settings=preferredColorScheme=1",

@@ -7,35 +7,47 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from gmfbo import Recording, Study, models_folder
 from gmfbo.cli import main
-from tests.examples.make import EXAMPLES, FRICTION, record, sine, vendor_fmu
+from tests.examples.make import ARM, EXAMPLES, servo_runs, vendor_fmu, vendor_run, vendor_runs
 
-LAST_DIGIT = 1e-6
-"""[rad, N m] What another processor may change in the digits that a log keeps."""
-
-
-def logged(name: str) -> np.ndarray:
-    """Reference, position and torque command of a log, a row each instant."""
-    cells = "," if name.startswith("run") else ";"
-    return np.loadtxt(EXAMPLES / name, delimiter=cells, skiprows=1)[:, 1:]
+LAST_DIGIT = 1e-5
+"""[deg] What another processor may change in the digits that a log keeps."""
 
 
-def test_a_log_is_that_of_the_axis_with_friction() -> None:
-    position, torque = record(sine(0.9), {**FRICTION, "encoder.seed": 1})
+def log(name: str, between: str) -> NDArray[np.float64]:
+    """Rows of time, reference, position and torque command."""
+    return np.loadtxt(EXAMPLES / name, delimiter=between, skiprows=1)
+
+
+def test_the_recordings_are_those_of_the_axis_with_friction() -> None:
+    for number, table in enumerate(servo_runs()):
+        np.testing.assert_allclose(log(f"run{number}.csv", ","), table, atol=1e-8)
+
+
+def test_control_the_axis_without_friction_has_other_recordings() -> None:
+    without = servo_runs({"coulomb_friction.level": 0.0})[0]
+    assert np.abs(log("run0.csv", ",")[:, 3] - without[:, 3]).max() > 0.15  # [N m] of 0.2 hidden
+
+
+def test_the_vendors_logs_are_those_of_its_rig() -> None:
+    for number, table in enumerate(vendor_runs()):
+        np.testing.assert_allclose(log(f"vendor/log{number}.csv", ";"), table, atol=LAST_DIGIT)
+
+
+def test_the_played_run_is_that_of_the_rig_along_its_own_reference() -> None:
+    played = log("vendor/played.csv", ";")
     np.testing.assert_allclose(
-        logged("run1.csv"), np.column_stack([sine(0.9), position, torque]), atol=LAST_DIGIT
-    )
+        vendor_run(np.radians(played[:, 1]), 20)[:, 2], played[:, 2], atol=0.006
+    )  # [deg] one count of the encoder, which rounding of the reference may move
 
 
-def test_control_the_axis_without_friction_has_another_log() -> None:
-    _, torque = record(sine(0.9), {"encoder.seed": 1})
-    assert np.abs(logged("run1.csv")[:, 2] - torque).max() > 0.1  # [N m] of 0.2 that are hidden
-
-
-def test_the_vendors_log_is_in_degrees() -> None:
-    assert np.abs(logged("vendor/log0.csv")[:, 0]).max() == pytest.approx(np.degrees(0.4), abs=1e-3)
+def test_control_the_rig_without_its_arm_plays_otherwise() -> None:
+    played = log("vendor/played.csv", ";")
+    without = vendor_run(np.radians(played[:, 1]), 20, {**ARM, "arm.torque": 0.0})
+    assert np.abs(without[:, 2] - played[:, 2]).max() > 0.1  # [deg]
 
 
 def test_the_vendors_fmu_is_the_twin_under_other_names() -> None:
@@ -69,7 +81,7 @@ def test_every_file_is_told_in_the_readme_beside_them(tour: Path) -> None:
 
 
 def test_recordings_and_study_load_as_they_are(tour: Path) -> None:
-    assert Recording.read(tour / "run0.csv").time.size == 1500
+    assert Recording.read(tour / "run0.csv").time.size == 2500
     study = Study.read(tour / "joint.toml")
     assert study.location == tour / "joint.study"
 
