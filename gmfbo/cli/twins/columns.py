@@ -150,8 +150,10 @@ def _check_options(dialect: str | None, save: Path | None) -> None:
 def _check_settings(
     settings: Mapping[str, MappedColumn], source: FmuTwin, file: RecordedColumns
 ) -> None:
+    from gmfbo.recordings.columns.column_mapping import check_settings
+
     _check_names(settings, source)
-    _check_columns({name: entry for name, entry in settings.items() if entry.column}, file)
+    check_settings(settings, file)
 
 
 def _check_names(settings: Mapping[str, MappedColumn], source: FmuTwin) -> None:
@@ -162,22 +164,6 @@ def _check_names(settings: Mapping[str, MappedColumn], source: FmuTwin) -> None:
     for name in settings:
         if name not in known and get_close_matches(name.lower(), map(str.lower, known), 1, _TYPO):
             raise InputError(f"--set: the twin has no '{name}'" + did_you_mean(name, known))
-
-
-def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
-    from gmfbo.units import parse_unit
-
-    names = [column.name for column in file.columns]
-    for name, entry in settings.items():
-        if entry.column not in names:
-            raise InputError(
-                f"--set: {file.label} has no column '{entry.column}' for '{name}'"
-                + did_you_mean(entry.column, names)
-            )
-        if entry.unit and parse_unit(entry.unit) is None:
-            raise InputError(
-                f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
-            )
 
 
 def _as_mapped(file: RecordedColumns, mapping: ColumnMapping) -> RecordedColumns:

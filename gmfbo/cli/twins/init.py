@@ -24,6 +24,7 @@ from gmfbo.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from gmfbo.recordings.columns.column_mapping import MappedColumn
     from gmfbo.sources.first_twin.log_columns import LogColumns
     from gmfbo.sources.first_twin.signals import Signals
     from gmfbo.sources.first_twin.trial import TriedLog
@@ -102,7 +103,8 @@ def init(
     typer.echo(f"{'then':<17}gmfbo check {out / TWIN} {' '.join(map(str, logs))}")
 
 
-def _settings(texts: list[str]) -> dict[str, object]:
+def _settings(texts: list[str]) -> dict[str, MappedColumn]:
+    """Settings of the flags; an empty column leaves a signal out."""
     from dataclasses import replace
 
     given = column_settings(texts)

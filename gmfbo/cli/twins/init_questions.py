@@ -32,7 +32,9 @@ def answered(signals: Signals, log: LogColumns, settled: Mapping[str, MappedColu
     settled : mapping of str to MappedColumn
         What flags state; it is not asked again.
     """
-    print_columns(log.file, {e.column: n for n, e in log.mapping.columns.items()}, {})
+    found = {name: entry.column for name, entry in log.mapping.columns.items()}
+    stated = {column: name for name, column in found.items() if name not in log.why}
+    print_columns(log.file, stated, {n: column for n, column in found.items() if n in log.why})
     typer.echo(f"Which column is it? Enter takes [the guess], {_NONE} is none; a unit may follow.")
     log = _asked(log, "time", "time", settled)
     for name, signal in signals.known.items():

@@ -8,8 +8,10 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from gmfbo.errors import InputError, did_you_mean
 from gmfbo.recordings.columns.columns import Column, RecordedColumns
 from gmfbo.recordings.columns.signal import SignalSpec
+from gmfbo.units import parse_unit
 
 DIALECTS = ("auto", "plain", "decimal_comma", "twincat_scope")
 
@@ -121,6 +123,34 @@ def rename_columns(
     used = {entry.column for entry in present.values()}
     kept = [c for c in file.columns if c.name not in used and c.name not in renamed]
     return replace(file, columns=(*renamed.values(), *kept)), changed
+
+
+def check_settings(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
+    """Refuse what `--set` says of columns, where it cannot be.
+
+    Parameters
+    ----------
+    settings : mapping of str to MappedColumn
+        Columns by name; entries without a column are left to others.
+    file : RecordedColumns
+        As read.
+
+    Raises
+    ------
+    InputError
+        There is no such column, or its unit is not known.
+    """
+    names = [column.name for column in file.columns]
+    for name, entry in settings.items():
+        if entry.column and entry.column not in names:
+            raise InputError(
+                f"--set: {file.label} has no column '{entry.column}' for '{name}'"
+                + did_you_mean(entry.column, names)
+            )
+        if entry.unit and parse_unit(entry.unit) is None:
+            raise InputError(
+                f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
+            )
 
 
 def _counted(file: RecordedColumns, sample_time: float | None) -> RecordedColumns:

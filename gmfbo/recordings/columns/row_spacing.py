@@ -92,7 +92,8 @@ def mistaken_time_unit(clock: Column, step: float) -> str | None:
 
 def _instants(clock: Column) -> NDArray[np.float64]:
     """Times of the rows; rows of one instant are read as one."""
-    return clock.values[np.append(True, np.diff(clock.values) != 0.0)]
+    kept: NDArray[np.bool_] = np.append(True, np.diff(clock.values) != 0.0)
+    return np.asarray(clock.values[kept])
 
 
 def _is_close(time: NDArray[np.float64], step: float) -> bool:

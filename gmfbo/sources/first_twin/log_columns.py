@@ -10,7 +10,11 @@ import numpy as np
 
 from gmfbo.errors import InputError, did_you_mean
 from gmfbo.recordings.columns.column_guesses import ColumnGuess, guess_columns
-from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
+from gmfbo.recordings.columns.column_mapping import (
+    ColumnMapping,
+    MappedColumn,
+    check_settings,
+)
 from gmfbo.recordings.columns.columns import (
     Column,
     RecordedColumns,
@@ -125,7 +129,7 @@ def read_log(path: Path, signals: Signals, stated: StatedColumns) -> LogColumns:
     """
     file = read_columns(path, stated.dialect, (), every=True)
     given = _by_signal(stated.settings, signals)
-    _check_columns(given, file)
+    check_settings(given, file)
     left_out = {name for name, e in given.items() if not e.column and e.sample_time is None}
     entries = {name: entry for name, entry in given.items() if name not in left_out}
     why: dict[str, str] = {}
@@ -222,20 +226,6 @@ def _by_signal(settings: Mapping[str, MappedColumn], signals: Signals) -> dict[s
             raise InputError(f"--set: no signal '{name}'" + did_you_mean(name, known))
         found[signal] = entry
     return found
-
-
-def _check_columns(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
-    names = [column.name for column in file.columns]
-    for name, entry in settings.items():
-        if entry.column and entry.column not in names:
-            raise InputError(
-                f"--set: {file.label} has no column '{entry.column}' for '{name}'"
-                + did_you_mean(entry.column, names)
-            )
-        if entry.unit and parse_unit(entry.unit) is None:
-            raise InputError(
-                f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
-            )
 
 
 def _free(file: RecordedColumns, entries: Mapping[str, MappedColumn]) -> list[Column]:

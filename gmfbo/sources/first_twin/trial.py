@@ -110,7 +110,7 @@ def with_likely_units(signals: Signals, log: LogColumns) -> LogColumns:
             si = signals.known[name].variable.si_unit
             if si in (base, f"{base}/s"):
                 entry = replace(log.mapping.columns[name], unit=units[quantity_of_unit(si)])
-                why = f"nothing states its unit, and {entry.unit} fits the simulation"
+                why = f"no unit stated, {entry.unit} fits best"
                 other, changed = other.with_entry(name, entry, why), True
         if changed and (error := _error(signals, other)) < least:
             best, least = other, error

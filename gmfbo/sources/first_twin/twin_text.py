@@ -52,7 +52,7 @@ def twin_text(signals: Signals, log: LogColumns, fmu: str) -> str:
             "recorded signal = FMU variable it is compared with",
             [
                 *(_entry(s) for s in known if not s.driven and s.name in logged),
-                *(f"# {_entry(s, _NOT_LOGGED)}" for s in known if not _is_used(s, log)),
+                *(f"# {_bare_entry(s)}  # not in the log" for s in known if not _is_used(s, log)),
             ],
         ),
         toml_table(
@@ -65,9 +65,6 @@ def twin_text(signals: Signals, log: LogColumns, fmu: str) -> str:
     return "\n".join(block for block in blocks if block)
 
 
-_NOT_LOGGED = "the log has none"
-
-
 def _is_stated(log: LogColumns) -> bool:
     return log.mapping.dialect != "auto"
 
@@ -76,13 +73,17 @@ def _is_used(signal: Signal, log: LogColumns) -> bool:
     return signal.driven or signal.name in log.mapping.columns
 
 
-def _entry(signal: Signal, more: str = "") -> str:
-    entry = f"{written_key(signal.name)} = {toml_text(signal.variable.name)}"
-    return described(signal.variable, entry, more)
+def _entry(signal: Signal) -> str:
+    return described(signal.variable, _bare_entry(signal))
+
+
+def _bare_entry(signal: Signal) -> str:
+    return f"{written_key(signal.name)} = {toml_text(signal.variable.name)}"
 
 
 def _columns(log: LogColumns) -> Iterator[str]:
-    for name, entry in log.mapping.columns.items():
+    # The clock first, as in most files.
+    for name, entry in sorted(log.mapping.columns.items(), key=lambda item: item[0] != "time"):
         why = log.why.get(name, "")
         line = f"{written_key(name)} = {written_entry(entry)}"
         yield f"{line}  # guess: {why}" if why else line

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
-
-from gmfbo.units import number
 
 
 @dataclass(frozen=True)
@@ -82,14 +81,20 @@ is1_runs = 10                    # real runs, the first two included
 
 
 def round_step(height: float) -> float:
-    """Height of a step of one significant digit, and no larger than what an axis has done.
+    """Height of a step of one significant digit, which an axis has already gone.
 
     Parameters
     ----------
     height : float
-        [unit] Largest excursion of a recorded reference from its start.
+        [unit] Largest excursion of a recorded reference from its start, 0 or above.
+
+    Returns
+    -------
+    float
+        [unit] At most 1 % above, since samples miss the peak of a reference by a little.
     """
-    rounded = float(f"{height:.0e}")
-    if abs(rounded) > abs(height) * (1.0 + 1e-9):
-        rounded -= (1.0 if rounded > 0 else -1.0) * 10.0 ** int(f"{height:.0e}".split("e")[1])
-    return float(number(rounded)) if rounded else height
+    if height <= 0.0:
+        return 0.0
+    reach = 1.01 * height
+    exponent = math.floor(math.log10(reach))
+    return float(f"{math.floor(reach / 10.0**exponent)}e{exponent}")

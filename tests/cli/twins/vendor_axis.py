@@ -7,8 +7,10 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
+import asammdf
 import numpy as np
 from numpy.typing import NDArray
+from scipy.io import savemat
 
 from gmfbo import AugmentedTwin, FmuTwin, Recording
 from gmfbo.sources.fmu_file.models import models_folder
@@ -34,7 +36,6 @@ HIDDEN = {"coulomb_friction.level": 0.2}
 """[N.m] Physics of the real axis, of which the FMU knows nothing."""
 
 HERTZ = (0.5, 0.9, 1.4, 2.3)
-ROWS = 2500
 STEP = 1e-3  # [s]
 
 Array = NDArray[np.float64]
@@ -62,16 +63,17 @@ def _renamed(description: str) -> str:
     return description.replace('modelName="servo_axis"', 'modelName="AX7"')
 
 
-def axis_runs(hidden: Mapping[str, float] = HIDDEN, runs: int = 4) -> list[Recording]:
+def axis_runs(runs: int = len(HERTZ), rows: int = 2500) -> list[Recording]:
     """Runs of the real axis: sines of the reference, with noise of the encoder."""
-    time, rng = np.arange(ROWS) * STEP, np.random.default_rng(0)
+    time: Array = np.arange(rows, dtype=np.float64) * STEP
+    rng = np.random.default_rng(0)
     made = []
     with AugmentedTwin(FmuTwin(models_folder() / "servo_axis.toml"), substeps=10) as axis:
         for hertz in HERTZ[:runs]:
             wave = {"reference": 0.4 * np.sin(2.0 * np.pi * hertz * time)}
             plan = axis.plan(Recording(time=time, signals=wave), {})
             noise = 3e-5 * rng.standard_normal(time.size)  # [rad]
-            run = axis.run(plan, {"inertia": 0.0105}, hidden, excitation={"sensor": noise})
+            run = axis.run(plan, {"inertia": 0.0105}, HIDDEN, excitation={"sensor": noise})
             logged = {**wave, **run.held, "position": run.states["position"] + noise}
             made.append(Recording(time=time, signals=logged))
     return made
@@ -92,4 +94,26 @@ def write_csv(path: Path, table: Mapping[str, Array]) -> Path:
     rows = zip(*table.values(), strict=True)
     lines = [",".join(table), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def write_matlab(path: Path, run: Recording) -> Path:
+    """Write a structure with ms and degrees, and without any unit."""
+    table = dict(
+        zip(("t", "phi_soll", "phi_ist", "moment"), in_ms_and_degrees(run).values(), strict=True)
+    )
+    columns = {name: values.reshape(-1, 1) for name, values in table.items()}
+    savemat(path, {"log": columns, "operator": "B. Meier"})
+    return path
+
+
+def write_mdf4(path: Path, run: Recording) -> Path:
+    """Write channels in degrees, each in a group with a clock of its own."""
+    _, *table = in_ms_and_degrees(run).values()
+    named = (("SetPosition", "deg"), ("ActPosition", "deg"), ("TorqueCommand", "Nm"))
+    with asammdf.MDF() as file:
+        for (name, unit), values in zip(named, table, strict=True):
+            signal = asammdf.Signal(values, run.time, name=f"Drive.{name}", unit=unit)
+            file.append([signal], common_timebase=True)
+        file.save(path, overwrite=True)
     return path
