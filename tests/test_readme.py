@@ -6,7 +6,15 @@ import re
 import tomllib
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+import pytest
+
+from tests.readme_blocks import README, ROOT, Typed, difference, type_in, typed_blocks
+
+MOST_WORDS = 1350
+MOST_WORDS_OF_A_SENTENCE = 30
+BLOCKS = typed_blocks(README)
+SHELL = [block for block in BLOCKS if "pip install" not in block.commands]
+(DEMO,) = (block for block in BLOCKS if "gmfbo demo" in block.commands)
 
 
 def test_constraints_hold_an_exact_version_of_every_dependency() -> None:
@@ -21,13 +29,102 @@ def test_constraints_hold_an_exact_version_of_every_dependency() -> None:
     assert names <= pinned, names - pinned
 
 
-def test_torch_is_pinned_to_the_tested_build() -> None:
-    assert "torch==2.13.0" in (ROOT / "tests/constraints.txt").read_text().splitlines()
+def test_torch_is_pinned_to_the_tested_build_that_readme_names() -> None:
+    pins = (ROOT / "tests/constraints.txt").read_text()
+    (version,) = re.findall(r"^torch==(\S+)", pins, re.MULTILINE)
+    assert version == "2.13.0"
+    before, _, _ = README.partition("<!-- demo command -->")
+    assert f"locally/) {version}\ninto it first" in before
 
 
 def test_readme_marks_one_demo_and_one_test_command() -> None:
-    text = (ROOT / "README.md").read_text()
     for mark in ("demo", "test"):
-        block = re.search(rf"<!-- {mark} command -->\n```\n(.+)\n```\n<!-- end -->", text)
+        block = re.search(rf"<!-- {mark} command -->\n```\n(.+)\n```\n<!-- end -->", README)
         assert block is not None
         assert "-c tests/constraints.txt" in block.group(1)
+
+
+def test_readme_does_not_hide_what_pip_downloads() -> None:
+    lines = [line for block in BLOCKS for line in block.commands.splitlines() if "pip" in line]
+    assert len(lines) == 2
+    assert not any(re.search(r"pip install .*-q", line) for line in lines)
+
+
+def test_readme_can_be_read_in_minutes() -> None:
+    assert len(README.split()) <= MOST_WORDS  # as `wc -w` counts
+
+
+def sentences(text: str) -> list[str]:
+    """Sentences of prose, lists and cells, without code blocks, tags and targets of links."""
+    text = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"<[^>]*>", "", text, flags=re.DOTALL)
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    paragraphs = re.split(r"\n\n|\n- |\n#|\|", text)
+    return [
+        sentence
+        for paragraph in paragraphs
+        for sentence in re.split(r"(?<=[.!?:])\s+|·|;", paragraph)
+        if sentence.strip()
+    ]
+
+
+def test_no_sentence_of_readme_is_long() -> None:
+    long = [one for one in sentences(README) if len(one.split()) > MOST_WORDS_OF_A_SENTENCE]
+    assert not long
+
+
+def test_every_file_that_readme_links_to_is_there() -> None:
+    targets = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)|(?:src|srcset)=\"([^\"]+)\"", README)
+    named = [one or other for one, other in targets]
+    assert len(named) > 20
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """What each block printed, typed in order into one shell that starts in a clone."""
+    return type_in(SHELL, tmp_path_factory.mktemp("clone"))
+
+
+@pytest.mark.parametrize("number", range(len(SHELL)))
+def test_a_block_typed_in_order_prints_what_readme_says(number: int, printed: list[str]) -> None:
+    assert not difference(SHELL[number].printed, printed[number])
+
+
+def test_readme_says_what_every_block_but_that_of_the_examples_prints() -> None:
+    silent = [block.commands for block in SHELL if not block.printed]
+    assert len(SHELL) == 4
+    assert ["gmfbo examples" in commands for commands in silent] == [True]
+
+
+@pytest.mark.slow
+def test_the_demo_prints_what_readme_says(tmp_path: Path) -> None:
+    _, _, demo = DEMO.commands.rpartition(" && ")
+    (printed,) = type_in([Typed(demo, DEMO.printed)], tmp_path)
+    assert not difference(DEMO.printed, printed)
+    assert (tmp_path / "gmfbo-demo/found/report.html").is_file()
+
+
+SAID = "error 6.7 % falls to 0.43 %\n...\nlevel = 0.2 [0.199, 0.201] N m\n"
+
+
+def test_numbers_agree_within_the_digits_that_readme_gives() -> None:
+    printed = "error  6.68 % falls to 0.426 %\n\nmore\nlevel = 0.21 [0.1992, 0.2008] N m\n"
+    assert not difference(SAID, printed)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("6.7", "6.9"),  # two units of the last digit
+        ("0.43", "0.4"),
+        ("level", "width"),
+        ("N m", "N"),
+        ("level", "also\nlevel"),  # a line that README has without a gap before it
+        ("error 6.7 % falls to 0.43 %\n", ""),
+    ],
+)
+def test_control_another_number_word_or_line_is_noticed(old: str, new: str) -> None:
+    printed = SAID.replace("...\n", "") if "also" in new else SAID
+    said = SAID.replace("...\n", "") if "also" in new else SAID
+    assert difference(said, printed.replace(old, new, 1))

@@ -44,6 +44,15 @@ def test_a_wheel_carries_fmus_twin_files_and_the_c_master(installed: Path) -> No
     assert "drive_twin.fmu" in carried
 
 
+def test_a_wheel_carries_the_examples(installed: Path, tmp_path: Path) -> None:
+    assert files_below(installed / "gmfbo" / "_examples") == files_below(
+        ROOT / "notebooks" / "examples"
+    )
+    finished = run(installed, "-m", "gmfbo", "examples", str(tmp_path / "tour"))
+    assert finished.returncode == 0, finished.stderr
+    assert (tmp_path / "tour" / "vendor" / "x7.fmu").is_file()
+
+
 def test_a_wheel_runs_its_own_models(installed: Path) -> None:
     code = (
         "import gmfbo; from gmfbo import models_folder; print(gmfbo.__file__);"

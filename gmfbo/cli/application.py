@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from gmfbo.cli import demo
+from gmfbo.cli import demo, examples
 from gmfbo.cli.diagnosis import check, compensate, diagnose, effects, experiment
 from gmfbo.cli.manual import EXITS, Manual, ManualCommand, ManualGroup, definitions
 from gmfbo.cli.tuning import ask, compare, export, methods, repair, report, tell, tune, watch
@@ -59,6 +59,7 @@ app = typer.Typer(
 )
 _COMMANDS: dict[str, tuple[Callable[..., None], Manual]] = {
     "demo": (demo.demo, demo.MANUAL),
+    "examples": (examples.examples, examples.MANUAL),
     "inspect": (inspect.inspect, inspect.MANUAL),
     "init": (init.init, init.MANUAL),
     "import": (import_.import_, import_.MANUAL),

@@ -130,10 +130,11 @@ def test_brackets_of_a_help_text_are_shown(capsys: pytest.CaptureFixture[str]) -
     assert "[s]" in help_of("watch", capsys)
 
 
-def test_readme_lists_every_command() -> None:
-    listed = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Commands")[2]
+def test_the_page_of_commands_lists_every_command_and_readme_leads_there() -> None:
+    listed = (ROOT / "notebooks/docs/commands.md").read_text(encoding="utf-8")
     for name in COMMANDS:
         assert f"`gmfbo {name}" in listed
+    assert "(notebooks/docs/commands.md)" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_a_slip_is_sent_to_the_help_of_its_command(capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,7 +74,12 @@ def test_the_report_is_opened_only_where_that_is_asked_for(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     opened: list[str] = []
-    monkeypatch.setattr("webbrowser.open", lambda page: opened.append(page) or True)
+
+    def shown(page: str) -> bool:
+        opened.append(page)
+        return True
+
+    monkeypatch.setattr("webbrowser.open", shown)
     assert run("diagnose", TWIN, "a.csv", "--out", tmp_path) == 0
     assert opened == []
     assert run("diagnose", TWIN, "a.csv", "--out", tmp_path, "--open") == 0
