@@ -83,14 +83,7 @@ def decide(
         share=share,
         is_outside=_is_outside(compared, share),
         compared=compared,
-        notes=(
-            *notes,
-            *(
-                f"{words(r.winner.name)} shows in one stretch only, {r.once}: seen once"
-                for r in rounds
-                if r.once
-            ),
-        ),
+        notes=(*notes, *_notes_of(rounds)),
     )
 
 
@@ -212,6 +205,14 @@ def _log_odds(compared: Compared, claim: Claim) -> float:
     larger = {n for n, law in CATALOGUE.items() if members & set(law.contains)}
     holds = np.array([bool(elements & (members | larger)) for elements in scored.elements])
     return float(logs[holds].max() - logs[~holds].max())
+
+
+def _notes_of(rounds: Sequence[Round]) -> list[str]:
+    return [
+        f"{words(r.winner.name)} shows in one stretch only, {r.once}: seen once"
+        for r in rounds
+        if r.once
+    ]
 
 
 def _gains(compared: Compared, row: Row, without: Row) -> list[Array]:
