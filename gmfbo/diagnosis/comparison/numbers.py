@@ -59,6 +59,9 @@ LEAST_GAIN = 6.0
 NAMED = 0.95
 """[1] Posterior inclusion of what is said."""
 
+SEEN_ONCE = 0.75
+"""[1] Most that is believed of what would not be said without its best stretch."""
+
 UNLIKE = 0.03
 """[1] Share of an effect's change that no parameter makes, below which it is not testable."""
 

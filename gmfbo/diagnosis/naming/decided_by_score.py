@@ -6,11 +6,12 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from math import log
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
 from gmfbo.diagnosis.comparison.moves import Shown, shown
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, NAMED, UNLIKE
+from gmfbo.diagnosis.comparison.numbers import EXPLAINED, NAMED, SEEN_ONCE, UNLIKE
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
@@ -19,7 +20,9 @@ from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round
 from gmfbo.diagnosis.result.named_effect import RivalShare
 from gmfbo.physics import CATALOGUE
-from gmfbo.plain_words import words
+from gmfbo.plain_words import number, words
+
+Array = NDArray[np.float64]
 
 _NOTHING = "changes nothing in these recordings"
 
@@ -80,7 +83,7 @@ def decide(
         share=share,
         is_outside=_is_outside(compared, share),
         compared=compared,
-        notes=tuple(notes),
+        notes=(*notes, *_notes_of(rounds)),
     )
 
 
@@ -176,14 +179,19 @@ def _round(case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim
         if there is None:
             there = next(r for e, r in rows.items() if name in e)
         rivals.append(Evidence(name, measured(case.misfit, there)))
-    shares = [RivalShare(name, beliefs[name]) for name in (winner, *others)] if others else []
+    gains = _gains(compared, row, without)
+    names = [record.name for record in case.simulations.records]
+    once = seen_once(names, compared, gains)
+    kept = min(SEEN_ONCE / claim.probability, 1.0) if once else 1.0
+    shares = [RivalShare(name, kept * beliefs[name]) for name in (winner, *others)]
     return Round(
         Evidence(winner, model),
         tuple(rivals),
-        claim.probability,
-        tuple(shares),
+        kept * claim.probability,
+        tuple(shares) if others else (),
         _log_odds(compared, claim),
-        _per_recording(case, compared, row, without),
+        _per_recording(case, compared, gains),
+        once,
     )
 
 
@@ -199,15 +207,57 @@ def _log_odds(compared: Compared, claim: Claim) -> float:
     return float(logs[holds].max() - logs[~holds].max())
 
 
-def _per_recording(case: Case, compared: Compared, row: Row, without: Row) -> dict[str, float]:
+def _notes_of(rounds: Sequence[Round]) -> list[str]:
+    return [
+        f"{words(r.winner.name)} shows in one stretch only, {r.once}: seen once"
+        for r in rounds
+        if r.once
+    ]
+
+
+def _gains(compared: Compared, row: Row, without: Row) -> list[Array]:
+    """Fall of the whitened square in each stretch, by segment."""
     problem, whitening = compared.search.problem, compared.ledger.whitening
+    return [
+        np.array([np.sum(before[:, s] ** 2) - np.sum(after[:, s] ** 2) for s in stretches])
+        for before, after, stretches in zip(
+            whitening(without.residual),
+            whitening(row.residual),
+            problem.stretches(),
+            strict=True,
+        )
+    ]
+
+
+def _per_recording(case: Case, compared: Compared, gains: Sequence[Array]) -> dict[str, float]:
     total: dict[str, float] = {}
-    for segment, before, after in zip(
-        problem.segments, whitening(without.residual), whitening(row.residual), strict=True
-    ):
+    for segment, own in zip(compared.search.problem.segments, gains, strict=True):
         name = case.simulations.records[segment.record].name
-        total[name] = total.get(name, 0.0) + float(np.sum(before**2) - np.sum(after**2))
+        total[name] = total.get(name, 0.0) + float(own.sum())
     return total
+
+
+def seen_once(names: Sequence[str], compared: Compared, gains: Sequence[Array]) -> str:
+    """Stretch without which nothing would be said; empty where others tell it as well.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of the recordings.
+    compared : Compared
+        For the stretches.
+    gains : sequence of ndarray
+        Fall of the whitened square in each stretch, by segment.
+    """
+    problem = compared.search.problem
+    k = int(np.argmax([own.max() for own in gains]))
+    most = int(np.argmax(gains[k]))
+    others = sum(float(own.sum()) for own in gains) - float(gains[k][most])
+    if 0.5 * others > log(NAMED / (1.0 - NAMED)):
+        return ""
+    segment, rows = problem.segments[k], problem.stretches()[k][most]
+    first, last = (number(float(segment.time[rows][end])) for end in (0, -1))
+    return f"{names[segment.record]} {first}-{last} s"
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:

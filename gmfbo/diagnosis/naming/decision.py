@@ -53,6 +53,8 @@ class Round:
         [nats] Log odds against the best hypothesis without any of them.
     per_recording : mapping of str to float
         What of the whitened square falls in each recording.
+    once : str
+        Stretch without which it would not be said; empty where others tell it as well.
     """
 
     winner: Evidence
@@ -61,6 +63,7 @@ class Round:
     shares: tuple[RivalShare, ...]
     gain: float
     per_recording: Mapping[str, float]
+    once: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -1,0 +1,36 @@
+"""What one stretch alone tells is believed less, and said with "may"."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from gmfbo.diagnosis.naming.decided_by_score import seen_once
+from gmfbo.diagnosis.naming.decision import Compared
+
+
+def compared() -> Compared:
+    """Two recordings of four stretches of 10 rows."""
+    segments = [SimpleNamespace(record=k, time=np.arange(40.0)) for k in range(2)]
+    stretches = [[slice(i, i + 10) for i in range(0, 40, 10)] for _ in segments]
+    problem = SimpleNamespace(segments=segments, stretches=lambda: stretches)
+    return cast("Compared", SimpleNamespace(search=SimpleNamespace(problem=problem)))
+
+
+@pytest.mark.parametrize(
+    ("gains", "said"),
+    [
+        ([[0.0, 0.1, -0.2, 0.0], [0.3, 0.0, 500.0, 0.0]], "b.csv 20-29 s"),
+        ([[0.0, 0.1, -0.2, 0.0], [-90.0, 0.0, 500.0, 0.0]], "b.csv 20-29 s"),
+        ([[20.0, 30.0, 10.0, 0.0], [30.0, 0.0, 500.0, 0.0]], ""),
+        ([[2.0, 3.0, 2.0, 2.0], [3.0, 2.0, 2.0, 1.0]], ""),
+    ],
+)
+def test_only_a_law_that_other_stretches_show_is_seen_more_than_once(
+    gains: list[list[float]], said: str
+) -> None:
+    names: Any = ["a.csv", "b.csv"]
+    assert seen_once(names, compared(), [np.array(own) for own in gains]) == said
