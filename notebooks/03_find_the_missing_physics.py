@@ -104,20 +104,20 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# What follows was told by the earlier decision of version 0.1, and is to be looked at again.
+# Three effects are named. The carriage rubs with about 20 N while it slides: 13.6 N of presliding
+# friction, which gives way over 18 um, and 6 N beside it that differ by direction. Published are
+# 20.4 N. The difference by direction is one of *viscous* friction, -70 N s/m here; the rig's
+# authors give 167 and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's pitch.
 #
-# The friction that is found rises from about 12 N near standstill to about 22 N while sliding. Its
-# sliding level is the Coulomb friction: published are 20.4 N, from a model without that dependence.
-# With it goes a constant force, published as 3.2 N, and a ripple of 1 N, 400 to the metre.
-#
-# The published asymmetry is mostly one of *viscous* friction (167 and 240 N s/m). No asymmetry is
-# claimed here: once the friction law is free near standstill, the recordings do not ask for it.
-# A least-squares fit to the first half of Coulomb friction, a constant force and a force -c |v|
-# leaves 3.6 % on the second.
+# On the second half the voltage is met to 3.2 %, with eight numbers beside mass and viscous
+# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more.
+# About 3 % of what is more than noise stays unexplained, and depends on the velocity. That half
+# was looked at while the diagnosis was developed: its figures show how the tool works, and are no
+# evidence that it finds the like on an axis which nobody has seen. The runs were cut by hand;
+# `tests/benchmarks/emps_pieces.py` diagnoses the recording as one, by halves and in pieces.
 
 # %%
 named = {effect.name: effect for effect in diagnosis.effects}
-friction = diagnosis.effects[0]
 for effect in diagnosis.effects:
     print(effect.statement)
     for parameter, value in effect.parameters.items():
@@ -131,22 +131,17 @@ for effect in diagnosis.effects:
 # ## Held to it
 
 # %%
-FRICTION = {"coulomb_friction", "stribeck_friction", "presliding_friction", "asymmetric_friction"}
-RIPPLES = {"cogging_torque", "torque_ripple"}
-
 assert diagnosis.verdict == "missing_physics"
-assert friction.name in FRICTION, "friction is the strongest of what is missing"
-assert "constant_torque_offset" in named
-offset = named["constant_torque_offset"].parameters["level"].value
-assert 2.0 < offset < 4.0, "3.2 N as published"
-if "level" in friction.parameters:
-    assert 18.0 < friction.parameters["level"].value < 24.0, "20.4 N as published"
-
-assert not {"actuator_saturation", "supply_voltage_limit"} & set(named), "9 of 10 V at most"
-assert "transport_delay" not in named
-for name in RIPPLES & set(named):
-    cycles = named[name].parameters["wavenumber_1"].value / (2.0 * np.pi)
-    assert abs(cycles - 400.0) < 5.0, "the only line that the residual shows"
+assert set(named) == {"cogging_torque", "presliding_friction", "asymmetric_friction"}
+sliding = named["presliding_friction"].parameters["level"].value
+by_direction = named["asymmetric_friction"].parameters
+sliding += 0.5 * sum(by_direction[f"level_{side}"].value for side in ("positive", "negative"))
+assert 18.0 < sliding < 22.0, "20.4 N as published"
+assert -85.0 < by_direction["viscous_difference"].value < -55.0, "167 - 240 as published"
+cycles = named["cogging_torque"].parameters["wavenumber_1"].value / (2.0 * np.pi)
+assert abs(cycles - 400.0) < 5.0, "the only line that the residual shows"
+assert diagnosis.remainder is not None
+assert 0.01 < diagnosis.remainder.share < 0.06
 
 assert 0.17 < with_parameters < 0.19
-assert with_physics <= 0.048
+assert 0.030 < with_physics < 0.035

@@ -206,14 +206,12 @@ moving = sorted(round(found[name]) for name in found if name.startswith("wavenum
 print("lines of the turning motor:", moving)
 
 # %% [markdown]
-# What follows was told by the earlier decision of version 0.1, and is to be looked at again.
-#
 # Eight lines are one cogging: they were found one after the other and then fitted together. Those
-# of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them a constant
-# torque of about -0.018 N m is named, which "cannot be told from" hysteresis or presliding
-# friction. It is most likely sliding friction: the motor turns one way only, and there friction
-# and a constant torque are one. The size is known, the law is open; runs in both directions would
-# tell.
+# of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them two sets are
+# told, and a constant torque is in both: one of compliance, inertia and a constant torque, and one
+# of friction that depends on the position, compliance and a constant torque. Sliding friction is
+# the likely cause: the motor turns one way only, and there friction and a constant torque are one.
+# Runs in both directions would tell.
 
 # %%
 figure = NotebookFigure(figsize=(8.0, 3.0), layout="constrained")
