@@ -1,6 +1,6 @@
-"""Commands about twins and recordings: build, import, init, inspect, columns, simulate.
+"""Commands about twins and recordings, a file for each.
 
-Each module holds one command; `column_options` has the options by which a person maps columns,
+`column_options` has the options by which a person maps columns,
 `init_questions.answered` asks for them at a terminal, `many_values.ManyValuesCommand` takes
 several files after one flag.
 """

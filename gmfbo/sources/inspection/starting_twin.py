@@ -124,9 +124,8 @@ def _controller(report: FmuReport, guesses: Guesses) -> str:
 def _head(report: FmuReport, step: float) -> str:
     stated = "" if report.default_step else ", a guess: the FMU states none"
     return (
-        "# A skeleton. With a log of the axis, 'gmfbo init FMU LOG --out DIR' writes one that is "
-        "checked.\n"
-        f"name = {toml_text(report.name)}\n"
+        f"name = {toml_text(report.name)}  # a skeleton; with a log of the axis, "
+        "'gmfbo init FMU LOG --out DIR' writes a twin file that is checked\n"
         f"fmu = {toml_text(Path(report.path).name)}\n"
         f"step = {step!r}  # [s] communication step{stated}\n"
     )

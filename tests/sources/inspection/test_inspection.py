@@ -116,6 +116,7 @@ def test_a_guess_says_that_it_is_one_and_what_it_rests_on() -> None:
     tables = re.findall(r"(?m)^\[(\w+)\].*guesses, remove the # where one is right$", text)
     assert tables == ["gains", "uncertain", "ports", "states", "roles"]
     assert "##" not in text
+    assert "'gmfbo init FMU LOG --out DIR' writes" in text
 
 
 def test_a_plant_alone_is_shown_how_a_controller_joins_it() -> None:
