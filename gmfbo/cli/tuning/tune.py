@@ -61,7 +61,7 @@ def tune(
     ] = False,
     html: LivePage = None,
 ) -> None:
-    """Run a tuning study; every trajectory of every source is kept.
+    """Run a tuning study; every trajectory is kept.
 
     The study file names the real axis (an FMU, a program or a folder of recordings), its twin,
     the box of gains, the reference and the budget of real runs. Best observed gains and,

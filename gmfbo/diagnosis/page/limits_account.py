@@ -74,7 +74,7 @@ def detectable_sizes(diagnosis: Findings) -> str:
         parts.setdefault(known.signal_path if known else "", []).append(row)
     told = paragraph(
         "Each of these effects would have been named if it were larger than the size given here. "
-        "A smaller one may be there: these recordings do not show it."
+        "These recordings do not show a smaller one."
     )
     known_parts = [part for part in _PARTS if part in parts]
     drawn = [

@@ -51,6 +51,11 @@ class TrialRequest:
             Numbers of the trials on disk.
         """
         asked = {event["number"]: event for event in events if event["event"] == "ask"}
+        last = max(asked, default=0)
+        repairs = [event for event in events if event["event"] == "repair"]
+        # A run whose file was damaged had been made; only the last one is asked for again.
+        lost = {n for event in repairs for n in event.get("lost_trials", ())} - {last}
+        made = {*made, *lost}
         return [
             cls(one["number"], one["source"], one["gains"], one["mismatch"], one["note"])
             for number, one in sorted(asked.items())

@@ -151,8 +151,9 @@ def test_keys_and_buttons_step_through_the_runs(browser: Browser, review: StudyR
     )
     answer = browser.ask(study_page(review), question, WIDE, HIGH)
     assert answer["complaints"] == []
-    # The last choice stands on the map, in the two charts of the descent and among the sources.
-    expected = ["11", "9", "10", "torque command [N\u00a0m]", "Run 9 ", 4, True, True]
+    # The last choice stands on the map, in the two charts of the descent, among the sources, and
+    # in the six pairs of metrics.
+    expected = ["11", "9", "10", "torque command [N\u00a0m]", "Run 9 ", 10, True, True]
     assert answer["told"] == expected
 
 
