@@ -15,9 +15,11 @@ from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.incumbent import has_settled
+from gmfbo.tuning.history.remarks import last_failure
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.proposals import Proposals
-from gmfbo.tuning.query.method import Method, Recommendation
+from gmfbo.tuning.query.method import Method, PublishedMethod, Recommendation
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
 from gmfbo.tuning.study.playing import play
@@ -109,6 +111,7 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
+                ranked=self._ranked(),
             )
             hashes = {"metrics": own.content_hash} if own else {}
             study.log_begin(self._store, self._sources.content_hashes | hashes)
@@ -263,15 +266,17 @@ class Tuner:
 
     def result(self) -> TuningResult:
         """Best and recommended gains as of now; the recommendation is also logged."""
-        recommendation = None
-        if self.history.of("IS1"):
+        history, recommendation = self.history, None
+        real = history.of("IS1")
+        settled = any(has_settled(trial) for trial in real)
+        if settled or (real and not history.ranked):
             point, mean, std = self.method.recommend(self.history.state({}))
             gains = self.gains.values(self.gains.space.from_unit(point))
             recommendation = Recommendation(gains, mean, std)
             self._store.log("recommendation", gains=gains, mean=mean, std=std)
         self._store.refresh_index()
         return TuningResult(
-            best=self.history.best,
+            best=history.best,
             recommendation=recommendation,
             is1_runs=self.history.made,
             queries=self.history.queries,
@@ -280,6 +285,9 @@ class Tuner:
             earlier=len(self._earlier),
             left_out=self._earlier.left_out,
             twin_versions=self._corrections.reasons,
+            settled=settled or not history.ranked,
+            remarks=history.remarks,
+            last_failure=last_failure(real),
         )
 
     @property
@@ -327,6 +335,13 @@ class Tuner:
             self._twin.follow_up()  # of the one before
             taken = self.history.taken_over(self._earlier.read(position))
             self._announce("initial", self.history.write(taken))
+
+    def _ranked(self) -> bool:
+        """Whether runs are ranked before their cost counts."""
+        published = self.study.file.objective.as_published or isinstance(
+            self.method, PublishedMethod
+        )
+        return not published and self.study.objective_version(self._store) >= 2
 
     def _plant(self) -> Source:
         recorded, played = self._proposals.recorded, self._proposals.played

@@ -10,7 +10,7 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.tune import print_result
+from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
     from gmfbo import Tuner
@@ -70,7 +70,9 @@ def ask(
                 typer.echo("null")
             else:
                 typer.echo("the budget is used up: nothing more to try")
-                print_result(asked, tuner.result())
+                result = tuner.result()
+                print_result(asked, result)
+                refuse_without_success(result)
             return
         write_next_run(asked.location, request, tuner.experiment.references)
         if json:

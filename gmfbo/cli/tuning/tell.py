@@ -10,7 +10,7 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import gains_text, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.tune import metric_text
+from gmfbo.cli.tuning.study_result import metric_lines
 from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
@@ -61,7 +61,8 @@ def tell(
     """Take back the recording of the run that `gmfbo ask` wanted.
 
     The gains of a recording are those in its lines `# NAME = VALUE`, those of --set, or those
-    asked for. A run that failed is priced as the worst one.
+    asked for. A run that failed ranks below all
+    others, and gains near it are avoided.
     """
     from gmfbo import Tuner
     from gmfbo.sources.plants.failed_run import failed_run
@@ -86,6 +87,8 @@ def tell(
 
 
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
+    from gmfbo.tuning.history.incumbent import has_settled
+
     budget, made = tuner.study.file.budget, tuner.history.made
     most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
     how = "" if trial.status == "ok" else f" ({trial.status})"
@@ -95,8 +98,10 @@ def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: boo
         typer.echo(f"instead of   {gains_text(request.gains)}")
     elif not named and not any(name in trial.recording.parameters for name in trial.gains):
         typer.echo("gains        as asked for: the recording does not name its own")
-    for name, value in trial.metrics.items() if trial.status == "ok" else ():
-        typer.echo(f"{name.replace('_', ' '):<12} {metric_text(name, value)}")
+    for line in metric_lines(tuner.study, trial) if trial.status == "ok" else ():
+        typer.echo(line)
+    if trial.status == "ok" and not has_settled(trial):
+        typer.echo("not settled: it ranks below each run that settled")
     if (best := tuner.history.best) is not None:
         typer.echo(f"best so far  trial {best.number}: {gains_text(best.gains)}")
         typer.echo(f"             objective {best.objective:.4f}")

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gmfbo.cli.arguments import StudyFile
-from gmfbo.cli.console import console, gains_text
+from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
+from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
-    from gmfbo.reports.study.review import StudyReview
     from gmfbo.tuning.query.progress import Progress
     from gmfbo.tuning.query.request import TuningResult
     from gmfbo.tuning.study.study import Study
@@ -28,7 +28,10 @@ MANUAL = Manual(
             "gmfbo tune joint.toml --resume"
         ),
     },
-    exits={0: "done, also where single real runs failed: they are priced as the worst"},
+    exits={
+        0: "done, also where single real runs failed",
+        3: "no real run succeeded, or a simulation failed",
+    },
     see_also=(
         "gmfbo watch",
         "gmfbo report",
@@ -50,12 +53,12 @@ def tune(
     """Run a tuning study; every trajectory of every source is kept.
 
     The study file names the real axis (an FMU, a program or a folder of recordings), its twin,
-    the box of gains, the reference and the budget of real runs. Best observed gains and,
-    separately, the recommended ones are printed at the end. The objective is minimised.
+    the box of gains, the reference and the budget of real runs. The recommended gains and,
+    separately, the best observed ones are printed at the end. The objective is minimised.
     """
     from gmfbo.tuning.study.study import Study
 
-    run_study(Study.read(study), resume=resume)
+    refuse_without_success(run_study(Study.read(study), resume=resume))
 
 
 def run_study(study: Study, *, resume: bool) -> TuningResult:
@@ -88,39 +91,3 @@ def run_study(study: Study, *, resume: bool) -> TuningResult:
         result = tuner.run(show)
     print_result(study, result)
     return result
-
-
-def print_result(study: Study | StudyReview, result: TuningResult) -> None:
-    """Print the best gains of a study."""
-    console.print(
-        f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
-        f"{result.queries} queries after the initial data, "
-        f"cost {result.cost:.1f} (a twin run counts 0.1)"
-    )
-    if result.earlier:
-        left = f", {result.left_out} at other gains left out" if result.left_out else ""
-        runs = f"{result.earlier} real runs of {study.file.earlier}{left}"
-        console.print(f"taken over         {runs}", markup=False)
-    for drift in result.drifts:
-        console.print(f"plant changed      {drift.message}")
-    for number, reason in enumerate(result.twin_versions, start=1):
-        console.print(f"twin version {number:<6}{reason}", markup=False)
-    if result.best is None:
-        console.print("no real run succeeded, so there are no gains to take")
-    else:
-        console.print(f"best observed      {gains_text(result.best.gains)}")
-        console.print(f"                   objective {result.best.objective:.4f}")
-        for name, value in result.best.metrics.items():
-            console.print(
-                f"                   {name.replace('_', ' '):<15} {metric_text(name, value)}"
-            )
-    if result.recommendation is not None:
-        advised = result.recommendation
-        console.print(f"model recommends   {gains_text(advised.gains)}")
-        console.print(f"                   expected {advised.mean:.4f} +- {advised.std:.4f}")
-    console.print(f"study folder       {study.location}")
-
-
-def metric_text(name: str, value: float) -> str:
-    """A metric with its unit."""
-    return f"{value:.2f} %" if name == "overshoot" else f"{value:.4f} s"

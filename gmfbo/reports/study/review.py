@@ -17,7 +17,8 @@ from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.incumbent import best_run, has_settled
+from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -148,6 +149,21 @@ class StudyReview:
     def best(self) -> Trial | None:
         """Best real run; None while none succeeded."""
         return self._best(len(self.real))
+
+    @property
+    def settled(self) -> bool:
+        """Whether a real run settled, or the study does not ask for it."""
+        return any(has_settled(run.trial) for run in self.real) or all(
+            run.trial.late_error is None for run in self.real
+        )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the best gains alone do not tell."""
+        weights, real = self.file.objective.weights, [run.trial for run in self.real]
+        return remarks_on(
+            real, self.best, weights=weights, limits=self.limits, space=self.space
+        )
 
     @property
     def first(self) -> Trial | None:

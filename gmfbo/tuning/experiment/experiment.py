@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gmfbo.errors import RecordingError
-from gmfbo.objective.metrics import METRICS, step_metrics, worst_metrics
+from gmfbo.objective.metrics import METRICS, SETTLING_BAND, step_metrics, worst_metrics
+from gmfbo.objective.settled import late_error, run_noise
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.reference import step_reference
 from gmfbo.tuning.study_file.study_sections import ReferenceSection
@@ -166,6 +167,59 @@ class StepExperiment:
             raise RecordingError(f"{run.name or 'run'}: '{self.signal}' holds no value")
         values = self.metrics_of(run.time[sampled], response[sampled])
         return {name: float(values[name]) for name in METRICS}
+
+    def late_error_of(
+        self, time: ArrayLike, responses: ArrayLike, noise: float | None = None
+    ) -> NDArray[np.float64]:
+        """Late error of many responses over their tolerance, shape (...).
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            [s]
+        responses : array_like, shape (..., n)
+            The scored signal of each run.
+        noise : float, optional
+            Standard deviation of its noise [unit of the signal]; estimated unless given.
+        """
+        return late_error(
+            time,
+            responses,
+            step_time=self.step_time,
+            target=self.initial + self.step_size,
+            step_size=self.step_size,
+            horizon=self.horizon,
+            band=SETTLING_BAND,
+            noise=noise,
+        )
+
+    def noise(self, run: Recording) -> float:
+        """Standard deviation of the noise of the scored signal [its unit] of a run that ended well.
+
+        Parameters
+        ----------
+        run : Recording
+            With the scored signal.
+        """
+        response = run.signal(self.signal)
+        known = ~np.isnan(response)
+        return run_noise(run.time[known], response[known], self.step_time, self.horizon)
+
+    def late_error(self, run: Recording) -> float:
+        """Late error of one run over its tolerance; infinite where it failed.
+
+        Parameters
+        ----------
+        run : Recording
+            With the scored signal; rows where it was not sampled are left out.
+        """
+        response = run.signals.get(self.signal)
+        if response is None or (isinstance(run, Trajectory) and run.status != "ok"):
+            return np.inf
+        sampled = ~np.isnan(response)
+        if not sampled.any():
+            return np.inf
+        return float(self.late_error_of(run.time[sampled], response[sampled]))
 
     @property
     def reference_size(self) -> float:

@@ -227,6 +227,50 @@ class ExperimentSeries:
             each.append({**part.metrics(alone), **of_own})
         return {name: float(value) for name, value in _combined(each, self.shares).items()}
 
+    def late_error_of(
+        self, time: ArrayLike, responses: ArrayLike, noise: float | None = None
+    ) -> NDArray[np.float64]:
+        """Largest late error of many responses over the references, shape (...).
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            [s] Joined, see `scored_times`.
+        responses : array_like, shape (..., n)
+            The scored signal of each run.
+        noise : float, optional
+            Standard deviation of its noise [unit of the signal]; estimated unless given.
+        """
+        times, values = np.asarray(time, dtype=float), np.asarray(responses, dtype=float)
+        each = []
+        for number, part in enumerate(self.parts):
+            rows, own_times = self._slot(times, number)
+            each.append(part.late_error_of(own_times, values[..., rows], noise))
+        return np.asarray(np.max(each, axis=0))
+
+    def noise(self, run: Recording) -> float:
+        """Largest noise of the scored signal over the references [its unit].
+
+        Parameters
+        ----------
+        run : Recording
+            Joined; it ended well.
+        """
+        return max(part.noise(self.part_of(run, k)) for k, part in enumerate(self.parts))
+
+    def late_error(self, run: Recording) -> float:
+        """Largest late error of one run over the references; infinite where it failed.
+
+        Parameters
+        ----------
+        run : Recording
+            Joined; at most 1 where it settled after each reference.
+        """
+        if isinstance(run, Trajectory) and run.status != "ok":
+            return np.inf
+        each = [part.late_error(self.part_of(run, k)) for k, part in enumerate(self.parts)]
+        return max(each)
+
     def part_of(self, run: Recording, number: int) -> Recording:
         """Part of a joined run with one reference (counted from 0), at its own times."""
         if len(self.parts) == 1:

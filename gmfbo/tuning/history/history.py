@@ -22,6 +22,8 @@ from gmfbo.tuning.experiment.joined_runs import ended_by
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.keep_out import KeepOut
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
+from gmfbo.tuning.history.ranked import by_rank
+from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
@@ -49,6 +51,8 @@ class History:
         Number of twin runs over the box before the first query.
     earlier : int
         Number of real runs taken over from an earlier study, which come first.
+    ranked : bool
+        Whether runs are ranked before their cost counts; otherwise a failed run has a price.
 
     Attributes
     ----------
@@ -65,9 +69,10 @@ class History:
         *,
         survey: int = 0,
         earlier: int = 0,
+        ranked: bool = False,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
-        self.survey, self.earlier = survey, earlier
+        self.survey, self.earlier, self.ranked = survey, earlier, ranked
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
         self.trials: list[Trial] = store.trials()
         self.twin: str | None = None
@@ -151,6 +156,14 @@ class History:
     def best(self) -> Trial | None:
         """Real run with the least cost since the plant changed, if possible within the limits."""
         return best_run(self.trials, self.limits, self.changed_after)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the best gains alone do not tell; see `remarks_on`."""
+        weights = self.study.objective.weights
+        return remarks_on(
+            self.of("IS1"), self.best, weights=weights, limits=self.limits, space=self.gains.space
+        )
 
     @property
     def changed_after(self) -> int:
@@ -252,6 +265,7 @@ class History:
             seed=self.study.seed,
             twin=twin,
             parent=parent,
+            late_error=self.experiment.late_error(run) if self.ranked else None,
         )
         return self.priced(trial) if self.normalised else trial
 
@@ -297,15 +311,17 @@ class History:
         fixed : mapping of str to float
             Gains to be held at a value in the proposal.
         """
+        seen = self._aged(self.observations())
         return TuningState(
             space=self.gains.space,
-            observations=self._aged(self.observations()),
+            observations=by_rank(seen) if self.ranked else seen,
             fixed=fixed,
             trials=tuple(trial for trial in self.trials if self.is_current(trial)),
             experiment=self.experiment,
             objective=self.objective,
             limits=self.limits,
             keep_out=self.keep_out(),
+            ranked=self.ranked,
         )
 
     def _aged(self, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
@@ -378,4 +394,5 @@ class History:
             uncorrected_scaled=uncorrected_scaled,
             limited={n: float(v) for n, v in self.limits.limited(trial.metrics).items()},
             feasible=trial.status == "ok" and self.limits.met(trial.metrics),
+            late_error=0.0 if trial.late_error is None else trial.late_error,
         )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,16 @@ from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
     from gmfbo.acquisition.feasibility import FeasibilityWeight
+    from gmfbo.acquisition.finishing import FinishModel
     from gmfbo.acquisition.maximise import Proposal as Found
     from gmfbo.acquisition.maximise import Search
     from gmfbo.surrogate.model import SourceModel
     from gmfbo.surrogate.observations import Observations
     from gmfbo.surrogate.truncated import TruncatedModel
+
+
+SAME_POINT = 1e-6
+"""Distance in the unit cube within which gains are the same."""
 
 
 def observations_of(state: TuningState, *sources: SourceName) -> Observations:
@@ -31,7 +36,7 @@ def observations_of(state: TuningState, *sources: SourceName) -> Observations:
     *sources : str
         `IS1`, `IS2`, `IS3`.
     """
-    return _gathered(state, state.of(*sources))
+    return _gathered(state, [one for one in state.of(*sources) if one.counts])
 
 
 def unprompted_observations(state: TuningState, *sources: SourceName) -> Observations:
@@ -77,15 +82,55 @@ def search_of(state: TuningState) -> Search:
     """
     from gmfbo.acquisition.maximise import Search
 
-    space = state.space
+    space, finishing = state.space, finishing_of(state)
+    weights = [finishing] if finishing else []
+    if state.limits:
+        weights.append(feasibility_of(state))
     rounded = any(gain.integer for gain in space.gains)
     return Search(
         dimension=len(space),
         fixed=state.fixed_unit,
         snap=(lambda points: space.to_unit(space.from_unit(points))) if rounded else None,
-        log_weight=feasibility_of(state) if state.limits else None,
-        admits=state.keep_out.admitted if state.keep_out else None,
+        log_weight=(lambda points: sum(weight(points) for weight in weights)) if weights else None,
+        admits=(lambda points: admitted(state, points, finishing))
+        if finishing or state.keep_out
+        else None,
     )
+
+
+def finishing_of(state: TuningState) -> FinishModel | None:
+    """Where real runs finish, once one has not; None before, or where failed runs have a price."""
+    from gmfbo.acquisition.finishing import FinishModel
+
+    real = state.of("IS1")
+    if not state.ranked or all(one.counts for one in real):
+        return None
+    return FinishModel.fit(
+        np.stack([one.point for one in real]), np.array([one.counts for one in real])
+    )
+
+
+def admitted(
+    state: TuningState, points: NDArray[np.float64], finishing: FinishModel | None
+) -> NDArray[np.bool_]:
+    """Points (q, d) at which the axis may be run and probably finishes, shape (q,)."""
+    from gmfbo.acquisition.finishing import probable
+
+    allowed = state.keep_out.admitted(points)
+    if finishing is not None and allowed.any():
+        allowed[allowed] = probable(finishing.log_probability(points[allowed]))
+    return allowed
+
+
+def seek_finished(state: TuningState) -> Proposal:
+    """Query of the axis where a run most probably finishes, while none has."""
+    search = search_of(state)
+    pool = search.pool() if search.snap is None else np.unique(search.snap(search.pool()), axis=0)
+    done = np.stack([one.point for one in state.of("IS1")])
+    new = np.abs(pool[:, None, :] - done).max(axis=2).min(axis=1) > SAME_POINT
+    pool = pool[new] if new.any() else pool
+    best = int(np.argmax(search.log_weights(pool)))
+    return Proposal("IS1", pool[best], note="no real run has finished: asks where one may")
 
 
 def feasibility_of(state: TuningState) -> FeasibilityWeight:
@@ -100,10 +145,11 @@ def feasibility_of(state: TuningState) -> FeasibilityWeight:
 
     limited = []
     for name, most in state.limits.most.items():
-        seen = [(one.point, one.source, one.limited[name]) for one in state.of("IS1")]
+        real = [one for one in state.of("IS1") if one.counts]
+        seen = [(one.point, one.source, one.limited[name]) for one in real]
         # A metric that no run moved has no scale, and tells nothing of where it is met.
         if len({value for *_, value in seen}) > 1:
-            extra = state.extra_of(state.of("IS1"), np.array([value for *_, value in seen]))
+            extra = state.extra_of(real, np.array([value for *_, value in seen]))
             data = Observations.gather(seen, extra)
             model = SourceModel.fit(data, SurrogateSettings(ard=True))
             limited.append((model, most))
@@ -115,7 +161,7 @@ def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -
 
     After a change of the plant, of the runs since.
     """
-    if state.limits or any(one.outdated for one in state.of(*sources)):
+    if state.ranked or state.limits or any(one.outdated for one in state.of(*sources)):
         return state.incumbent(*sources)
     return min(float(data.values[rows].min()) for name in sources if (rows := data.of(name)).any())
 
@@ -168,6 +214,8 @@ def least_expected(
 ) -> tuple[NDArray[np.float64], float, float]:
     """Point of the unit cube with the least posterior mean of the real axis.
 
+    Where runs are ranked, it is one that was tried and finished.
+
     Returns
     -------
     point : ndarray, shape (d,)
@@ -175,8 +223,33 @@ def least_expected(
     mean, std : float
         Posterior of the cost g there.
     """
+    if state.ranked:
+        return least_expected_tried(model.predict, state)
     from gmfbo.acquisition.maximise import recommend
 
     point, mean = recommend(model, search_of(state))
     _, variance = model.predict(point[None, :], "IS1")
     return point, mean, float(np.sqrt(variance[0]))
+
+
+def least_expected_tried(
+    predict: Callable[[NDArray[np.float64], SourceName], tuple[Any, Any]], state: TuningState
+) -> tuple[NDArray[np.float64], float, float]:
+    """Gains of the finished real run with the least posterior mean, that mean and its std.
+
+    Runs that meet all limits come first, and those since a change of the plant.
+
+    Parameters
+    ----------
+    predict : callable
+        From points (q, d) and a source to posterior mean and variance of the cost, shape (q,).
+    state : TuningState
+        With a finished real run.
+    """
+    real = [one for one in state.of("IS1") if one.counts]
+    real = [one for one in real if not one.outdated] or real
+    real = [one for one in real if one.feasible] or real
+    points = np.stack([one.point for one in real])
+    mean, variance = predict(points, "IS1")
+    best = int(np.argmin(mean))
+    return points[best], float(mean[best]), float(np.sqrt(variance[best]))

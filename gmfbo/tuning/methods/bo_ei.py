@@ -13,6 +13,7 @@ from gmfbo.tuning.methods.beliefs import (
     least_expected,
     observations_of,
     search_of,
+    seek_finished,
     single_source_model,
 )
 from gmfbo.tuning.query.method import Proposal
@@ -32,6 +33,8 @@ class SingleSourceImprovement:
         from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
         from gmfbo.acquisition.maximise import maximise
 
+        if not any(one.counts for one in state.of("IS1")):
+            return seek_finished(state)
         model, real = single_source_model(state), observations_of(state, "IS1")
         acquisition = CostAwareExpectedImprovement(
             model, {"IS1": incumbent_of(state, real, "IS1")}, {"IS1": 1.0}

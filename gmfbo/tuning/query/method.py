@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,3 +122,17 @@ class Method(Protocol):
             All observations.
         """
         ...
+
+
+@runtime_checkable
+class PublishedMethod(Protocol):
+    """A method that prices a failed run, as its publication does; its runs are not ranked.
+
+    Attributes
+    ----------
+    prices_failures : bool
+        True.
+    """
+
+    @property
+    def prices_failures(self) -> bool: ...

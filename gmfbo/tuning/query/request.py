@@ -62,9 +62,11 @@ class TuningResult:
     Attributes
     ----------
     best : Trial or None
-        Real run with the least cost; None when none succeeded.
+        Real run with the least cost, or while none settled the one nearest to it; None when none
+        succeeded.
     recommendation : Recommendation or None
-        Gains at which the surrogate expects the least cost; None without a real run.
+        Gains to take: by the method's rule, mostly those that were tried and have the least
+        expected cost. None where no real run settled.
     is1_runs : int
         Number of real runs, initial ones included.
     earlier, left_out : int
@@ -77,6 +79,12 @@ class TuningResult:
         Detected changes of the plant, in order; `best` is from after the last.
     twin_versions : tuple of str
         Reasons of the twin's corrections, in order.
+    settled : bool
+        Whether a real run settled; True in studies that do not ask for it.
+    remarks : tuple of str
+        Failed runs, limits that no run meets, metrics without a say, gains at their bounds.
+    last_failure : str
+        Why the last real run that failed did; empty where none failed.
     """
 
     best: Trial | None
@@ -88,3 +96,6 @@ class TuningResult:
     earlier: int = 0
     left_out: int = 0
     twin_versions: tuple[str, ...] = ()
+    settled: bool = True
+    remarks: tuple[str, ...] = ()
+    last_failure: str = ""

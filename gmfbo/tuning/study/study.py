@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from gmfbo.recordings.store.study_folder import StudyStore
 
 
+OBJECTIVE_VERSION = 2
+"""Runs are ranked before their cost counts. In version 1, before 0.4, a failed run had a price."""
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
     """A tuning study, begun or not.
@@ -193,7 +197,20 @@ class Study:
                     "back, or give another 'out'"
                 )
         origin = os.path.relpath(self.origin.resolve(), self.location.resolve())
-        store.log("begin", origin=Path(origin).as_posix(), twins=twins)
+        version = {} if begun else {"objective_version": OBJECTIVE_VERSION}
+        store.log("begin", origin=Path(origin).as_posix(), twins=twins, **version)
+
+    @staticmethod
+    def objective_version(store: TrialStore) -> int:
+        """Version of the objective by which a study was begun, or by which a new one begins.
+
+        Parameters
+        ----------
+        store : TrialStore
+            Of the study.
+        """
+        begun = [event for event in store.events() if event["event"] == "begin"]
+        return int(begun[0].get("objective_version", 1)) if begun else OBJECTIVE_VERSION
 
     def _last(self, event: str) -> dict[str, Any] | None:
         logged = self._logged(event)

@@ -215,6 +215,7 @@ class ObjectiveSection(Section):
         points=10
     )
     metrics: str | None = None  # FILE.py:FUNCTION of the user
+    as_published: bool = False  # a failed run has a price; runs are not ranked
 
     @model_validator(mode="after")
     def _known_metrics(self) -> Self:
