@@ -50,6 +50,10 @@ class StudyFileError(InputError):
     """A study file cannot be used."""
 
 
+class ExhaustedError(InputError):
+    """All gains that could be asked for were run already."""
+
+
 class StoreError(InputError):
     """A study folder cannot be written or read."""
 

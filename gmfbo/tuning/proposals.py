@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.errors import ExhaustedError
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
@@ -17,6 +18,10 @@ from gmfbo.tuning.query.request import TrialRequest
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
 from gmfbo.tuning.twin_corrections import TwinCorrections
+
+
+MOST_LISTED = 10_000
+"""Points of a box of single values that are listed to find one that was not run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +62,12 @@ class Proposals:
     @property
     def used_up(self) -> bool:
         """Whether the budget is spent, or every recording replayed."""
-        recorded = self.recorded
-        return self.history.used_up or (recorded is not None and recorded.used_up(self.played))
+        recorded, size = self.recorded, self.gains.space.size
+        return (
+            self.history.used_up
+            or (recorded is not None and recorded.used_up(self.played))
+            or (size is not None and len(self._run_since_change()) >= size)
+        )
 
     def next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Decide on the next query; None where the method has nothing more to ask.
@@ -89,15 +98,40 @@ class Proposals:
         repeat = None if self.recorded or held else self._repeat(state)
         if repeat is not None:
             return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
-        proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+        try:
+            proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+        except ExhaustedError:
+            return None
         if proposal is None:
             return None
         gains, note = self.history.gains_at(proposal.point), proposal.note
         if proposal.source == "IS1":
             allowed = self._allowed(state, proposal.point)
             note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
-            gains = allowed
+            gains = self._not_run_yet(state, allowed)
         return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+
+    def _run_since_change(self) -> set[tuple[float, ...]]:
+        """Gains of the real runs since the plant changed."""
+        history = self.history
+        since = [trial for trial in history.of("IS1") if trial.number > history.changed_after]
+        return {tuple(self.gains.point(trial.gains)) for trial in since}
+
+    def _not_run_yet(self, state: TuningState, gains: dict[str, float]) -> dict[str, float]:
+        """These gains, or of a box of few single values the nearest that were not run."""
+        space, run = self.gains.space, self._run_since_change()
+        point = self.gains.point(gains)
+        size = space.size
+        if size is None or size > MOST_LISTED or tuple(point) not in run:
+            return gains
+        left = np.array([one for one in space.grid() if tuple(one) not in run])
+        unit = space.to_unit(left)
+        unit = unit[np.all(np.isclose(unit, state.hold(unit)), axis=1)]
+        unit = unit[state.keep_out.admitted(unit)]
+        if not len(unit):
+            return gains
+        nearest = int(np.argmin(np.linalg.norm(unit - space.to_unit(point), axis=1)))
+        return self.history.gains_at(unit[nearest])
 
     def _repeat(self, state: TuningState) -> Repeat | None:
         """Gains that are to be run again next; usually None.

@@ -23,6 +23,7 @@ from gmfbo.tuning.query.method import Method, PublishedMethod, Recommendation
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
 from gmfbo.tuning.study.playing import play
+from gmfbo.tuning.study.refusals import refuse_unplayable
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study.study_terms import check_signals, experiment_of, known_safe, own_metrics
@@ -95,6 +96,8 @@ class Tuner:
             self.experiment = experiment_of(study, self._sources.reference_unit, own)
             starts = known_safe(study.file.safety, self.gains)
             check_signals(study.file.safety, self._sources)
+            if not study.begun:
+                refuse_unplayable(study.file, self.gains, self._sources)
             real = self._sources.is1
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None

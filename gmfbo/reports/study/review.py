@@ -195,7 +195,7 @@ class StudyReview:
             values = [run.trial.gains[name] for run in self.runs]
             given = self.file.gains.get(name)
             if given is not None and given.low < given.high:
-                gains.append(Gain(name, given.low, given.high, given.scale, given.integer))
+                gains += [gain for gain in [given.gain(name)] if isinstance(gain, Gain)]
             elif given is None and min(values) < max(values):
                 gains.append(Gain(name, min(values), max(values)))
         return GainSpace(tuple(gains))

@@ -86,7 +86,7 @@ def search_of(state: TuningState) -> Search:
     weights = [finishing] if finishing else []
     if state.limits:
         weights.append(feasibility_of(state))
-    rounded = any(gain.integer for gain in space.gains)
+    rounded = any(gain.steps is not None for gain in space.gains)
     return Search(
         dimension=len(space),
         fixed=state.fixed_unit,

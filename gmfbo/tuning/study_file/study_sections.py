@@ -18,6 +18,7 @@ from pydantic import (
 from gmfbo.errors import did_you_mean
 from gmfbo.objective.cost import PAPER_WEIGHTS
 from gmfbo.objective.metrics import METRICS
+from gmfbo.space import Gain
 from gmfbo.tuning.study_file.drift_section import DriftSection
 from gmfbo.tuning.study_file.safety_section import SafetySection
 
@@ -40,9 +41,22 @@ def _as_range(value: object) -> object:
         return {"low": value[0], "high": value[1]}
     if isinstance(value, int | float):
         return {"low": value, "high": value}
+    if isinstance(value, dict) and "values" in value:
+        return {**value, **_ends_of(value)}
     if isinstance(value, dict | GainRange):
         return value
     raise ValueError(f"expected [low, high], a number or a table, got {value!r}")
+
+
+def _ends_of(value: dict[str, Any]) -> dict[str, float]:
+    """Bounds of a gain that may take single values only."""
+    values = value["values"]
+    if "low" in value or "high" in value or value.get("integer"):
+        raise ValueError("expected either values or low and high, got both")
+    numbers = isinstance(values, list) and all(isinstance(one, int | float) for one in values)
+    if not numbers or len(set(values)) < 2:
+        raise ValueError(f"values: expected a list of at least two numbers, got {values!r}")
+    return {"low": min(values), "high": max(values)}
 
 
 def _as_references(value: object) -> object:
@@ -162,6 +176,8 @@ class GainRange(Section):
     high: Number
     scale: Literal["linear", "log"] = "linear"
     integer: bool = False
+    values: tuple[Number, ...] = ()
+    now: Number | None = None  # in force today: the first real run
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -169,7 +185,28 @@ class GainRange(Section):
             raise ValueError(f"expected low <= high, got [{self.low:g}, {self.high:g}]")
         if self.scale == "log" and self.low <= 0.0:
             raise ValueError(f"a log scale needs a positive lower bound, got {self.low:g}")
+        if self.now is not None and not self.low <= self.now <= self.high:
+            raise ValueError(
+                f"now: expected within [{self.low:g}, {self.high:g}], got {self.now:g}; widen the "
+                "range"
+            )
         return self
+
+    def gain(self, name: str) -> Gain | float:
+        """The gain of this range, or its only value.
+
+        Parameters
+        ----------
+        name : str
+            FMU parameter.
+        """
+        low, high = self.low, self.high
+        if self.integer and math.ceil(low) <= math.floor(high):
+            low, high = float(math.ceil(low)), float(math.floor(high))
+        if low == high:
+            return low
+        values = tuple(sorted(set(self.values)))
+        return Gain(name, low, high, self.scale, self.integer, values)
 
 
 class ReferenceSection(Section):
