@@ -68,6 +68,10 @@ class SimulationError(GmfboError):
     exit_status = 3
 
 
+class NotTheGainsError(SimulationError):
+    """A real run failed for a reason that is not its gains; the same trial is asked again."""
+
+
 def in_short(reason: object, most: int = 300) -> str:
     """Text of a library or file as one line of limited length, without control characters.
 

@@ -111,9 +111,7 @@ def error_growth(time: ArrayLike, error: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(np.where(finite, np.where(last == 0.0, 0.0, growth), np.inf))
 
 
-def _last_tenth(
-    times: NDArray[np.float64], step_time: float, horizon: float
-) -> NDArray[np.bool_]:
+def _last_tenth(times: NDArray[np.float64], step_time: float, horizon: float) -> NDArray[np.bool_]:
     end = step_time + horizon
     late = (times >= end - LATE_SHARE * horizon) & (times <= end)
     # Samples that are rarer than the last tenth: the last of them tells.

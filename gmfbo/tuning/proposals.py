@@ -12,13 +12,14 @@ from gmfbo.errors import ExhaustedError
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
 from gmfbo.tuning.query.method import Method
 from gmfbo.tuning.query.request import TrialRequest
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
+from gmfbo.tuning.twin.believed_twins import BelievedTwins
 from gmfbo.tuning.twin_corrections import TwinCorrections
-
 
 MOST_LISTED = 10_000
 """Points of a box of single values that are listed to find one that was not run."""
@@ -92,24 +93,52 @@ class Proposals:
             points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
             # Gains that are known to be safe replace the first of the Latin hypercube.
             points = np.vstack([self.starts, points[len(self.starts) :]])
-            return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
+            gains = self._allowed(state, state.hold(points[real]))
+            asked = TrialRequest(number, "IS1", gains)
+            return asked if real < len(self.starts) else self._checked(asked)
         if len(held) == len(self.gains.space):
             return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
         repeat = None if self.recorded or held else self._repeat(state)
         if repeat is not None:
             return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
         try:
-            proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+            proposal = self.method_in_force.propose(state, stream(seed, Stream.PROPOSAL, number))
         except ExhaustedError:
             return None
         if proposal is None:
             return None
         gains, note = self.history.gains_at(proposal.point), proposal.note
+        expected = None if state.unsettled else proposal.expected
         if proposal.source == "IS1":
             allowed = self._allowed(state, proposal.point)
-            note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
+            if allowed != gains:
+                expected = None
+                note = f"{note} moved to gains that may be run".lstrip()
             gains = self._not_run_yet(state, allowed)
-        return TrialRequest(number, proposal.source, gains, proposal.mismatch, note)
+        asked = TrialRequest(number, proposal.source, gains, proposal.mismatch, note, expected)
+        return self._checked(asked)
+
+    @property
+    def method_in_force(self) -> Method:
+        """The study's method; expected improvement on real runs once the twin may not run."""
+        return METHODS["bo_ei"] if self.history.twin_used_up else self.method
+
+    def _checked(self, asked: TrialRequest) -> TrialRequest:
+        """The request, or another where the twin, as uncertain as it is, leaves the envelope."""
+        history = self.history
+        if asked.source != "IS1" or not (history.envelope and history.ranked):
+            return asked
+        if self.recorded is not None or history.twin_used_up:
+            return asked
+        twins = BelievedTwins(self.corrections.runs.source, history)
+        withheld = twins.withheld(asked.gains, asked.number)
+        if withheld is None:
+            return asked
+        history.store.log(
+            "withheld", number=asked.number, gains=dict(asked.gains), leaving=withheld.leaving
+        )
+        note = f"{asked.note} {withheld.note}".lstrip()
+        return replace(asked, gains=dict(withheld.gains), note=note, expected=None)
 
     def _run_since_change(self) -> set[tuple[float, ...]]:
         """Gains of the real runs since the plant changed."""

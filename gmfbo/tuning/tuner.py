@@ -7,7 +7,9 @@ from contextlib import ExitStack
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Self
 
-from gmfbo.errors import InputError
+import numpy as np
+
+from gmfbo.errors import InputError, NotTheGainsError
 from gmfbo.interrupt import unwrapped_interrupt
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.sources.plants.plant_call import PlantFunction
@@ -19,16 +21,26 @@ from gmfbo.tuning.history.incumbent import has_settled
 from gmfbo.tuning.history.remarks import last_failure
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.proposals import Proposals
-from gmfbo.tuning.query.method import Method, PublishedMethod, Recommendation
+from gmfbo.tuning.query.initial_design import Stream, stream
+from gmfbo.tuning.query.method import Method, Recommendation
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
+from gmfbo.tuning.study.noisy_axis import NoisyAxis
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.refusals import refuse_unplayable
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import check_signals, experiment_of, known_safe, own_metrics
+from gmfbo.tuning.study.study_terms import (
+    check_signals,
+    experiment_of,
+    in_force,
+    known_safe,
+    own_metrics,
+    ranked,
+)
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_runs import EarlierRuns
+from gmfbo.tuning.told.not_the_gains import log_not_the_gains
 from gmfbo.tuning.told.real_axis import RealAxis, scorable
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
 from gmfbo.tuning.told.told_gains import told_gains
@@ -94,7 +106,9 @@ class Tuner:
             )
             own = own_metrics(study)
             self.experiment = experiment_of(study, self._sources.reference_unit, own)
-            starts = known_safe(study.file.safety, self.gains)
+            starts = np.vstack(
+                [in_force(study.file.gains, self.gains), known_safe(study.file.safety, self.gains)]
+            )
             check_signals(study.file.safety, self._sources)
             if not study.begun:
                 refuse_unplayable(study.file, self.gains, self._sources)
@@ -114,7 +128,9 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
-                ranked=self._ranked(),
+                ranked=ranked(study, self._store, self.method),
+                starts=starts,
+                limited=self.study.objective_version(self._store) >= 2,
             )
             hashes = {"metrics": own.content_hash} if own else {}
             study.log_begin(self._store, self._sources.content_hashes | hashes)
@@ -122,7 +138,9 @@ class Tuner:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()
         around_real = correction if correction and correction.around_real else None
-        self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
+        self._twin = TwinRuns(
+            self._sources.is2, self.history, around_real, self._announce, self._say
+        )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
         self._closing.callback(self._corrections.close)
@@ -197,13 +215,8 @@ class Tuner:
         RecordingError
             The recording was made at other gains, lacks the signal or is too short.
         """
-        number = trial if isinstance(trial, int) else trial.number
-        pending = self._pending
-        if pending is None or pending.number != number or pending.source != "IS1":
-            wanted = f"trial {pending.number} is" if pending else "none is"
-            raise InputError(
-                f"trial {number} is not waited for: {wanted}; ask for the next gains first"
-            )
+        pending = self._awaited(trial)
+        number = pending.number
         run = read_told(recording, self._sources.reading, self.experiment)
         if not anyway:
             run.refuse_repeated(self._store.events())
@@ -218,6 +231,27 @@ class Tuner:
         initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
         self._announce("initial" if initial else "query", told)
         return told
+
+    def not_the_gains(self, trial: TrialRequest | int, why: str) -> None:
+        """Say that the requested run failed for another reason than its gains.
+
+        Nothing is learned from it, and `ask` returns the same request again.
+
+        Parameters
+        ----------
+        trial : TrialRequest or int
+            What `ask` returned, or its number.
+        why : str
+            Reason, in a few words.
+
+        Raises
+        ------
+        InputError
+            The run was not asked for, or told already.
+        SimulationError
+            It is the third in a row; `ask` goes on all the same.
+        """
+        log_not_the_gains(self._store, self._awaited(trial).number, why)
 
     def run(self, progress: ProgressCallback | None = None) -> TuningResult:
         """Run the study to the end of its budget.
@@ -237,7 +271,8 @@ class Tuner:
         InputError
             The real axis is not one that can be run from here.
         SimulationError
-            No initial run of the twin succeeded.
+            No initial run of the twin succeeded, or three real runs in a row failed for another
+            reason than their gains.
         """
         if self._sources.is1 is None:
             raise InputError(
@@ -248,7 +283,13 @@ class Tuner:
         try:
             with unwrapped_interrupt():
                 while (request := self.ask()) is not None:
-                    run = play(self._plant(), request.gains, self.experiment, self.history.envelope)
+                    try:
+                        run = play(
+                            self._plant(), request.gains, self.experiment, self.history.envelope
+                        )
+                    except NotTheGainsError as error:
+                        self.not_the_gains(request, str(error))
+                        continue
                     self.tell(request, scorable(run, self.experiment))
         except KeyboardInterrupt:
             self._store.log("interrupt", trials=len(self.history.trials))
@@ -273,7 +314,7 @@ class Tuner:
         real = history.of("IS1")
         settled = any(has_settled(trial) for trial in real)
         if settled or (real and not history.ranked):
-            point, mean, std = self.method.recommend(self.history.state({}))
+            point, mean, std = self._proposals.method_in_force.recommend(self.history.state({}))
             gains = self.gains.values(self.gains.space.from_unit(point))
             recommendation = Recommendation(gains, mean, std)
             self._store.log("recommendation", gains=gains, mean=mean, std=std)
@@ -308,6 +349,17 @@ class Tuner:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
+    def _awaited(self, trial: TrialRequest | int) -> TrialRequest:
+        """The pending request, if it is this one."""
+        number = trial if isinstance(trial, int) else trial.number
+        pending = self._pending
+        if pending is None or pending.number != number or pending.source != "IS1":
+            wanted = f"trial {pending.number} is" if pending else "none is"
+            raise InputError(
+                f"trial {number} is not waited for: {wanted}; ask for the next gains first"
+            )
+        return pending
+
     def _next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Do what must precede the next query, and decide on it."""
         pending = self._pending
@@ -320,6 +372,7 @@ class Tuner:
         if (drift := self._drift.look()) is not None:
             self._watch.tell("drift", self.history.of("IS1")[-1], None, drift.message)
         self._twin = self._corrections.follow(self._watch)
+        self._tell_used_up()
         if self._proposals.used_up:
             return None
         if not held:
@@ -328,7 +381,7 @@ class Tuner:
         if request is None:
             return None
         self._store.log("ask", **asdict(request))
-        self.history.last_asked = request.number
+        self.history.note_asked(request.number, request.expected)
         self._pending = self._last_request = request
         return request
 
@@ -339,20 +392,25 @@ class Tuner:
             taken = self.history.taken_over(self._earlier.read(position))
             self._announce("initial", self.history.write(taken))
 
-    def _ranked(self) -> bool:
-        """Whether runs are ranked before their cost counts."""
-        published = self.study.file.objective.as_published or isinstance(
-            self.method, PublishedMethod
-        )
-        return not published and self.study.objective_version(self._store) >= 2
-
     def _plant(self) -> Source:
         recorded, played = self._proposals.recorded, self._proposals.played
         if recorded is not None:
             return RealAxis(recorded.grid.after(played))
         plant = self._sources.real(len(played))
         assert plant is not None
+        if noise := self.study.file.is1.noise:
+            plant = NoisyAxis(plant, noise, stream(self.study.file.seed, Stream.NOISE, len(played)))
         return RealAxis(plant)
+
+    def _say(self, news: str) -> None:
+        self._watch.say(news)
+
+    def _tell_used_up(self) -> None:
+        """Say once that the twin may not run again."""
+        history = self.history
+        if history.twin_used_up and not history.twin_budget.told:
+            history.twin_budget.told = True
+            self._say(history.twin_budget.reason(history.trials))
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._last_request)

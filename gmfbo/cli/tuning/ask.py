@@ -10,6 +10,7 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, parse_settings
 from gmfbo.cli.manual import Manual
+from gmfbo.cli.tuning.first_runs import RandomStart, confirm_first_runs
 from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def ask(
             "--json", help="Print trial, gains and references as JSON; null when all is done."
         ),
     ] = False,
+    random_start: RandomStart = False,
 ) -> None:
     """Print the next gains to try, for whoever runs the axis.
 
@@ -59,6 +61,7 @@ def ask(
     from gmfbo.tuning.told.next_run import next_run_text, remove_next_run, write_next_run
 
     asked = Study.read(study)
+    confirm_first_runs(asked, random_start)
     display = StudyDisplay(console, asked.file.budget.is1_runs)
     with Tuner(asked) as tuner:
         with display:

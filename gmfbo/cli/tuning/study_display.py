@@ -40,10 +40,17 @@ class StudyDisplay:
 
     def show(self, step: progress.Progress) -> None:
         """Show one finished run."""
+        if step.phase == "news":
+            self._bar.console.print(f"note: {step.note}", markup=False)
+            return
         if not self._console.is_terminal:
             return
         if step.phase == "initial":
-            self._bar.update(self._task, count=f"run {step.trial}", state=_state(step))
+            done, most = step.initial_runs, step.most_initial_runs
+            count = f"{done} of {most}"
+            self._bar.update(
+                self._task, completed=done, total=most, count=count, state=_state(step)
+            )
         else:
             what, done, most = self._done(step)
             count = f"{done} of {most}"

@@ -27,6 +27,9 @@ MANUAL = Manual(
         "What was measured at the gains that were asked for:": "gmfbo tell monday.toml run5.csv",
         "At others:": "gmfbo tell monday.toml run5.csv --set ctl.Kp=90 --anyway",
         "A run without a recording:": "gmfbo tell monday.toml --failed 'lost the encoder'",
+        "The same trial again, since the gains are not to blame:": (
+            "gmfbo tell monday.toml --failed 'door was open' --not-the-gains"
+        ),
     },
     see_also=("gmfbo ask", "notebooks/docs/studies.md", "notebooks/docs/recordings.md"),
 )
@@ -57,6 +60,13 @@ def tell(
         str | None,
         typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
     ] = None,
+    not_the_gains: Annotated[
+        bool,
+        typer.Option(
+            "--not-the-gains",
+            help="With --failed: the gains are not the reason; the same trial is asked again.",
+        ),
+    ] = False,
 ) -> None:
     """Take back the recording of the run that `gmfbo ask` wanted.
 
@@ -71,6 +81,8 @@ def tell(
 
     if bool(recordings) == (failed is not None):
         raise InputError("expected either a recording or --failed WHY; give one of them")
+    if not_the_gains and failed is None:
+        raise InputError("--not-the-gains: expected --failed WHY beside it; give the reason")
     told = Study.read(study)
     if not told.begun:
         raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
@@ -79,6 +91,10 @@ def tell(
         request = tuner.pending
         if request is None or request.source != "IS1":
             raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
+        if not_the_gains:
+            tuner.not_the_gains(request, failed or "failed")
+            typer.echo(f"trial {request.number}: nothing is learned from it; play it again")
+            return
         run = recordings or failed_run(tuner.experiment.reference, failed or "failed")
         trial = tuner.tell(request, run, gains=given, anyway=anyway)
         remove_next_run(told.location, len(tuner.experiment.parts))

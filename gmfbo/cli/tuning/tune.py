@@ -9,6 +9,7 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
+from gmfbo.cli.tuning.first_runs import RandomStart, confirm_first_runs
 from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def tune(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a study that was stopped or killed.")
     ] = False,
+    random_start: RandomStart = False,
 ) -> None:
     """Run a tuning study; every trajectory of every source is kept.
 
@@ -58,7 +60,9 @@ def tune(
     """
     from gmfbo.tuning.study.study import Study
 
-    refuse_without_success(run_study(Study.read(study), resume=resume))
+    asked = Study.read(study)
+    confirm_first_runs(asked, random_start)
+    refuse_without_success(run_study(asked, resume=resume))
 
 
 def run_study(study: Study, *, resume: bool) -> TuningResult:

@@ -161,9 +161,7 @@ class StudyReview:
     def remarks(self) -> tuple[str, ...]:
         """What the best gains alone do not tell."""
         weights, real = self.file.objective.weights, [run.trial for run in self.real]
-        return remarks_on(
-            real, self.best, weights=weights, limits=self.limits, space=self.space
-        )
+        return remarks_on(real, self.best, weights=weights, limits=self.limits, space=self.space)
 
     @property
     def first(self) -> Trial | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
@@ -19,12 +19,14 @@ from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.joined_runs import ended_by
+from gmfbo.tuning.history.caution import Caution
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.keep_out import KeepOut
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.history.ranked import by_rank
 from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.history.twin_budget import EVENT, TwinBudget
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -53,6 +55,10 @@ class History:
         Number of real runs taken over from an earlier study, which come first.
     ranked : bool
         Whether runs are ranked before their cost counts; otherwise a failed run has a price.
+    starts : ndarray, shape (k, d), optional
+        Gains in force and other known-safe ones, in the unit cube.
+    limited : bool
+        Whether real runs move from these by steps; see `Caution`.
 
     Attributes
     ----------
@@ -70,22 +76,36 @@ class History:
         survey: int = 0,
         earlier: int = 0,
         ranked: bool = False,
+        starts: NDArray[np.float64] | None = None,
+        limited: bool = False,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
         self.survey, self.earlier, self.ranked = survey, earlier, ranked
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
+        starts = np.empty((0, len(gains.space))) if starts is None else starts
+        self.caution = Caution(gains.space, self.envelope, starts, limited and len(starts) > 0)
+        self.twin_budget = TwinBudget(study.budget, ranked)
         self.trials: list[Trial] = store.trials()
         self.twin: str | None = None
         events = store.events()
         self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
-        asked = [event["number"] for event in events if event["event"] == "ask"]
-        self.last_asked: int = asked[-1] if asked else 0
+        self.last_asked = 0
+        for event in events:
+            if event["event"] == "ask":
+                self.note_asked(event["number"], event.get("expected"))
+            if event["event"] == EVENT:
+                self.twin_budget.other_seconds += event["seconds"]
         self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
-        self._leaves: dict[int, bool] = {}
         self._objective: Objective | None = None
         if len(self.of("IS2")) >= study.budget.initial_is2:
             self.normalise(self.of("IS2")[: study.budget.initial_is2])
+
+    def note_asked(self, number: int, expected: Sequence[float] | None) -> None:
+        """Remember a logged request, with the mean and std of the cost that was predicted."""
+        self.last_asked = number
+        if expected is not None:
+            self.caution.expected[number] = (expected[0], expected[1])
 
     def of(self, *sources: SourceName) -> list[Trial]:
         """Trials of some sources, in order."""
@@ -146,6 +166,11 @@ class History:
         if budget.is1_runs is not None and self.made >= budget.is1_runs:
             return True
         return self.queries >= budget.most_queries
+
+    @property
+    def twin_used_up(self) -> bool:
+        """Whether the twin may not run again."""
+        return self.twin_budget.used_up(self.trials)
 
     @property
     def cost(self) -> float:
@@ -344,25 +369,8 @@ class History:
 
     def keep_out(self) -> KeepOut:
         """Gains that a real run is kept away from."""
-        if not self.envelope:
-            return KeepOut()
-        safe, unsafe = [], []
-        for trial in self.trials:
-            if trial.source == "IS1" and trial.status != "unsafe":
-                # A run that broke down shows neither safety nor danger.
-                if trial.status == "ok":
-                    safe.append(self.unit_point(trial.gains))
-            elif trial.source == "IS1" or (self.is_current(trial) and self._twin_leaves(trial)):
-                unsafe.append(self.unit_point(trial.gains))
-        width = len(self.gains.space)
-        return KeepOut(np.reshape(unsafe, (-1, width)), np.reshape(safe, (-1, width)))
-
-    def _twin_leaves(self, trial: Trial) -> bool:
-        """Whether the twin left the envelope, as far as it computes the signals."""
-        if trial.number not in self._leaves:
-            left = self.envelope.first_exit(trial.recording, all_signals=False)
-            self._leaves[trial.number] = left is not None
-        return self._leaves[trial.number]
+        twin = [trial for trial in self.of("IS2", "IS3") if self.is_current(trial)]
+        return self.caution.keep_out(self.of("IS1"), twin)
 
     def observations(self) -> tuple[Observation, ...]:
         """All runs as the surrogate sees them, in order.

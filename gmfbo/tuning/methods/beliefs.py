@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,7 +14,9 @@ from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
-    from gmfbo.acquisition.feasibility import FeasibilityWeight
+    from torch import Tensor
+
+    from gmfbo.acquisition.feasibility import FeasibilityWeight, LogWeight
     from gmfbo.acquisition.finishing import FinishModel
     from gmfbo.acquisition.maximise import Proposal as Found
     from gmfbo.acquisition.maximise import Search
@@ -83,19 +86,32 @@ def search_of(state: TuningState) -> Search:
     from gmfbo.acquisition.maximise import Search
 
     space, finishing = state.space, finishing_of(state)
-    weights = [finishing] if finishing else []
+    weights: list[LogWeight] = [finishing] if finishing else []
     if state.limits:
         weights.append(feasibility_of(state))
+    moves = state.keep_out.moves
     rounded = any(gain.steps is not None for gain in space.gains)
+
+    def snap(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        near = points if moves is None else state.hold(moves.nearest(points))
+        return space.to_unit(space.from_unit(near)) if rounded else near
+
     return Search(
         dimension=len(space),
         fixed=state.fixed_unit,
-        snap=(lambda points: space.to_unit(space.from_unit(points))) if rounded else None,
-        log_weight=(lambda points: sum(weight(points) for weight in weights)) if weights else None,
+        snap=snap if rounded or moves is not None else None,
+        log_weight=partial(_together, weights) if weights else None,
         admits=(lambda points: admitted(state, points, finishing))
         if finishing or state.keep_out
         else None,
     )
+
+
+def _together(weights: Sequence[LogWeight], points: Tensor) -> Tensor:
+    total = weights[0](points)
+    for weight in weights[1:]:
+        total = total + weight(points)
+    return total
 
 
 def finishing_of(state: TuningState) -> FinishModel | None:
@@ -166,6 +182,14 @@ def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -
     return min(float(data.values[rows].min()) for name in sources if (rows := data.of(name)).any())
 
 
+def expected_at(
+    model: SourceModel | TruncatedModel, point: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Predicted cost g of a real run at a point (d,), and its standard deviation."""
+    mean, variance = model.predict(point[None, :], "IS1")
+    return float(mean[0]), float(np.sqrt(variance[0]))
+
+
 def source_of(found: Found) -> Literal["IS1", "IS2"]:
     """Whom a maximum of the acquisition asks."""
     return "IS1" if found.source == "IS1" else "IS2"
@@ -206,7 +230,8 @@ def improve_each_source(
         {"IS1": 1.0, "IS2": twin_cost},
     )
     found = maximise(acquisition, search_of(state), ["IS1", "IS2"], data)
-    return Proposal(source_of(found), found.point, note=model.note)
+    expected = expected_at(model, found.point)
+    return Proposal(source_of(found), found.point, note=model.note, expected=expected)
 
 
 def least_expected(

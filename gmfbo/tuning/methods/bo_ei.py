@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import (
+    expected_at,
     incumbent_of,
     least_expected,
     observations_of,
@@ -40,7 +41,8 @@ class SingleSourceImprovement:
             model, {"IS1": incumbent_of(state, real, "IS1")}, {"IS1": 1.0}
         )
         found = maximise(acquisition, search_of(state), ["IS1"], real)
-        return Proposal("IS1", found.point, note=model.note)
+        expected = expected_at(model, found.point)
+        return Proposal("IS1", found.point, note=model.note, expected=expected)
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least posterior mean over the box."""

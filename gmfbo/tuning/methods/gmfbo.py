@@ -62,11 +62,12 @@ class Gmfbo:
         from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        point = _Belief.of(state).most_promising(state)
+        belief = _Belief.of(state)
+        point = belief.most_promising(state)
         if point is None:
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere new")
-        return Proposal("IS1", point, mismatch)
+        return Proposal("IS1", point, mismatch, expected=belief.at(point))
 
     def promising(self, state: TuningState) -> NDArray[np.float64]:
         """Gains with the largest expected improvement, and with the least expected cost."""
@@ -134,6 +135,8 @@ class _Belief:
 
         # A repeat of a real run has no variance left, and is no candidate.
         new = is_new(self.points, state)
+        if not new.any() and state.keep_out.moves is not None:
+            return self._towards(state)
         if state.ranked and any(not one.counts for one in state.of("IS1")):
             from gmfbo.acquisition.finishing import probable
 
@@ -143,6 +146,21 @@ class _Belief:
         gain = log_improvement(self.mean[new], self.variance[new], state.incumbent())
         found: NDArray[np.float64] = self.points[new][int(np.argmax(gain + self.log_weight[new]))]
         return found
+
+    def _towards(self, state: TuningState) -> NDArray[np.float64]:
+        """Promising point, moved to where a run may be made: the twin did not run there yet."""
+        far = replace(state, keep_out=replace(state.keep_out, moves=None))
+        found = self.most_promising(far)
+        assert state.keep_out.moves is not None
+        start = self.points[self.least_expected()] if found is None else found
+        return state.hold(state.keep_out.moves.nearest(start[None, :]))[0]
+
+    def at(self, point: NDArray[np.float64]) -> tuple[float, float] | None:
+        """Expected cost and its standard deviation at a point (d,), where the twin ran."""
+        row = int(np.argmin(np.abs(self.points - point).max(axis=1)))
+        if np.abs(self.points[row] - point).max() > 0.0:
+            return None
+        return float(self.mean[row]), float(np.sqrt(self.variance[row]))
 
     def least_expected(self) -> int:
         """Row of the least expected cost where the limits are probably met."""

@@ -26,12 +26,15 @@ class Proposal:
         Mismatch e of the twin that the method used, dimensionless.
     note : str
         Note for the user; usually empty.
+    expected : tuple of float or None
+        Predicted cost g of the real run, and its standard deviation; None where it is unknown.
     """
 
     source: Literal["IS1", "IS2"]
     point: NDArray[np.float64]
     mismatch: float | None = None
     note: str = ""
+    expected: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

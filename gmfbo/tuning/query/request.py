@@ -29,6 +29,8 @@ class TrialRequest:
         Mismatch e of the twin that the method used, dimensionless.
     note : str
         Note of the method; usually empty.
+    expected : tuple of float or None
+        Predicted cost g of the real run, and its standard deviation; None where it is unknown.
     """
 
     number: int
@@ -36,6 +38,7 @@ class TrialRequest:
     gains: Mapping[str, float]
     mismatch: float | None = None
     note: str = ""
+    expected: tuple[float, float] | None = None
 
     @classmethod
     def unanswered(cls, events: list[dict[str, Any]], next_number: int) -> TrialRequest | None:
@@ -52,7 +55,15 @@ class TrialRequest:
         if not asked or asked[-1]["number"] != next_number:
             return None
         last = asked[-1]
-        return cls(last["number"], last["source"], last["gains"], last["mismatch"], last["note"])
+        expected = last.get("expected")
+        return cls(
+            last["number"],
+            last["source"],
+            last["gains"],
+            last["mismatch"],
+            last["note"],
+            None if expected is None else (expected[0], expected[1]),
+        )
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-from gmfbo.errors import StudyFileError
+from gmfbo.errors import StudyFileError, did_you_mean
 from gmfbo.sources.plants.source import Source
 from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
@@ -34,15 +32,16 @@ def refuse_unplayable(study: StudyFile, gains: GainChoice, sources: StudySources
         An integer range holds no integer, the box leaves the bounds of an FMU, the real runs end
         before the initial ones, or a sample time does not fit.
     """
-    for name, wanted in study.gains.items():
-        if wanted.integer and math.ceil(wanted.low) > math.floor(wanted.high):
+    for gain in gains.space.gains:
+        if gain.steps is not None and not len(gain.steps):
             raise StudyFileError(
-                f"[gains] '{name}': expected a range that holds a whole number, got "
-                f"[{wanted.low:g}, {wanted.high:g}]; widen it, or leave out integer"
+                f"[gains] '{gain.name}': expected a range that holds a whole number, got "
+                f"[{gain.low:g}, {gain.high:g}]; widen it, or leave out integer"
             )
     for source in (sources.is2, sources.is1):
         if source is not None:
             _refuse_beyond(source, gains)
+    _refuse_unknown_noise(study, sources)
     budget = study.budget
     if budget.is1_runs is not None and budget.is1_runs < budget.initial_is1:
         raise StudyFileError(
@@ -72,6 +71,15 @@ def _refuse_beyond(source: Source, gains: GainChoice) -> None:
                 f"[gains] '{name}': expected a range within {shown}, the bounds that "
                 f"{source.name} states, got [{low:g}, {high:g}]; narrow the range"
             )
+
+
+def _refuse_unknown_noise(study: StudyFile, sources: StudySources) -> None:
+    from gmfbo.sources.twin.twin import FmuTwin
+
+    known = sources.is1.signal_specs() if isinstance(sources.is1, FmuTwin) else {}
+    for name in study.is1.noise:
+        if known and name not in known:
+            raise StudyFileError(f"[is1] noise: no signal '{name}'" + did_you_mean(name, known))
 
 
 def _refuse_off_sample(reference: ReferenceSection) -> None:

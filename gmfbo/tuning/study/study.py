@@ -240,7 +240,7 @@ def _differing(one: StudyFile, other: StudyFile) -> list[str]:
 
     def decisive(study: StudyFile) -> dict[str, Any]:
         parts = study.model_dump(exclude={"name", "out"})
-        for end in ("iterations", "is1_runs"):
+        for end in ("iterations", "is1_runs", "is2_runs", "is2_seconds"):
             del parts["budget"][end]
         for patience in ("time_limit", "retries"):
             del parts["is1"][patience]

@@ -102,5 +102,7 @@ class GainChoice:
                 )
             steps = ranges[name].steps
             if steps is not None and not np.isclose(steps, value, rtol=1e-6).any():
-                shown = ", ".join(f"{one:g}" for one in steps[:8]) + (" ..." if len(steps) > 8 else "")
+                shown = ", ".join(f"{one:g}" for one in steps[:8]) + (
+                    " ..." if len(steps) > 8 else ""
+                )
                 raise InputError(f"{label}: expected '{name}' to be one of {shown}, got {value:g}")

@@ -146,6 +146,7 @@ class PlantSection(Section):
     parameters: Parameters = {}
     hidden: HiddenPhysics | None = None
     change: PlantChange | None = None
+    noise: dict[str, NotNegative] = {}  # standard deviation by signal [its unit]
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -157,6 +158,8 @@ class PlantSection(Section):
             )
         if self.twin is None and (self.parameters or self.hidden or self.change):
             raise ValueError("parameters, hidden and change need a twin that plays the plant")
+        if self.twin is None and self.noise:
+            raise ValueError("noise needs a twin that plays the plant; a real one has its own")
         if self.command is None and self.model_fields_set & {"time_limit", "retries"}:
             raise ValueError("time_limit and retries need a command")
         return self
@@ -284,6 +287,8 @@ class BudgetSection(Section):
     iterations: int | None = Field(None, ge=0)
     is1_runs: int | None = Field(None, ge=1)
     is3_per_run: int = Field(4, ge=0)
+    is2_runs: int | None = Field(None, ge=2)  # of the twin, in all
+    is2_seconds: Positive = 1800.0  # [s] of twin runs: half an hour, as long as a bench waits
 
     @property
     def most_queries(self) -> int:
