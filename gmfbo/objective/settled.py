@@ -78,9 +78,11 @@ def late_error(
     known = np.where(finite[..., None], values, target)
     before = times < step_time
     sigma = noise_of(known, before, late) if noise is None else np.full(finite.shape, noise)
-    excused = np.maximum(NOISE_DEVIATIONS * sigma, COUNTS * _count(known))
     size = abs(step_size)
-    tolerance = np.maximum(band * size, np.minimum(excused, MOST_TOLERANCE * size))
+    most, counts = MOST_TOLERANCE * size, COUNTS * _count(known)
+    # A smallest step as large as that is the response itself, not the resolution of a sensor.
+    excused = np.maximum(NOISE_DEVIATIONS * sigma, np.where(counts <= most, counts, 0.0))
+    tolerance = np.maximum(band * size, np.minimum(excused, most))
     error = np.abs(_smoothed(known - target)[..., late]).max(axis=-1)
     return np.asarray(np.where(finite, error / tolerance, np.inf))
 

@@ -17,15 +17,13 @@ from gmfbo.sources.plants.recorded_grid import RecordedGrid
 from gmfbo.sources.plants.source import Source
 from gmfbo.tuning.drift_watch import DriftWatch
 from gmfbo.tuning.history.history import History
-from gmfbo.tuning.history.incumbent import has_settled
 from gmfbo.tuning.history.remarks import last_failure
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.proposals import Proposals
-from gmfbo.tuning.query.initial_design import Stream, stream
 from gmfbo.tuning.query.method import Method, Recommendation
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
-from gmfbo.tuning.study.noisy_axis import NoisyAxis
+from gmfbo.tuning.study.noisy_axis import next_axis
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.refusals import refuse_unplayable
 from gmfbo.tuning.study.study import Study
@@ -104,14 +102,14 @@ class Tuner:
             self.gains = GainChoice.combine(
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
+            if not study.begun:
+                refuse_unplayable(study.file, self.gains, self._sources)
             own = own_metrics(study)
             self.experiment = experiment_of(study, self._sources.reference_unit, own)
             starts = np.vstack(
                 [in_force(study.file.gains, self.gains), known_safe(study.file.safety, self.gains)]
             )
             check_signals(study.file.safety, self._sources)
-            if not study.begun:
-                refuse_unplayable(study.file, self.gains, self._sources)
             real = self._sources.is1
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
@@ -139,7 +137,11 @@ class Tuner:
             self._closing = closing.pop_all()
         around_real = correction if correction and correction.around_real else None
         self._twin = TwinRuns(
-            self._sources.is2, self.history, around_real, self._announce, self._say
+            self._sources.is2,
+            self.history,
+            around_real,
+            self._announce,
+            lambda news: self._watch.say(news),
         )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
@@ -216,7 +218,6 @@ class Tuner:
             The recording was made at other gains, lacks the signal or is too short.
         """
         pending = self._awaited(trial)
-        number = pending.number
         run = read_told(recording, self._sources.reading, self.experiment)
         if not anyway:
             run.refuse_repeated(self._store.events())
@@ -226,7 +227,7 @@ class Tuner:
         judged = self.history.envelope.judge(run.recording)
         told = self.history.trial("IS1", used, judged, twin=twin)
         self.history.write(told)
-        self._store.log("tell", number=number, gains=used, file=run.file, sha256=run.sha256)
+        self._store.log("tell", number=pending.number, gains=used, file=run.file, sha256=run.sha256)
         self._pending = None
         initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
         self._announce("initial" if initial else "query", told)
@@ -235,7 +236,7 @@ class Tuner:
     def not_the_gains(self, trial: TrialRequest | int, why: str) -> None:
         """Say that the requested run failed for another reason than its gains.
 
-        Nothing is learned from it, and `ask` returns the same request again.
+        Nothing is learned from it; `ask` returns the same request.
 
         Parameters
         ----------
@@ -249,7 +250,7 @@ class Tuner:
         InputError
             The run was not asked for, or told already.
         SimulationError
-            It is the third in a row; `ask` goes on all the same.
+            It is the third in a row.
         """
         log_not_the_gains(self._store, self._awaited(trial).number, why)
 
@@ -311,10 +312,9 @@ class Tuner:
     def result(self) -> TuningResult:
         """Best and recommended gains as of now; the recommendation is also logged."""
         history, recommendation = self.history, None
-        real = history.of("IS1")
-        settled = any(has_settled(trial) for trial in real)
-        if settled or (real and not history.ranked):
-            point, mean, std = self._proposals.method_in_force.recommend(self.history.state({}))
+        if history.settled or (history.of("IS1") and not history.ranked):
+            method = self._proposals.method_in_force
+            point, mean, std = method.recommend(history.state({}))
             gains = self.gains.values(self.gains.space.from_unit(point))
             recommendation = Recommendation(gains, mean, std)
             self._store.log("recommendation", gains=gains, mean=mean, std=std)
@@ -322,16 +322,16 @@ class Tuner:
         return TuningResult(
             best=history.best,
             recommendation=recommendation,
-            is1_runs=self.history.made,
-            queries=self.history.queries,
-            cost=self.history.cost,
-            drifts=tuple(self.history.drifts),
+            is1_runs=history.made,
+            queries=history.queries,
+            cost=history.cost,
+            drifts=tuple(history.drifts),
             earlier=len(self._earlier),
             left_out=self._earlier.left_out,
             twin_versions=self._corrections.reasons,
-            settled=settled or not history.ranked,
+            settled=history.settled or not history.ranked,
             remarks=history.remarks,
-            last_failure=last_failure(real),
+            last_failure=last_failure(history.of("IS1")),
         )
 
     @property
@@ -369,10 +369,10 @@ class Tuner:
         self._twin.survey()
         self._take_earlier()
         self._twin.follow_up()
-        if (drift := self._drift.look()) is not None:
+        if drift := self._drift.look():
             self._watch.tell("drift", self.history.of("IS1")[-1], None, drift.message)
         self._twin = self._corrections.follow(self._watch)
-        self._tell_used_up()
+        self._watch.tell_used_up()
         if self._proposals.used_up:
             return None
         if not held:
@@ -396,21 +396,7 @@ class Tuner:
         recorded, played = self._proposals.recorded, self._proposals.played
         if recorded is not None:
             return RealAxis(recorded.grid.after(played))
-        plant = self._sources.real(len(played))
-        assert plant is not None
-        if noise := self.study.file.is1.noise:
-            plant = NoisyAxis(plant, noise, stream(self.study.file.seed, Stream.NOISE, len(played)))
-        return RealAxis(plant)
-
-    def _say(self, news: str) -> None:
-        self._watch.say(news)
-
-    def _tell_used_up(self) -> None:
-        """Say once that the twin may not run again."""
-        history = self.history
-        if history.twin_used_up and not history.twin_budget.told:
-            history.twin_budget.told = True
-            self._say(history.twin_budget.reason(history.trials))
+        return RealAxis(next_axis(self._sources, self.study.file, len(played)))
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._last_request)

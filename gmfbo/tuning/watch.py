@@ -85,6 +85,13 @@ class Watch:
         nothing = Trial(0, "IS2", {}, Recording(np.zeros(1), {}), np.nan, {})
         self.tell("news", nothing, None, news)
 
+    def tell_used_up(self) -> None:
+        """Say once that the twin may not run again."""
+        budget, trials = self._history.twin_budget, self._history.trials
+        if not budget.told and budget.used_up(trials):
+            budget.told = True
+            self.say(budget.reason(trials))
+
     @property
     def _most_initial(self) -> int:
         budget = self._history.study.budget

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.errors import OwnMetricsError, SimulationError
+from gmfbo.errors import OwnMetricsError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
-from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.joined_runs import ended_by
 from gmfbo.tuning.history.caution import Caution
-from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.incumbent import best_run, has_settled
 from gmfbo.tuning.history.keep_out import KeepOut
+from gmfbo.tuning.history.normalising import constants_of
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.history.ranked import by_rank
 from gmfbo.tuning.history.remarks import remarks_on
@@ -183,6 +183,11 @@ class History:
         return best_run(self.trials, self.limits, self.changed_after)
 
     @property
+    def settled(self) -> bool:
+        """Whether a real run settled."""
+        return any(has_settled(trial) for trial in self.of("IS1"))
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What the best gains alone do not tell; see `remarks_on`."""
         weights = self.study.objective.weights
@@ -220,28 +225,9 @@ class History:
         SimulationError
             All of them failed.
         """
-        if all(trial.status != "ok" for trial in initial):
-            first = initial[0].recording
-            reason = first.message if isinstance(first, Trajectory) else ""
-            raise SimulationError(
-                f"none of the {len(initial)} initial runs of IS2 succeeded "
-                f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
-            )
-        section = self.study.objective
-        sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
-        constants = Objective.from_samples(
-            section.weights,
-            {
-                name: np.array([trial.metrics[name] for trial in sampled])
-                for name in (*METRICS, *sorted(self.study.own_metrics))
-            },
-            worst=self.experiment.worst,
+        self._objective = constants_of(
+            initial, self.study.objective, self.study.own_metrics, self.experiment.worst
         )
-        if section.normalise.points is None:
-            constants = Objective(
-                section.weights, section.normalise.mean, section.normalise.std, constants.worst
-            )
-        self._objective = constants
 
     def trial(
         self,

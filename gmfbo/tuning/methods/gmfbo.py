@@ -153,7 +153,7 @@ class _Belief:
         found = self.most_promising(far)
         assert state.keep_out.moves is not None
         start = self.points[self.least_expected()] if found is None else found
-        return state.hold(state.keep_out.moves.nearest(start[None, :]))[0]
+        return np.asarray(state.hold(state.keep_out.moves.nearest(start[None, :])[0]))
 
     def at(self, point: NDArray[np.float64]) -> tuple[float, float] | None:
         """Expected cost and its standard deviation at a point (d,), where the twin ran."""

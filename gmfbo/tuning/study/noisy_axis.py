@@ -9,6 +9,9 @@ import numpy as np
 
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.plants.source import Source
+from gmfbo.tuning.query.initial_design import Stream, stream
+from gmfbo.tuning.study.study_sources import StudySources
+from gmfbo.tuning.study_file.study_sections import StudyFile
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,3 +58,22 @@ class NoisyAxis:
 
     def close(self) -> None:
         """Leave the source to its owner."""
+
+
+def next_axis(sources: StudySources, study: StudyFile, runs_before: int) -> Source:
+    """Source of the next real run, with the noise that the study file gives it.
+
+    Parameters
+    ----------
+    sources : StudySources
+        With a real axis that can be run from here.
+    study : StudyFile
+        The validated file.
+    runs_before : int
+        Number of real runs so far, initial ones included.
+    """
+    plant = sources.real(runs_before)
+    assert plant is not None
+    if not study.is1.noise:
+        return plant
+    return NoisyAxis(plant, study.is1.noise, stream(study.seed, Stream.NOISE, runs_before))
