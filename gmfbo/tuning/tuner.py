@@ -23,19 +23,12 @@ from gmfbo.tuning.proposals import Proposals
 from gmfbo.tuning.query.method import Method, Recommendation
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
+from gmfbo.tuning.study import study_terms as terms
 from gmfbo.tuning.study.noisy_axis import next_axis
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.refusals import refuse_unplayable
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import (
-    check_signals,
-    experiment_of,
-    in_force,
-    known_safe,
-    own_metrics,
-    ranked,
-)
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_runs import EarlierRuns
 from gmfbo.tuning.told.not_the_gains import log_not_the_gains
@@ -104,12 +97,15 @@ class Tuner:
             )
             if not study.begun:
                 refuse_unplayable(study.file, self.gains, self._sources)
-            own = own_metrics(study)
-            self.experiment = experiment_of(study, self._sources.reference_unit, own)
+            own = terms.own_metrics(study)
+            self.experiment = terms.experiment_of(study, self._sources.reference_unit, own)
             starts = np.vstack(
-                [in_force(study.file.gains, self.gains), known_safe(study.file.safety, self.gains)]
+                [
+                    terms.in_force(study.file.gains, self.gains),
+                    terms.known_safe(study.file.safety, self.gains),
+                ]
             )
-            check_signals(study.file.safety, self._sources)
+            terms.check_signals(study.file.safety, self._sources)
             real = self._sources.is1
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
@@ -126,7 +122,7 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
-                ranked=ranked(study, self._store, self.method),
+                ranked=terms.ranked(study, self._store, self.method),
                 starts=starts,
                 limited=self.study.objective_version(self._store) >= 2,
             )
@@ -137,11 +133,7 @@ class Tuner:
             self._closing = closing.pop_all()
         around_real = correction if correction and correction.around_real else None
         self._twin = TwinRuns(
-            self._sources.is2,
-            self.history,
-            around_real,
-            self._announce,
-            lambda news: self._watch.say(news),
+            self._sources.is2, self.history, around_real, self._announce, self._say
         )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
@@ -397,6 +389,9 @@ class Tuner:
         if recorded is not None:
             return RealAxis(recorded.grid.after(played))
         return RealAxis(next_axis(self._sources, self.study.file, len(played)))
+
+    def _say(self, news: str) -> None:
+        self._watch.say(news)
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._last_request)

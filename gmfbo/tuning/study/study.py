@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 
 OBJECTIVE_VERSION = 2
-"""Runs are ranked before their cost counts. In version 1, before 0.4, a failed run had a price."""
+"""Runs are ranked before their cost counts. In version 1, which states none, a failed run has a
+price."""
 
 
 @dataclass(frozen=True, eq=False)
