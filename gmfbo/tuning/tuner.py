@@ -99,12 +99,8 @@ class Tuner:
                 refuse_unplayable(study.file, self.gains, self._sources)
             own = terms.own_metrics(study)
             self.experiment = terms.experiment_of(study, self._sources.reference_unit, own)
-            starts = np.vstack(
-                [
-                    terms.in_force(study.file.gains, self.gains),
-                    terms.known_safe(study.file.safety, self.gains),
-                ]
-            )
+            now = terms.in_force(study.file.gains, self.gains)
+            starts = np.vstack([now, terms.known_safe(study.file.safety, self.gains)])
             terms.check_signals(study.file.safety, self._sources)
             real = self._sources.is1
             recorded = (
