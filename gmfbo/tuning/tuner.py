@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.errors import InputError, NotTheGainsError
 from gmfbo.interrupt import unwrapped_interrupt
@@ -127,9 +128,18 @@ class Tuner:
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()
+        self._prepare(starts, recorded)
+
+    def _prepare(self, starts: NDArray[np.float64], recorded: RecordedChoice | None) -> None:
+        """Set up what decides on queries, from the runs on disk."""
+        study, correction = self.study, self.method.correction
         around_real = correction if correction and correction.around_real else None
         self._twin = TwinRuns(
-            self._sources.is2, self.history, around_real, self._announce, self._say
+            self._sources.is2,
+            self.history,
+            around_real,
+            self._announce,
+            lambda news: self._watch.say(news),
         )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
@@ -385,9 +395,6 @@ class Tuner:
         if recorded is not None:
             return RealAxis(recorded.grid.after(played))
         return RealAxis(next_axis(self._sources, self.study.file, len(played)))
-
-    def _say(self, news: str) -> None:
-        self._watch.say(news)
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._last_request)

@@ -70,19 +70,15 @@ def tell(
 ) -> None:
     """Take back the recording of the run that `gmfbo ask` wanted.
 
-    The gains of a recording are those in its lines `# NAME = VALUE`, those of --set, or those
-    asked for. A run that failed ranks below all
-    others, and gains near it are avoided.
+    Its gains are those in its lines `# NAME = VALUE`, those of --set, or those asked for. A run
+    that failed ranks below all others, and gains near it are avoided.
     """
     from gmfbo import Tuner
     from gmfbo.sources.plants.failed_run import failed_run
     from gmfbo.tuning.study.study import Study
     from gmfbo.tuning.told.next_run import remove_next_run
 
-    if bool(recordings) == (failed is not None):
-        raise InputError("expected either a recording or --failed WHY; give one of them")
-    if not_the_gains and failed is None:
-        raise InputError("--not-the-gains: expected --failed WHY beside it; give the reason")
+    _check_arguments(recordings, failed, not_the_gains)
     told = Study.read(study)
     if not told.begun:
         raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
@@ -92,14 +88,26 @@ def tell(
         if request is None or request.source != "IS1":
             raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
         if not_the_gains:
-            tuner.not_the_gains(request, failed or "failed")
-            typer.echo(f"trial {request.number}: nothing is learned from it; play it again")
-            return
+            return _print_again(tuner, request, failed or "failed")
         run = recordings or failed_run(tuner.experiment.reference, failed or "failed")
         trial = tuner.tell(request, run, gains=given, anyway=anyway)
         remove_next_run(told.location, len(tuner.experiment.parts))
         _print_told(tuner, request, trial, named=bool(given) or not recordings)
     typer.echo(f"then         gmfbo ask {study}")
+
+
+def _print_again(tuner: Tuner, request: TrialRequest, why: str) -> None:
+    tuner.not_the_gains(request, why)
+    typer.echo(f"trial {request.number}: nothing is learned from it; play it again")
+
+
+def _check_arguments(
+    recordings: list[Path] | None, failed: str | None, not_the_gains: bool
+) -> None:
+    if not_the_gains and failed is None:
+        raise InputError("--not-the-gains: expected --failed WHY beside it; give the reason")
+    if bool(recordings) == (failed is not None):
+        raise InputError("expected either a recording or --failed WHY; give one of them")
 
 
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
