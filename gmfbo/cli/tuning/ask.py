@@ -12,7 +12,8 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.tune import print_result
+from gmfbo.cli.tuning.first_runs import RandomStart, confirm_first_runs
+from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
     from gmfbo import Tuner
@@ -64,6 +65,7 @@ def ask(
             "when all is done.",
         ),
     ] = False,
+    random_start: RandomStart = False,
 ) -> None:
     """Print the next gains to try, for whoever runs the axis.
 
@@ -76,6 +78,7 @@ def ask(
     from gmfbo.tuning.told.next_run import remove_next_run, write_next_run
 
     asked = Study.read(study)
+    confirm_first_runs(asked, random_start)
     with Tuner(asked) as tuner:
         with StudyDisplay(console, asked.file.budget.is1_runs, tuner.history.first_runs) as display:
             tuner.watch(None if json else display.show)
@@ -86,7 +89,9 @@ def ask(
                 typer.echo("null")
             else:
                 typer.echo("the budget is used up: nothing more to try")
-                print_result(asked, tuner.result())
+                result = tuner.result()
+                print_result(asked, result)
+                refuse_without_success(result)
             return
         several = parallel is not None
         for request in requests:
