@@ -108,9 +108,8 @@ class Tuner:
             )
             meter = terms.margin_meter(study, self._sources, self.experiment)
             self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
-            self._store = StandingStore(
-                store or closing.enter_context(study.open_for_writing(resume=resume))
-            )
+            opened = store or closing.enter_context(study.open_for_writing(resume=resume))
+            self._store = StandingStore(opened)
             correction = self.method.correction
             self.history = History(
                 self._store,
@@ -124,9 +123,8 @@ class Tuner:
                 starts=starts,
                 limited=self.study.objective_version(self._store) >= 2,
             )
-            hashes = {"metrics": own.content_hash} if own else {}
-            units = self._sources.units_of(self.gains)
-            study.log_begin(self._store, self._sources.content_hashes | hashes, units)
+            hashes = self._sources.content_hashes | ({"metrics": own.content_hash} if own else {})
+            study.log_begin(self._store, hashes, self._sources.units_of(self.gains))
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()
@@ -134,11 +132,12 @@ class Tuner:
 
     def _prepare(self, starts: NDArray[np.float64], recorded: RecordedChoice | None) -> None:
         """Set up what decides on queries, from the runs on disk."""
-        around_real = self.method.correction
-        if around_real is not None and not around_real.around_real:
-            around_real = None
-        self._watch, is2 = Watch(self.history), self._sources.is2
-        self._twin = TwinRuns(is2, self.history, around_real, self._announce, self._say)
+        correction, is2 = self.method.correction, self._sources.is2
+        around_real = correction if correction and correction.around_real else None
+        self._watch = Watch(self.history)
+        self._twin = TwinRuns(
+            is2, self.history, around_real, self._announce, lambda news: self._watch.say(news)
+        )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
         self._closing.callback(self._corrections.close)
@@ -295,8 +294,7 @@ class Tuner:
         InputError
             The real axis is not one that can be run from here.
         SimulationError
-            No initial run of the twin succeeded, or three real runs in a row failed for another
-            reason than their gains.
+            No first run of the twin succeeded, or three real ones in a row failed by the bench.
         """
         if self._sources.is1 is None:
             raise InputError(
@@ -400,6 +398,3 @@ class Tuner:
 
     def _announce(self, phase: Phase, trial: Trial) -> None:
         self._watch.tell(phase, trial, self._waiting.last)
-
-    def _say(self, news: str) -> None:
-        self._watch.say(news)

@@ -70,6 +70,6 @@ def objective_table(
         value = metric_text(name, metrics[name], units, objective.worst.get(name, math.inf))
         lines.append(
             f"  {words(name):<16} {value} counts {weight:.2f} of "
-            f" {total:.2f}, mean {mean}, spread {spread}: {alone:+.4f}"
+            f"{total:.2f}, mean {mean}, spread {spread}: {alone:+.4f}"
         )
     return lines

@@ -44,7 +44,9 @@ def refuse_unplayable(study: StudyFile, gains: GainChoice, sources: StudySources
             _refuse_beyond(source, gains)
     _refuse_unknown_noise(study, sources)
     budget = study.budget
-    if budget.is1_runs is not None and budget.is1_runs < budget.initial_is1:
+    # Runs of an earlier study count as initial ones.
+    least = 0 if study.earlier else budget.initial_is1
+    if budget.is1_runs is not None and budget.is1_runs < least:
         raise StudyFileError(
             f"[budget] is1_runs: expected at least initial_is1 = {budget.initial_is1}, got "
             f"{budget.is1_runs}; lower initial_is1 or allow more real runs"
