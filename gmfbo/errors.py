@@ -50,6 +50,10 @@ class StudyFileError(InputError):
     """A study file cannot be used."""
 
 
+class ExhaustedError(InputError):
+    """All gains that could be asked for were run already."""
+
+
 class StoreError(InputError):
     """A study folder cannot be written or read."""
 
@@ -62,6 +66,10 @@ class SimulationError(GmfboError):
     """An FMU or a plant failed: it crashed, hung or refused."""
 
     exit_status = 3
+
+
+class NotTheGainsError(SimulationError):
+    """A real run failed for a reason that is not its gains; the same trial is asked again."""
 
 
 def in_short(reason: object, most: int = 300) -> str:

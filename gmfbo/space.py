@@ -27,6 +27,8 @@ class Gain:
         Whether the range is searched by its values or by their logarithm.
     integer : bool
         Whether only whole numbers are allowed.
+    values : tuple of float
+        The only values allowed, ascending; empty where the whole range is.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Gain:
     high: float
     scale: Literal["linear", "log"] = "linear"
     integer: bool = False
+    values: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.low) and np.isfinite(self.high) and self.low < self.high):
@@ -45,6 +48,15 @@ class Gain:
             raise InputError(
                 f"gain '{self.name}': a log scale needs a positive lower bound, got {self.low}"
             )
+
+    @property
+    def steps(self) -> NDArray[np.float64] | None:
+        """All values that the gain may take, ascending; None where they are continuous."""
+        if self.values:
+            return np.array(self.values)
+        if self.integer:
+            return np.arange(np.ceil(self.low), np.floor(self.high) + 1.0)
+        return None
 
 
 @dataclass(frozen=True)
@@ -94,8 +106,8 @@ class GainSpace:
         low, high = self._warped_bounds()
         points = self._unwarp(low + np.clip(np.asarray(unit, dtype=float), 0.0, 1.0) * (high - low))
         for column, gain in enumerate(self.gains):
-            if gain.integer:
-                points[..., column] = np.round(points[..., column])
+            if gain.steps is not None:
+                points[..., column] = self._nearest_step(gain, points[..., column])
             # exp(log(high)) may miss the bound by a rounding error
             points[..., column] = np.clip(points[..., column], gain.low, gain.high)
         return points
@@ -152,6 +164,27 @@ class GainSpace:
             In the order of `gains` [unit of each].
         """
         return dict(zip(self.names, map(float, np.asarray(point)), strict=True))
+
+    @property
+    def size(self) -> int | None:
+        """Number of points of a box whose gains all take single values; None of any other."""
+        steps = [gain.steps for gain in self.gains]
+        counts = [len(each) for each in steps if each is not None]
+        return int(np.prod(counts)) if len(counts) == len(steps) else None
+
+    def grid(self) -> NDArray[np.float64]:
+        """All points of a box whose gains all take single values, shape (size, d)."""
+        steps = [gain.steps for gain in self.gains]
+        each = [values for values in steps if values is not None]
+        return np.stack(np.meshgrid(*each, indexing="ij"), axis=-1).reshape(-1, len(self))
+
+    @staticmethod
+    def _nearest_step(gain: Gain, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Nearest allowed values, by the scale on which the gain is searched."""
+        steps = gain.steps
+        assert steps is not None
+        at, to = (np.log(values), np.log(steps)) if gain.scale == "log" else (values, steps)
+        return np.asarray(steps[np.argmin(np.abs(np.asarray(at)[..., None] - to), axis=-1)])
 
     def _warp(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         warped = np.array(points, dtype=float)

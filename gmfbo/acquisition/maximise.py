@@ -27,7 +27,7 @@ from scipy.stats import qmc
 
 from gmfbo.acquisition.feasibility import LogWeight, WeightedAcquisition
 from gmfbo.correction.torch_setup import DTYPE, exact_algebra
-from gmfbo.errors import InputError
+from gmfbo.errors import ExhaustedError, InputError
 from gmfbo.surrogate.observations import Observations, source_column
 
 Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -144,7 +144,7 @@ def maximise(
 
     Raises
     ------
-    InputError
+    ExhaustedError
         All candidates of all sources were run already.
     """
     if search.log_weight is not None:
@@ -161,7 +161,7 @@ def maximise(
                 found.append(Proposal(points[index], source, float(values[index])))
                 break
     if not found:
-        raise InputError(
+        raise ExhaustedError(
             f"all candidate gains were run already by {', '.join(sources)}; "
             "widen the box or stop the study"
         )

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.calibration import RealRun
-from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.twin_at import TwinAt
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.run_values import at_times
 from gmfbo.tuning.history.history import History

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.retuning.believed_values import drawn_values
 from gmfbo.retuning.calibration import Calibration, Estimate, RealRun, floors
 from gmfbo.retuning.kept_estimate import keep_estimate, read_estimate
 from gmfbo.retuning.missing_physics import Completion, complete
@@ -21,10 +22,10 @@ from gmfbo.retuning.real_runs import (
     real_run,
     usable_trials,
 )
-from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.twin_guard import misleads
 from gmfbo.retuning.unknowns import Scalar, Unknowns
 from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.twin_at import TwinAt
 from gmfbo.tuning.drift.change_point import LEAST_BEFORE
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.twin.twin_version import TwinVersion
@@ -292,7 +293,8 @@ class PhysicsRefiner:
         version = self._version
         if version.estimate is None:
             return TwinVersion(version.number, self._given, reason, details)
-        source = TwinAt(version.model, version.unknowns.settings(version.estimate.x))
+        draw = partial(drawn_values, version.unknowns, version.estimate)
+        source = TwinAt(version.model, version.unknowns.settings(version.estimate.x), draw)
         return TwinVersion(version.number, source, reason, details)
 
 

@@ -8,17 +8,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.errors import ExhaustedError
 from gmfbo.objective.limits import Limits
 from gmfbo.plain_words import words
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
-from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.query.method import Method, Recommendation
 from gmfbo.tuning.query.request import TrialRequest
+from gmfbo.tuning.study.noisy_axis import next_axis
+from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
+from gmfbo.tuning.told.real_axis import RealAxis
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
+from gmfbo.tuning.twin.believed_twins import BelievedTwins
 from gmfbo.tuning.twin_corrections import TwinCorrections
+
+MOST_LISTED = 10_000
+"""Points of a box of single values that are listed to find one that was not run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +73,12 @@ class Proposals:
     @property
     def used_up(self) -> bool:
         """Whether the budget is spent, or every recording replayed."""
-        recorded = self.recorded
-        return self.history.used_up or (recorded is not None and recorded.used_up(self.asked))
+        recorded, size = self.recorded, self.gains.space.size
+        return (
+            self.history.used_up
+            or (recorded is not None and recorded.used_up(self.asked))
+            or (size is not None and len(self._run_since_change()) >= size)
+        )
 
     def next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Decide on the next query; None where the method has nothing more to ask.
@@ -82,6 +95,27 @@ class Proposals:
         nearest = self.recorded.nearest(proposed, self.asked, held)
         return replace(request, gains=nearest)
 
+    def recommended(self) -> Recommendation | None:
+        """Gains to take as of now; None while no real run settled."""
+        history = self.history
+        if not history.settled and (history.ranked or not history.of("IS1")):
+            return None
+        point, mean, std = self.method_in_force.recommend(history.state({}))
+        return Recommendation(self.gains.values(self.gains.space.from_unit(point)), mean, std)
+
+    def axis(self, sources: StudySources) -> RealAxis:
+        """What plays the next real run.
+
+        Parameters
+        ----------
+        sources : StudySources
+            With a real axis that can be run from here.
+        """
+        played = self.played
+        if self.recorded is not None:
+            return RealAxis(self.recorded.grid.after(played))
+        return RealAxis(next_axis(sources, self.history.study, len(played)))
+
     def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
         state, number = self._state(held), self.history.next_number
         seed, budget = self.history.study.seed, self.history.study.budget
@@ -90,35 +124,69 @@ class Proposals:
             points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
             # Gains that are known to be safe replace the first of the Latin hypercube.
             points = np.vstack([self.starts, points[len(self.starts) :]])
-            return TrialRequest(number, "IS1", self._allowed(state, state.hold(points[real])))
+            known = real < len(self.starts)
+            # Known-safe gains may lie next to each other, and are asked for at once all the same.
+            allowing = self.history.state(held) if known else state
+            asked = TrialRequest(number, "IS1", self._allowed(allowing, state.hold(points[real])))
+            return asked if known else self._checked(asked)
         if len(held) == len(self.gains.space):
             return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
         repeat = None if self.recorded or held else self._repeat(state)
         if repeat is not None:
             return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
-        proposal = self.method.propose(state, stream(seed, Stream.PROPOSAL, number))
+        try:
+            proposal = self.method_in_force.propose(state, stream(seed, Stream.PROPOSAL, number))
+        except ExhaustedError:
+            return None
         if proposal is None:
             return None
-        gains, note, source = self.history.gains_at(proposal.point), proposal.note, proposal.source
-        if source == "IS1":
+        gains, note = self.history.gains_at(proposal.point), proposal.note
+        expected = None if state.unsettled else proposal.expected
+        if proposal.source == "IS1":
             allowed = self._allowed(state, proposal.point)
-            note = note if allowed == gains else f"{note} moved away from unsafe gains".lstrip()
-            gains = allowed
-            if withheld := self._withheld(gains):
-                source, note = "IS2", withheld
-        return TrialRequest(number, source, gains, proposal.mismatch, note)
+            if allowed != gains:
+                expected = None
+                note = f"{note} moved to gains that may be run".lstrip()
+            gains = self._not_run_yet(state, allowed)
+        asked = TrialRequest(number, proposal.source, gains, proposal.mismatch, note, expected)
+        return self._within_margins(self._checked(asked))
 
-    def _withheld(self, gains: Mapping[str, float]) -> str:
-        """Why gains are run on the twin instead of the axis: margins beyond a limit; else empty."""
-        found, limits = self.history.margins.at(gains), self.history.limits.stated
-        asked = Limits({name: value for name, value in limits.items() if name in found})
-        if asked.met(found):
-            return ""
+    @property
+    def method_in_force(self) -> Method:
+        """The study's method; expected improvement on real runs once the twin may not run."""
+        return METHODS["bo_ei"] if self.history.twin_used_up else self.method
+
+    def _within_margins(self, asked: TrialRequest) -> TrialRequest:
+        """The request; where margins of the loop are beyond a limit, the twin runs it instead."""
+        if asked.source != "IS1":
+            return asked
+        found, limits = self.history.margins.at(asked.gains), self.history.limits.stated
+        limited = Limits({name: value for name, value in limits.items() if name in found})
+        if limited.met(found):
+            return asked
         told = [
             f"{words(name)} {found[name]:.3g}, limit {limit:g}"
-            for name, limit in asked.stated.items()
+            for name, limit in limited.stated.items()
         ]
-        return f"not run on the axis: {'; '.join(told)} (from the twin)"
+        note = f"not run on the axis: {'; '.join(told)} (from the twin)"
+        return replace(asked, source="IS2", note=note, expected=None)
+
+    def _checked(self, asked: TrialRequest) -> TrialRequest:
+        """The request, or another where the twin, as uncertain as it is, leaves the envelope."""
+        history = self.history
+        if asked.source != "IS1" or not (history.envelope and history.ranked):
+            return asked
+        if self.recorded is not None or history.twin_used_up:
+            return asked
+        twins = BelievedTwins(self.corrections.runs.source, history)
+        withheld = twins.withheld(asked.gains, asked.number)
+        if withheld is None:
+            return asked
+        history.store.log(
+            "withheld", number=asked.number, gains=dict(asked.gains), leaving=withheld.leaving
+        )
+        note = f"{asked.note} {withheld.note}".lstrip()
+        return replace(asked, gains=dict(withheld.gains), note=note, expected=None)
 
     def _state(self, held: Mapping[str, float]) -> TuningState:
         """State from which the next query is chosen.
@@ -134,6 +202,28 @@ class Proposals:
         width = len(self.gains.space)
         unsafe = np.vstack([np.reshape(state.keep_out.unsafe, (-1, width)), points])
         return replace(state, keep_out=replace(state.keep_out, unsafe=unsafe))
+
+    def _run_since_change(self) -> set[tuple[float, ...]]:
+        """Gains of the real runs since the plant changed, and of those that are waited for."""
+        history = self.history
+        since = [one.gains for one in history.of("IS1") if one.number > history.changed_after]
+        return {tuple(self.gains.point(gains)) for gains in (*since, *history.waiting.values())}
+
+    def _not_run_yet(self, state: TuningState, gains: dict[str, float]) -> dict[str, float]:
+        """These gains, or of a box of few single values the nearest that were not run."""
+        space, run = self.gains.space, self._run_since_change()
+        point = self.gains.point(gains)
+        size = space.size
+        if size is None or size > MOST_LISTED or tuple(point) not in run:
+            return gains
+        left = np.array([one for one in space.grid() if tuple(one) not in run])
+        unit = space.to_unit(left)
+        unit = unit[np.all(np.isclose(unit, state.hold(unit)), axis=1)]
+        unit = unit[state.keep_out.admitted(unit)]
+        if not len(unit):
+            return gains
+        nearest = int(np.argmin(np.linalg.norm(unit - space.to_unit(point), axis=1)))
+        return self.history.gains_at(unit[nearest])
 
     def _repeat(self, state: TuningState) -> Repeat | None:
         """Gains that are to be run again next; usually None.

@@ -7,7 +7,10 @@ from contextlib import ExitStack
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Self, overload
 
-from gmfbo.errors import InputError
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.errors import InputError, NotTheGainsError
 from gmfbo.interrupt import unwrapped_interrupt
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.sources.plants.plant_call import PlantFunction
@@ -18,25 +21,22 @@ from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.standing import StandingStore
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.proposals import Proposals
-from gmfbo.tuning.query.method import Method, Recommendation
+from gmfbo.tuning.query.method import Method
 from gmfbo.tuning.query.progress import Phase, ProgressCallback
 from gmfbo.tuning.query.request import TrialRequest, TuningResult
+from gmfbo.tuning.study import study_terms as terms
 from gmfbo.tuning.study.playing import play
+from gmfbo.tuning.study.refusals import refuse_unplayable
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
-from gmfbo.tuning.study.study_terms import (
-    check_signals,
-    experiment_of,
-    known_safe,
-    margin_meter,
-    own_metrics,
-)
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_runs import EarlierRuns
-from gmfbo.tuning.told.real_axis import RealAxis, scorable
+from gmfbo.tuning.told.not_the_gains import log_not_the_gains
+from gmfbo.tuning.told.real_axis import scorable
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
 from gmfbo.tuning.told.told_gains import chosen_request, told_gains
 from gmfbo.tuning.told.told_series import Told, read_told
+from gmfbo.tuning.told.waiting import Waiting
 from gmfbo.tuning.twin.closer_look import look_closer
 from gmfbo.tuning.twin.twin_runs import TwinRuns
 from gmfbo.tuning.twin_corrections import TwinCorrections
@@ -75,9 +75,6 @@ class Tuner:
         The study, its twins or its folder cannot be used.
     """
 
-    _unanswered_twin: TrialRequest | None = None
-    _last_request: TrialRequest | None = None
-
     def __init__(
         self,
         study: Study,
@@ -99,19 +96,20 @@ class Tuner:
             self.gains = GainChoice.combine(
                 self._sources.gains, study.file.gains, self._sources.parameters
             )
-            own, file = own_metrics(study), study.file
-            self.experiment = experiment_of(study, self._sources, own)
-            starts = known_safe(file.safety, self.gains)
-            check_signals(file.safety, self._sources)
+            if not study.begun:
+                refuse_unplayable(study.file, self.gains, self._sources)
+            own = terms.own_metrics(study)
+            self.experiment = terms.experiment_of(study, self._sources, own)
+            starts = terms.starts_of(study.file, self.gains)
+            terms.check_signals(study.file.safety, self._sources)
             real = self._sources.is1
             recorded = (
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
-            meter = margin_meter(study, self._sources, self.experiment)
+            meter = terms.margin_meter(study, self._sources, self.experiment)
             self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
-            self._store = StandingStore(
-                store or closing.enter_context(study.open_for_writing(resume=resume))
-            )
+            opened = store or closing.enter_context(study.open_for_writing(resume=resume))
+            self._store = StandingStore(opened)
             correction = self.method.correction
             self.history = History(
                 self._store,
@@ -121,24 +119,33 @@ class Tuner:
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
                 meter=meter,
+                ranked=terms.ranked(study, self._store, self.method),
+                starts=starts,
+                limited=self.study.objective_version(self._store) >= 2,
             )
-            hashes = {"metrics": own.content_hash} if own else {}
-            units = self._sources.units_of(self.gains)
-            study.log_begin(self._store, self._sources.content_hashes | hashes, units)
+            hashes = self._sources.content_hashes | ({"metrics": own.content_hash} if own else {})
+            study.log_begin(self._store, hashes, self._sources.units_of(self.gains))
             if len(self._earlier) and study.earlier_logged is None:
                 self._store.log("earlier", **self._earlier.event)
             self._closing = closing.pop_all()
+        self._prepare(starts, recorded)
+
+    def _prepare(self, starts: NDArray[np.float64], recorded: RecordedChoice | None) -> None:
+        """Set up what decides on queries, from the runs on disk."""
+        correction, is2 = self.method.correction, self._sources.is2
         around_real = correction if correction and correction.around_real else None
-        self._twin = TwinRuns(self._sources.is2, self.history, around_real, self._announce)
+        self._watch = Watch(self.history)
+        self._twin = TwinRuns(
+            is2, self.history, around_real, self._announce, lambda news: self._watch.say(news)
+        )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
         self._closing.callback(self._corrections.close)
-        self._waiting = self._take_up_requests()
-        self._drift = DriftWatch(self.history, study.file.drift)
+        self._waiting = Waiting(self.history)
+        self._drift = DriftWatch(self.history, self.study.file.drift)
         self._proposals = Proposals(
             self.method, self.history, self.gains, starts, recorded, self._drift, self._corrections
         )
-        self._watch = Watch(self.history)
 
     @overload
     def ask(self, fixed: Mapping[str, float] | None = None) -> TrialRequest | None: ...
@@ -176,19 +183,15 @@ class Tuner:
         self.gains.check_fixed(held)
         if wanted < 1:
             raise InputError(f"parallel: expected at least 1 run at once, got {wanted}")
-        waiting = [
-            request
-            for request in self._waiting.values()
-            if all(request.gains[name] == held[name] for name in held)
-        ]
-        if not waiting and parallel is None and len(self._waiting) == 1:
-            self._answered(*self._waiting)  # asked for anew, with other gains held
+        waiting = self._waiting.at(held)
+        if not waiting and parallel is None and len(self._waiting.real) == 1:
+            self._waiting.answered(*self._waiting.real)  # asked for anew, with other gains held
         while len(waiting) < wanted and (request := self._next(held)) is not None:
             if request.source == "IS1":
                 waiting.append(request)
                 continue
             trial = self._twin.query(request.gains)
-            self._unanswered_twin = None
+            self._waiting.twin = None
             self._announce("query", trial)
         return waiting if parallel is not None else next(iter(waiting), None)
 
@@ -231,7 +234,7 @@ class Tuner:
         """
         run = read_told(recording, self._sources.reading, self.experiment, anyway=anyway)
         stated = {**run.recording.parameters, **(gains or {})}
-        request = chosen_request(self._waiting, trial, stated)
+        request = chosen_request(self._waiting.real, trial, stated)
         if not anyway:
             run.refuse_repeated(self._store.events())
         used = told_gains(request, run.recording, self.gains, given=gains, anyway=anyway)
@@ -242,10 +245,36 @@ class Tuner:
         file = {"file": run.file, "sha256": run.sha256, "after": self._store.highest}
         self.history.write(told)
         self._store.log("tell", number=request.number, gains=used, **file)
-        self._answered(request.number)
+        self._waiting.answered(request.number)
         initial = len(self.history.of("IS1")) <= self.study.file.budget.initial_is1
         self._announce("initial" if initial else "query", told)
         return told
+
+    def not_the_gains(self, trial: TrialRequest | int | None, why: str) -> TrialRequest:
+        """Say that a requested run failed, but not because of its gains: `ask` returns it again.
+
+        Parameters
+        ----------
+        trial : TrialRequest, int or None
+            What `ask` returned, or its number. With None the run that is waited for.
+        why : str
+            Reason, in a few words.
+
+        Returns
+        -------
+        TrialRequest
+            The run, which is still waited for.
+
+        Raises
+        ------
+        InputError
+            The run was not asked for, or told already, or several are waited for.
+        SimulationError
+            It is the third in a row.
+        """
+        request = chosen_request(self._waiting.real, trial, {})
+        log_not_the_gains(self._store, request.number, why)
+        return request
 
     def run(self, progress: ProgressCallback | None = None) -> TuningResult:
         """Run the study to the end of its budget.
@@ -265,7 +294,7 @@ class Tuner:
         InputError
             The real axis is not one that can be run from here.
         SimulationError
-            No initial run of the twin succeeded.
+            No first run of the twin succeeded, or three real ones in a row failed by the bench.
         """
         if self._sources.is1 is None:
             raise InputError(
@@ -276,7 +305,12 @@ class Tuner:
         try:
             with unwrapped_interrupt():
                 while (request := self.ask()) is not None:
-                    run = play(self._plant(), request.gains, self.experiment, self.history.envelope)
+                    plant = self._proposals.axis(self._sources)
+                    try:
+                        run = play(plant, request.gains, self.experiment, self.history.envelope)
+                    except NotTheGainsError as error:
+                        self.not_the_gains(request, str(error))
+                        continue
                     self.tell(request, scorable(run, self.experiment))
         except KeyboardInterrupt:
             self._store.log("interrupt", trials=len(self.history.trials))
@@ -297,21 +331,13 @@ class Tuner:
 
     def result(self) -> TuningResult:
         """Best and recommended gains as of now; the recommendation is also logged."""
-        recommendation = None
-        if self.history.of("IS1"):
-            point, mean, std = self.method.recommend(self.history.state({}))
-            gains = self.gains.values(self.gains.space.from_unit(point))
-            recommendation = Recommendation(gains, mean, std)
-            self._store.log("recommendation", gains=gains, mean=mean, std=std)
+        recommendation = self._proposals.recommended()
+        if recommendation is not None:
+            self._store.log("recommendation", **asdict(recommendation))
         self._store.refresh_index()
-        return TuningResult(
-            best=self.history.best,
-            recommendation=recommendation,
-            is1_runs=self.history.made,
-            is2_runs=len(self.history.of("IS2")),
-            queries=self.history.queries,
-            cost=self.history.cost,
-            drifts=tuple(self.history.drifts),
+        return TuningResult.of(
+            self.history,
+            recommendation,
             earlier=len(self._earlier),
             left_out=self._earlier.left_out,
             twin_versions=self._corrections.reasons,
@@ -320,12 +346,12 @@ class Tuner:
     @property
     def pending(self) -> TrialRequest | None:
         """Run that was asked for and not told yet; of several the first."""
-        return next(iter(self._waiting.values()), None)
+        return next(iter(self._waiting.real.values()), None)
 
     @property
     def waiting(self) -> tuple[TrialRequest, ...]:
         """All runs that were asked for and not told yet, in order."""
-        return tuple(self._waiting.values())
+        return tuple(self._waiting.real.values())
 
     def close(self) -> None:
         """Give back twins and the folder; everything told is on disk already."""
@@ -339,15 +365,16 @@ class Tuner:
 
     def _next(self, held: Mapping[str, float]) -> TrialRequest | None:
         """Do what must precede the next query, and decide on it."""
-        if self._unanswered_twin is not None:
-            return self._unanswered_twin
+        if self._waiting.twin is not None:
+            return self._waiting.twin
         self._twin.initial()
         self._twin.survey()
         self._take_earlier()
         self._twin.follow_up()
-        if (drift := self._drift.look()) is not None:
+        if drift := self._drift.look():
             self._watch.tell("drift", self.history.of("IS1")[-1], None, drift.message)
         self._twin = self._corrections.follow(self._watch)
+        self._watch.tell_used_up()
         if self._proposals.used_up:
             return None
         if not held:
@@ -358,30 +385,9 @@ class Tuner:
         real = len(self.history.of("IS1"))
         self._store.log("ask", **asdict(request), real=real)
         self.history.real_at_ask = real
-        self._wait_for(request)
+        self.history.note_expected(request.number, request.expected)
+        self._waiting.add(request)
         return request
-
-    def _take_up_requests(self) -> dict[int, TrialRequest]:
-        """Wait again for what was asked for and has not been made; real runs by their number."""
-        asked = TrialRequest.unanswered(self._store.events(), self._store.numbers)
-        real = {request.number: request for request in asked if request.source == "IS1"}
-        twin = [request for request in asked if request.source == "IS2"]
-        self.history.waiting.update({number: one.gains for number, one in real.items()})
-        self._unanswered_twin = twin[-1] if twin else None
-        self._last_request = asked[-1] if asked else None
-        return real
-
-    def _wait_for(self, request: TrialRequest) -> None:
-        self._last_request = request
-        if request.source == "IS2":
-            self._unanswered_twin = request
-            return
-        self._waiting[request.number] = request
-        self.history.waiting[request.number] = request.gains
-
-    def _answered(self, *numbers: int) -> None:
-        for number in numbers:
-            del self._waiting[number], self.history.waiting[number]
 
     def _take_earlier(self) -> None:
         """Take over the runs of an earlier study, each as a real run of this one; once."""
@@ -390,13 +396,5 @@ class Tuner:
             taken = self.history.taken_over(self._earlier.read(position))
             self._announce("initial", self.history.write(taken))
 
-    def _plant(self) -> Source:
-        recorded, played = self._proposals.recorded, self._proposals.played
-        if recorded is not None:
-            return RealAxis(recorded.grid.after(played))
-        plant = self._sources.real(len(played))
-        assert plant is not None
-        return RealAxis(plant)
-
     def _announce(self, phase: Phase, trial: Trial) -> None:
-        self._watch.tell(phase, trial, self._last_request)
+        self._watch.tell(phase, trial, self._waiting.last)

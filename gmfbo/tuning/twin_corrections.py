@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.twin_budget import EVENT as TIME_EVENT
 from gmfbo.tuning.query.method import Method
 from gmfbo.tuning.twin.twin_runs import TwinRuns
 from gmfbo.tuning.twin.twin_version import RefiningMethod, TwinRefiner, TwinVersion
 from gmfbo.tuning.watch import Watch
 
 EVENT = "twin_version"
+
+WORTH_LOGGING_S = 1.0
+"""[s] Time of an estimation that counts in the twin's budget of, by default, half an hour."""
 
 
 @dataclass(eq=False)
@@ -70,9 +75,13 @@ class TwinCorrections:
         real = history.of("IS1")
         if self.refiner is None or len(real) < history.study.budget.initial_is1:
             return self.runs
+        if history.twin_used_up:
+            return self.runs
         if real[-1].number != self.seen:
             self.seen = real[-1].number
+            began = time.perf_counter()
             version = self.refiner.revise(history)
+            self._spend(time.perf_counter() - began)
             if version is not None:
                 history.store.log(
                     EVENT,
@@ -87,6 +96,13 @@ class TwinCorrections:
         if history.twin is not None:
             self.runs.renew()
         return self.runs
+
+    def _spend(self, seconds: float) -> None:
+        """Log time of an estimation that counts in the twin's budget."""
+        history = self.runs.history
+        if history.twin_budget.in_force and seconds >= WORTH_LOGGING_S:
+            history.store.log(TIME_EVENT, seconds=round(seconds, 3))
+            history.twin_budget.other_seconds += seconds
 
     def close(self) -> None:
         """Give back what was opened to correct the twin."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
+
+from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.query.progress import Phase, Progress, ProgressCallback
@@ -66,8 +69,28 @@ class Watch:
                 seconds=time.perf_counter() - self._began,
                 seconds_left=self._seconds_left(),
                 note=news or (request.note if asked and request is not None else ""),
+                initial_runs=len(history.unprompted) + history.made,
+                most_initial_runs=history.first_runs,
             )
         )
+
+    def say(self, news: str) -> None:
+        """Report a sentence that belongs to no run.
+
+        Parameters
+        ----------
+        news : str
+            For the user.
+        """
+        nothing = Trial(0, "IS2", {}, Recording(np.zeros(1), {}), np.nan, {})
+        self.tell("news", nothing, None, news)
+
+    def tell_used_up(self) -> None:
+        """Say once that the twin may not run again."""
+        budget, trials = self._history.twin_budget, self._history.trials
+        if not budget.told and budget.used_up(trials):
+            budget.told = True
+            self.say(budget.reason(trials))
 
     def _seconds_left(self) -> float | None:
         """[s] Expected time left, by the mean time of a query and the budget that ends first."""

@@ -9,7 +9,7 @@ pytestmark = needs_case(CASE)
 
 
 def test_another_reference_is_refused_and_taken_only_on_demand(case: CaseFolder) -> None:
-    assert case.gmfbo("ask s.toml").code == 0
+    assert case.gmfbo("ask s.toml --random-start").code == 0
     degrees = case.gmfbo("tell s.toml deg_nounit.csv")
     assert degrees.code == 2
     assert "goes from 0 to 57.2958, but 0 to 1 rad was asked for" in degrees.err

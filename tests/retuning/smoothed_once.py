@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from gmfbo.retuning.corrected_methods import GMFBO_CALIBRATED, OnCorrectedTwin
-from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.unknowns import Unknowns
 from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.twin_at import TwinAt
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.twin.twin_version import TwinVersion
 

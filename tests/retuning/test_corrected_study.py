@@ -20,10 +20,10 @@ from gmfbo.retuning.corrected_methods import (
 )
 from gmfbo.retuning.real_runs import plain_recordings
 from gmfbo.retuning.refiner import PhysicsRefiner
-from gmfbo.retuning.twin_at import TwinAt
 from gmfbo.retuning.twin_guard import misleads
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.twin_at import TwinAt
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.query.method import CorrectionOptions

@@ -20,6 +20,8 @@ from tests.tuning.methods.quick_methods import QUICK
 
 VOLTS = 6.0
 SAFE = f"[safety]\ndrive_voltage = [-{VOLTS}, {VOLTS}]\nstart = [[60.0, 120.0], [80.0, 150.0]]\n"
+PUBLISHED = "[objective]\nas_published = true\n"
+"""Proposals are not simulated on draws of the twin beforehand, so that some runs are unsafe."""
 EXPRESSION = '[safety]\nexpression = "abs(position - reference) < 0.5 and drive_voltage < 6.0"\n'
 
 
@@ -40,7 +42,8 @@ def real(study: Study, status: str = "") -> list[Trajectory]:
 def test_a_run_that_leaves_the_envelope_is_cut_priced_and_ends_nothing(
     tmp_path: Path, section: str
 ) -> None:
-    study = run(linear_study(tmp_path, section, method="random", iterations=4))
+    sections = section + PUBLISHED
+    study = run(linear_study(tmp_path, sections, method="random", iterations=4))
     cut = real(study, "unsafe")
     assert cut
     assert len(real(study)) == 2 + 4  # initial ones and queries
@@ -58,6 +61,18 @@ def test_a_run_that_leaves_the_envelope_is_cut_priced_and_ends_nothing(
         assert one.message.startswith("left the safety envelope at 0.05")
     if study.best is not None:
         assert study.best.status == "ok"
+
+
+def test_proposals_that_leave_the_envelope_on_draws_of_the_twin_are_withheld(
+    tmp_path: Path,
+) -> None:
+    section = f"[safety]\ndrive_voltage = [-{VOLTS}, {VOLTS}]\n"
+    study = run(linear_study(tmp_path, section, method="random", iterations=4))
+    with Tuner(study) as tuner:
+        events = tuner.history.store.events()
+    assert any(event["event"] == "withheld" for event in events)
+    # As published the same seed makes unsafe runs: see the test above.
+    assert real(study, "unsafe") == []
 
 
 def test_negative_control_without_an_envelope_no_run_is_cut(tmp_path: Path) -> None:
@@ -98,13 +113,17 @@ def test_proposals_keep_away_from_where_a_run_was_unsafe(tmp_path: Path, method:
 def test_negative_control_without_neighbourhoods_more_runs_are_unsafe(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kept = run(linear_study(tmp_path / "kept", SAFE, method="random", seed=1, iterations=10))
+    kept = run(
+        linear_study(tmp_path / "kept", SAFE + PUBLISHED, method="random", seed=1, iterations=10)
+    )
 
     def everywhere(_: KeepOut, points: np.ndarray, radius: float = 0.0) -> np.ndarray:
         return np.ones(len(points), dtype=bool)
 
     monkeypatch.setattr(KeepOut, "admits", everywhere)
-    free = run(linear_study(tmp_path / "free", SAFE, method="random", seed=1, iterations=10))
+    free = run(
+        linear_study(tmp_path / "free", SAFE + PUBLISHED, method="random", seed=1, iterations=10)
+    )
     assert len(real(kept, "unsafe")) < len(real(free, "unsafe"))
 
 

@@ -12,7 +12,8 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.tune import print_result
+from gmfbo.cli.tuning.first_runs import RandomStart, confirm_first_runs
+from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
     from gmfbo import Tuner
@@ -64,6 +65,7 @@ def ask(
             "when all is done.",
         ),
     ] = False,
+    random_start: RandomStart = False,
 ) -> None:
     """Print the next gains to try, for whoever runs the axis.
 
@@ -73,21 +75,16 @@ def ask(
     from gmfbo import Tuner
     from gmfbo.cli.tuning.study_display import StudyDisplay
     from gmfbo.tuning.study.study import Study
-    from gmfbo.tuning.told.next_run import remove_next_run, write_next_run
+    from gmfbo.tuning.told.next_run import write_next_run
 
     asked = Study.read(study)
+    confirm_first_runs(asked, random_start)
     with Tuner(asked) as tuner:
         with StudyDisplay(console, asked.file.budget.is1_runs, tuner.history.first_runs) as display:
             tuner.watch(None if json else display.show)
             requests = _asked(tuner, parse_settings(fix or [], option="--fix"), parallel)
         if not requests:
-            remove_next_run(asked.location, len(tuner.experiment.parts))
-            if json:
-                typer.echo("null")
-            else:
-                typer.echo("the budget is used up: nothing more to try")
-                print_result(asked, tuner.result())
-            return
+            return _print_end(tuner, json)
         several = parallel is not None
         for request in requests:
             write_next_run(asked.location, request, tuner.experiment.references, parallel=several)
@@ -95,6 +92,20 @@ def ask(
             typer.echo(_as_json(requests, len(tuner.experiment.parts), several))
         else:
             _print_requests(tuner, requests, study, several)
+
+
+def _print_end(tuner: Tuner, json: bool) -> None:
+    """Say that there is nothing more to ask, and what the study came to."""
+    from gmfbo.tuning.told.next_run import remove_next_run
+
+    remove_next_run(tuner.study.location, len(tuner.experiment.parts))
+    if json:
+        typer.echo("null")
+        return
+    typer.echo("the budget is used up: nothing more to try")
+    result = tuner.result()
+    print_result(tuner.study, result)
+    refuse_without_success(result)
 
 
 def _asked(tuner: Tuner, held: Mapping[str, float], parallel: int | None) -> Sequence[TrialRequest]:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metric_units import metric_unit
+from gmfbo.objective.metrics import METRICS
 from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
     from gmfbo.objective.cost import Objective
 
 
-def metric_text(name: str, value: float, units: Mapping[str, str]) -> str:
-    """A metric with its unit.
+def metric_text(name: str, value: float, units: Mapping[str, str], never: float = math.inf) -> str:
+    """A metric with its unit, or `never` for a time that was not reached.
 
     Parameters
     ----------
@@ -24,8 +26,14 @@ def metric_text(name: str, value: float, units: Mapping[str, str]) -> str:
         [unit of the metric]
     units : mapping of str to str
         As the study has logged them.
+    never : float
+        [s] Length after the step that is scored: a time of a step metric that is as long was not
+        reached.
     """
     unit = metric_unit(name, units)
+    # A mean over references is never the horizon unless each of them is.
+    if unit == "s" and name.partition("[")[0] in METRICS and value >= never * (1.0 - 1e-9):
+        return f"never (within {never:g} s)"
     digits = {"%": ".2f", "s": ".4f"}.get(unit, ".5g")
     of_twin = " (from the twin)" if name in MARGINS else ""
     return f"{value:{digits}} {unit}".rstrip() + of_twin
@@ -59,8 +67,9 @@ def objective_table(
         alone = objective.contribution(name, metrics[name])
         mean = metric_text(name, objective.mean[name], units)
         spread = metric_text(name, objective.std[name], units)
+        value = metric_text(name, metrics[name], units, objective.worst.get(name, math.inf))
         lines.append(
-            f"  {words(name):<16} {metric_text(name, metrics[name], units)} counts {weight:.2f} "
-            f"of {total:.2f}, mean {mean}, spread {spread}: {alone:+.4f}"
+            f"  {words(name):<16} {value} counts {weight:.2f} of "
+            f"{total:.2f}, mean {mean}, spread {spread}: {alone:+.4f}"
         )
     return lines

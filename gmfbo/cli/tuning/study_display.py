@@ -33,7 +33,6 @@ class StudyDisplay:
 
     def __init__(self, console: Console, most_real_runs: int | None, first_runs: int) -> None:
         self._console, self._most_real_runs = console, most_real_runs
-        self._first_runs = first_runs
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(bar_width=BAR),
@@ -47,6 +46,9 @@ class StudyDisplay:
 
     def show(self, step: progress.Progress) -> None:
         """Show one finished run."""
+        if step.phase == "news":
+            self._bar.console.print(f"note: {step.note}", markup=False)
+            return
         if not self._console.is_terminal:
             return
         what, done, most = self._done(step)
@@ -70,7 +72,7 @@ class StudyDisplay:
     def _done(self, step: progress.Progress) -> tuple[str, int, int]:
         """Counted unit, number done, and number at which this part of the study ends."""
         if step.phase == "initial":
-            return "initial data", min(step.trial, self._first_runs), self._first_runs
+            return "initial data", step.initial_runs, step.most_initial_runs
         if self._most_real_runs is not None:
             return "real runs", step.is1_runs, self._most_real_runs
         return "queries", step.iteration, step.iterations

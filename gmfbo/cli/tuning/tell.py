@@ -11,8 +11,7 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import gains_text, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.objective_text import metric_text
-from gmfbo.cli.tuning.tune import shown_metrics
+from gmfbo.cli.tuning.study_result import metric_lines
 from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,6 +29,9 @@ MANUAL = Manual(
         "What was measured at the gains that were asked for:": "gmfbo tell monday.toml run5.csv",
         "At others:": "gmfbo tell monday.toml run5.csv --set ctl.Kp=90 --anyway",
         "A run without a recording:": "gmfbo tell monday.toml --failed 'lost the encoder'",
+        "The same trial again, since the gains are not to blame:": (
+            "gmfbo tell monday.toml --failed 'door was open' --not-the-gains"
+        ),
         "One of several that were asked for:": "gmfbo tell monday.toml --trial 6 run6.csv",
         "The last one was told by mistake:": "gmfbo tell monday.toml --undo",
     },
@@ -61,6 +63,14 @@ Failed = Annotated[
     typer.Option("--failed", metavar="WHY", help="The run failed; say why in a few words."),
 ]
 
+NotTheGains = Annotated[
+    bool,
+    typer.Option(
+        "--not-the-gains",
+        help="With --failed: the gains are not the reason; the same trial is asked again.",
+    ),
+]
+
 
 def tell(
     study: StudyFile,
@@ -89,19 +99,24 @@ def tell(
     trial: TrialNumber = None,
     undo: Undo = False,
     failed: Failed = None,
+    not_the_gains: NotTheGains = False,
 ) -> None:
     """Take back the recording of the run that `gmfbo ask` wanted.
 
-    The gains of a recording are those in its lines `# NAME = VALUE`, those of --set, or those
-    asked for. A run that failed is priced as the worst one.
+    Its gains are those in its lines `# NAME = VALUE`, those of --set, or those asked for. A run
+    that failed ranks below all others, and gains near it are avoided.
     """
     from gmfbo.tuning.study.study import Study
 
+    if not_the_gains and failed is None:
+        raise InputError("--not-the-gains: expected --failed WHY beside it; give the reason")
     if [bool(recordings), failed is not None, undo].count(True) != 1:
         raise InputError("expected a recording, --failed WHY or --undo; give one of them")
     told = Study.read(study)
     if undo:
         _take_back(told)
+    elif not_the_gains:
+        _ask_again(told, study, failed or "failed", trial)
     else:
         _tell(
             told, study, recordings or failed or "failed", trial, parse_settings(set_ or []), anyway
@@ -118,16 +133,11 @@ def _tell(
     anyway: bool,
 ) -> None:
     """Tell recordings, or why a run failed, of one of the runs that are waited for."""
-    from gmfbo import Tuner
     from gmfbo.sources.plants.failed_run import failed_run
     from gmfbo.tuning.told.next_run import remove_next_run
 
-    if not told.begun:
-        raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
-    with Tuner(told) as tuner:
+    with _waiting_tuner(told, study) as tuner:
         waited = {request.number: request for request in tuner.waiting}
-        if not waited:
-            raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
         failed = failed_run(tuner.experiment.reference, what) if isinstance(what, str) else None
         run = what if failed is None else failed
         made = tuner.tell(number, run, gains=given, anyway=anyway)
@@ -146,7 +156,29 @@ def _take_back(told: Study) -> None:
     typer.echo(f"again        trial {back.again}: {gains_text(back.trial.gains)}")
 
 
+def _ask_again(told: Study, study: Path, why: str, number: int | None) -> None:
+    """Ask again for a run that failed, but not because of its gains."""
+    with _waiting_tuner(told, study) as tuner:
+        again = tuner.not_the_gains(number, why)
+    typer.echo(f"trial {again.number}: nothing is learned from it; play it again")
+
+
+def _waiting_tuner(told: Study, study: Path) -> Tuner:
+    """Open a study that waits for a run."""
+    from gmfbo import Tuner
+
+    if not told.begun:
+        raise InputError(f"{study}: nothing was asked for; run 'gmfbo ask {study}' first")
+    tuner = Tuner(told)
+    if not tuner.waiting:
+        tuner.close()
+        raise InputError(f"{study}: no run is waited for; run 'gmfbo ask {study}' first")
+    return tuner
+
+
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
+    from gmfbo.tuning.history.incumbent import has_settled
+
     budget, made = tuner.study.file.budget, tuner.history.made
     most = f" of {budget.is1_runs}" if budget.is1_runs is not None else ""
     how = "" if trial.status == "ok" else f" ({trial.status})"
@@ -156,10 +188,10 @@ def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: boo
         typer.echo(f"instead of   {gains_text(request.gains)}")
     elif not named and not any(name in trial.recording.parameters for name in trial.gains):
         typer.echo("gains        as asked for: the recording does not name its own")
-    units = tuner.study.metric_units
-    for name in shown_metrics(tuner.study.file, trial.metrics) if trial.status == "ok" else ():
-        told_as = metric_text(name, trial.metrics[name], units)
-        typer.echo(f"{name.replace('_', ' '):<12} {told_as}")
+    for line in metric_lines(tuner.study, trial) if trial.status == "ok" else ():
+        typer.echo(line)
+    if trial.status == "ok" and not has_settled(trial):
+        typer.echo("not settled: it ranks below each run that settled")
     if (best := tuner.history.best) is not None:
         typer.echo(f"best so far  trial {best.number}: {gains_text(best.gains)}")
         typer.echo(f"             objective {best.objective:.4f}")

@@ -56,7 +56,7 @@ def watch(
 
 
 def _print_end(follower: StudyFollower) -> None:
-    from gmfbo.cli.tuning.tune import print_result
+    from gmfbo.cli.tuning.study_result import print_result
     from gmfbo.tuning.query.method import Recommendation
     from gmfbo.tuning.query.request import TuningResult
 
@@ -81,5 +81,7 @@ def _print_end(follower: StudyFollower) -> None:
         twin_versions=tuple(one.reason for one in review.twin_versions),
         earlier=earlier,
         left_out=taken[-1]["left_out"] if taken else 0,
+        settled=review.settled,
+        remarks=review.remarks,
     )
     print_result(review, result)

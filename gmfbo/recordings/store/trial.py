@@ -50,6 +50,9 @@ class Trial:
         IS3: whether the draw was used.
     uncorrected, std : mapping of str to ndarray, shape (n,)
         IS3: each corrected signal before correction, and its posterior standard deviation.
+    late_error : float or None
+        Late error over what counts as settled, at most 1 where the run settled, infinite where
+        it failed; None in studies whose failed runs have a price instead.
     versions : mapping of str to str
         Version of each package that decides the result; the store fills it in when empty.
     """
@@ -68,6 +71,7 @@ class Trial:
     parent: int | None = None
     sigma_c: float | None = None
     accepted: bool | None = None
+    late_error: float | None = None
     uncorrected: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     std: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)

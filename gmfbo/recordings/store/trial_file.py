@@ -29,7 +29,7 @@ from gmfbo.recordings.writing.hdf5_group import (
     write_values,
 )
 
-_OPTIONAL = ("parent", "sigma_c", "accepted")
+_OPTIONAL = ("parent", "sigma_c", "accepted", "late_error")
 
 
 @cache
@@ -96,7 +96,7 @@ def read_trial_group(group: Any) -> Trial:
     """Read a group written by `write_trial_group`."""
     attributes = dict(group.attrs)
     names = [str(name) for name in attributes["gain_names"]]
-    parent, sigma_c, accepted = (attributes.get(key) for key in _OPTIONAL)
+    parent, sigma_c, accepted, late = (attributes.get(key) for key in _OPTIONAL)
     return Trial(
         number=int(attributes["number"]),
         source=str(attributes["source"]),  # type: ignore[arg-type]
@@ -112,6 +112,7 @@ def read_trial_group(group: Any) -> Trial:
         parent=None if parent is None else int(parent),
         sigma_c=None if sigma_c is None else float(sigma_c),
         accepted=None if accepted is None else bool(accepted),
+        late_error=None if late is None else float(late),
         uncorrected={str(n): group[f"{n}_uncorrected"][()] for n in attributes["uncorrected"]},
         std={str(n): group[f"{n}_std"][()] for n in attributes["std"]},
         versions=with_prefix(attributes, "version"),

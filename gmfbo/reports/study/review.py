@@ -19,7 +19,8 @@ from gmfbo.pages.marked_number import unit_text
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
-from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.incumbent import best_run, has_settled
+from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
@@ -189,6 +190,19 @@ class StudyReview:
         return self._best(len(self.real))
 
     @property
+    def settled(self) -> bool:
+        """Whether a real run settled, or the study does not ask for it."""
+        return any(has_settled(run.trial) for run in self.real) or all(
+            run.trial.late_error is None for run in self.real
+        )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the best gains alone do not tell."""
+        weights, real = self.file.objective.weights, [run.trial for run in self.real]
+        return remarks_on(real, self.best, weights=weights, limits=self.limits, space=self.space)
+
+    @property
     def first(self) -> Trial | None:
         """First real run that succeeded, with which the best is compared."""
         return next((run.trial for run in self.real if run.trial.status == "ok"), None)
@@ -218,7 +232,7 @@ class StudyReview:
             values = [run.trial.gains[name] for run in self.runs]
             given = self.file.gains.get(name)
             if given is not None and given.low < given.high:
-                gains.append(Gain(name, given.low, given.high, given.scale, given.integer))
+                gains += [gain for gain in [given.gain(name)] if isinstance(gain, Gain)]
             elif given is None and min(values) < max(values):
                 gains.append(Gain(name, min(values), max(values)))
         return GainSpace(tuple(gains))

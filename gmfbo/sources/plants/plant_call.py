@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gmfbo.errors import GmfboError
+from gmfbo.errors import GmfboError, NotTheGainsError
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, read_recording
 from gmfbo.sources.plants.failed_run import failed_run
@@ -49,6 +49,8 @@ class PythonPlant:
         began = time.perf_counter()
         try:
             return self._recording(self.function(dict(gains), reference))
+        except NotTheGainsError:
+            raise
         except GmfboError as error:
             message = str(error)
         except (Exception, SystemExit) as error:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gmfbo.errors import RecordingError
+from gmfbo.errors import NotTheGainsError, RecordingError
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, Trajectory, read_recording
 from gmfbo.recordings.writing.writer import write_recording
@@ -18,6 +18,10 @@ from gmfbo.sources.plants.child_program import find_program, run_program
 from gmfbo.sources.plants.failed_run import failed_run
 
 RECORDING = "recording"
+NOT_THE_GAINS = 75
+"""Exit status by which a program says that its run failed for another reason than its gains:
+`EX_TEMPFAIL` of sysexits.h, to be tried again."""
+
 _REQUEST, _REFERENCE = "request.json", "reference.csv"
 
 
@@ -28,7 +32,8 @@ class CommandPlant:
     The program is called as ``COMMAND --set NAME=VALUE ... --request FILE.json --reference
     FILE.csv --out FOLDER/recording.csv``. It writes a recording there, or with another readable
     ending, and ends with status 0. The request file holds the same arguments:
-    ``{"gains": {NAME: VALUE}, "reference": FILE, "out": FILE}``.
+    ``{"gains": {NAME: VALUE}, "reference": FILE, "out": FILE}``. Status 75 says that the run failed
+    for another reason than its gains, as a drive that is not ready does.
 
     Parameters
     ----------
@@ -71,7 +76,13 @@ class CommandPlant:
         find_program(self.command[0], self.folder)
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
-        """Run the program; an error becomes the status and message of the result."""
+        """Run the program; an error becomes the status and message of the result.
+
+        Raises
+        ------
+        NotTheGainsError
+            The program ended with status 75.
+        """
         result = self._once(gains, reference)
         for _ in range(self.retries):
             if not _is_failed(result):
@@ -114,6 +125,8 @@ class CommandPlant:
         said = f": {ended.last_line}" if ended.last_line else ""
         if ended.status is None:
             message = f"{self.name}: took longer than time_limit = {self.time_limit_s:g} s{said}"
+        elif ended.status == NOT_THE_GAINS:
+            raise NotTheGainsError(f"{self.name}: {ended.last_line or ended.reason}")
         elif ended.status != 0:
             message = f"{self.name}: {ended.reason}{said}"
         elif left is None:

@@ -101,6 +101,8 @@ def first_drift(
     if count - start < LEAST_BEFORE + LEAST_SINCE:
         return None
     weighed = [_weigh(points, one, start, count) for one in series]
+    if not weighed:
+        return None  # no run has ended well
     together = combined([ratios for ratios, _ in weighed])[: 1 - LEAST_SINCE]
     together[: LEAST_BEFORE - 1] = -np.inf
     statistic = log_statistic(together)

@@ -17,6 +17,7 @@ from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.tuning.experiment.experiment import ReferenceExperiment
 from gmfbo.tuning.experiment.joined_runs import join_runs
+from gmfbo.tuning.experiment.late_errors import late_error_of, late_error_of_run, noise_of_run
 from gmfbo.tuning.experiment.scoring_terms import DEFAULT_TERMS, ScoringTerms
 from gmfbo.tuning.study_file.reference_section import ReferenceSection
 
@@ -229,6 +230,50 @@ class ExperimentSeries:
             of_own = self.own.of(alone) if self.own else {}
             each.append({**part.metrics(alone), **of_own})
         return {name: float(value) for name, value in _combined(each, self.shares).items()}
+
+    def late_error_of(
+        self, time: ArrayLike, responses: ArrayLike, noise: float | None = None
+    ) -> NDArray[np.float64]:
+        """Largest late error of many responses over the references, shape (...).
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            [s] Joined, see `scored_times`.
+        responses : array_like, shape (..., n)
+            The scored signal of each run.
+        noise : float, optional
+            Standard deviation of its noise [unit of the signal]; estimated unless given.
+        """
+        times, values = np.asarray(time, dtype=float), np.asarray(responses, dtype=float)
+        each = []
+        for number, part in enumerate(self.parts):
+            rows, own_times = self._slot(times, number)
+            each.append(late_error_of(part, own_times, values[..., rows], noise))
+        return np.asarray(np.max(each, axis=0))
+
+    def noise(self, run: Recording) -> float:
+        """Largest noise of the scored signal over the references [its unit].
+
+        Parameters
+        ----------
+        run : Recording
+            Joined; it ended well.
+        """
+        return max(noise_of_run(part, self.part_of(run, k)) for k, part in enumerate(self.parts))
+
+    def late_error(self, run: Recording) -> float:
+        """Largest late error of one run over the references; infinite where it failed.
+
+        Parameters
+        ----------
+        run : Recording
+            Joined; at most 1 where it settled after each reference.
+        """
+        if isinstance(run, Trajectory) and run.status != "ok":
+            return np.inf
+        parts = enumerate(self.parts)
+        return max(late_error_of_run(part, self.part_of(run, k)) for k, part in parts)
 
     def part_of(self, run: Recording, number: int) -> Recording:
         """Part of a joined run with one reference (counted from 0), at its own times."""

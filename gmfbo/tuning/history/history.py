@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.errors import OwnMetricsError, SimulationError
+from gmfbo.errors import OwnMetricsError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.metric_units import units_of_metrics
@@ -19,13 +19,18 @@ from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.joined_runs import ended_by
 from gmfbo.tuning.experiment.loop_margins import MarginMeter
+from gmfbo.tuning.history.caution import Caution
 from gmfbo.tuning.history.constants import objective_of
-from gmfbo.tuning.history.incumbent import best_run
+from gmfbo.tuning.history.incumbent import best_run, has_settled
 from gmfbo.tuning.history.keep_out import KeepOut
 from gmfbo.tuning.history.known_margins import KnownMargins
+from gmfbo.tuning.history.observing import aged, observed
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
+from gmfbo.tuning.history.ranked import by_rank
+from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import StandingStore, real_runs_at_ask
 from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.history.twin_budget import EVENT, TwinBudget
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -51,6 +56,12 @@ class History:
         Number of real runs taken over from an earlier study, which come first.
     meter : MarginMeter, optional
         Measures margins of the loop on the twin, where they are limited.
+    ranked : bool
+        Whether runs are ranked before their cost counts; otherwise a failed run has a price.
+    starts : ndarray, shape (k, d), optional
+        Gains in force and other known-safe ones, in the unit cube.
+    limited : bool
+        Whether real runs move from these by steps; see `Caution`.
 
     Attributes
     ----------
@@ -72,23 +83,38 @@ class History:
         survey: int = 0,
         earlier: int = 0,
         meter: MarginMeter | None = None,
+        ranked: bool = False,
+        starts: NDArray[np.float64] | None = None,
+        limited: bool = False,
     ) -> None:
         self.store, self.study, self.experiment, self.gains = store, study, experiment, gains
-        self.survey, self.earlier = survey, earlier
+        self.survey, self.earlier, self.ranked = survey, earlier, ranked
         self.margins = KnownMargins(meter, store)
         self.limits, self.envelope = Limits(study.constraints), study.safety.envelope
+        starts = np.empty((0, len(gains.space))) if starts is None else starts
+        self.caution = Caution(gains.space, self.envelope, starts, limited and len(starts) > 0)
+        self.twin_budget = TwinBudget(study.budget, ranked)
         self.trials: list[Trial] = store.trials()
         self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
         self.drifts = [Drift.logged(event) for event in events if event["event"] == "drift"]
         self.real_at_ask = real_runs_at_ask(events, self.of("IS1"))
+        for event in events:
+            if event["event"] == "ask":
+                self.note_expected(event["number"], event.get("expected"))
+            if event["event"] == EVENT:
+                self.twin_budget.other_seconds += event["seconds"]
         self._observations: list[tuple[Trial, Observation]] = []
         self._seen = 0
-        self._leaves: dict[int, bool] = {}
         self._objective: Objective | None = None
         if len(self.of("IS2")) >= study.budget.initial_is2:
             self.normalise(self.of("IS2")[: study.budget.initial_is2])
+
+    def note_expected(self, number: int, expected: Sequence[float] | None) -> None:
+        """Remember mean and std of the cost that was predicted for a request, if any was."""
+        if expected is not None:
+            self.caution.expected[number] = (expected[0], expected[1])
 
     def of(self, *sources: SourceName) -> list[Trial]:
         """Trials of some sources, in order."""
@@ -166,6 +192,11 @@ class History:
         return self.queries + beyond_initial >= budget.most_queries
 
     @property
+    def twin_used_up(self) -> bool:
+        """Whether the twin may not run again."""
+        return self.twin_budget.used_up(self.trials)
+
+    @property
     def cost(self) -> float:
         """Cost of all runs so far, in units of a real run."""
         return IS1_COST * self.made + TWIN_COST * len(self.of("IS2", "IS3"))
@@ -174,6 +205,19 @@ class History:
     def best(self) -> Trial | None:
         """Real run with the least cost since the plant changed, if possible within the limits."""
         return best_run(self.trials, self.limits, self.changed_after)
+
+    @property
+    def settled(self) -> bool:
+        """Whether a real run settled."""
+        return any(has_settled(trial) for trial in self.of("IS1"))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the best gains alone do not tell; see `remarks_on`."""
+        weights = self.study.objective.weights
+        return remarks_on(
+            self.of("IS1"), self.best, weights=weights, limits=self.limits, space=self.gains.space
+        )
 
     @property
     def changed_after(self) -> int:
@@ -210,13 +254,6 @@ class History:
         SimulationError
             All of them failed.
         """
-        if all(trial.status != "ok" for trial in initial):
-            first = initial[0].recording
-            reason = first.message if isinstance(first, Trajectory) else ""
-            raise SimulationError(
-                f"none of the {len(initial)} initial runs of IS2 succeeded "
-                f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
-            )
         self._objective = objective_of(self.study, self.experiment, initial)
 
     def trial(
@@ -271,6 +308,7 @@ class History:
             seed=self.study.seed,
             twin=twin,
             parent=parent,
+            late_error=self.experiment.late_error(run) if self.ranked else None,
         )
         return self.priced(trial) if self.normalised else trial
 
@@ -319,56 +357,23 @@ class History:
         fixed : mapping of str to float
             Gains to be held at a value in the proposal.
         """
+        seen = aged(self.observations(), self.drifts)
         return TuningState(
             space=self.gains.space,
-            observations=self._aged(self.observations()),
+            observations=by_rank(seen) if self.ranked else seen,
             fixed=fixed,
             trials=tuple(trial for trial in self.trials if self.is_current(trial)),
             experiment=self.experiment,
             objective=self.objective,
             limits=self.limits,
             keep_out=self.keep_out(),
+            ranked=self.ranked,
         )
-
-    def _aged(self, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
-        """Mark observations by the axis, or corrected by it, from before the plant changed.
-
-        A run before several changes is marked with the sum of them.
-        """
-        if not self.drifts:
-            return observations
-        aged = []
-        for seen in observations:
-            origin = seen.number if seen.source == "IS1" else seen.parent
-            shares = [
-                drift.share
-                for drift in self.drifts
-                if seen.source != "IS2" and origin is not None and origin <= drift.last_before
-            ]
-            aged.append(replace(seen, outdated=sum(shares)) if shares else seen)
-        return tuple(aged)
 
     def keep_out(self) -> KeepOut:
         """Gains that a real run is kept away from."""
-        if not self.envelope:
-            return KeepOut()
-        safe, unsafe = [], []
-        for trial in self.trials:
-            if trial.source == "IS1" and trial.status != "unsafe":
-                # A run that broke down shows neither safety nor danger.
-                if trial.status == "ok":
-                    safe.append(self.unit_point(trial.gains))
-            elif trial.source == "IS1" or (self.is_current(trial) and self._twin_leaves(trial)):
-                unsafe.append(self.unit_point(trial.gains))
-        width = len(self.gains.space)
-        return KeepOut(np.reshape(unsafe, (-1, width)), np.reshape(safe, (-1, width)))
-
-    def _twin_leaves(self, trial: Trial) -> bool:
-        """Whether the twin left the envelope, as far as it computes the signals."""
-        if trial.number not in self._leaves:
-            left = self.envelope.first_exit(trial.recording, all_signals=False)
-            self._leaves[trial.number] = left is not None
-        return self._leaves[trial.number]
+        twin = [trial for trial in self.of("IS2", "IS3") if self.is_current(trial)]
+        return self.caution.keep_out(self.of("IS1"), twin)
 
     def observations(self) -> tuple[Observation, ...]:
         """All runs as the surrogate sees them, in order.
@@ -378,26 +383,9 @@ class History:
         for trial in self.trials[self._seen :]:
             self._seen += 1
             if trial.accepted is not False:
-                self._observations.append((trial, self._observation(trial)))
+                self._observations.append((trial, self._observed(trial)))
         return tuple(seen for trial, seen in self._observations if self.is_current(trial))
 
-    def _observation(self, trial: Trial) -> Observation:
-        uncorrected = uncorrected_scaled = None
-        if trial.source == "IS3":
-            before = trial.uncorrected[self.experiment.signal]
-            metrics = self.experiment.metrics_of(trial.recording.time, before)
-            uncorrected = float(self.objective.value(metrics))
-            uncorrected_scaled = float(self.objective.scaled(metrics))
-        return Observation(
-            number=trial.number,
-            source=trial.source,
-            point=self.unit_point(trial.gains),
-            objective=trial.objective,
-            scaled=float(self.objective.scaled(trial.metrics)),
-            failed=trial.status != "ok",
-            parent=trial.parent,
-            uncorrected=uncorrected,
-            uncorrected_scaled=uncorrected_scaled,
-            limited={n: float(v) for n, v in self.limits.limited(trial.metrics).items()},
-            feasible=trial.status == "ok" and self.limits.met(trial.metrics),
-        )
+    def _observed(self, trial: Trial) -> Observation:
+        point = self.unit_point(trial.gains)
+        return observed(trial, point, self.experiment, self.objective, self.limits)

@@ -1,4 +1,4 @@
-"""Choose the best run: runs that meet all limits come before all others."""
+"""Choose the best run: settled runs come first, then those that meet all limits."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from gmfbo.recordings.store.trial import Trial
 def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial | None:
     """Pick the best real run.
 
-    Feasible runs come first (Deb 2000, "An efficient constraint handling method for genetic
-    algorithms"). Among them the least cost counts, among the others the least excess over the
-    limits.
+    Runs that settled come before those that did not, of which the one nearest to settling is the
+    least bad. Among settled ones feasible runs come first (Deb 2000, "An efficient constraint
+    handling method for genetic algorithms"). Among them the least cost counts, among the others
+    the least excess over the limits.
 
     Parameters
     ----------
@@ -32,5 +33,16 @@ def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial |
     finished = [trial for trial in trials if trial.source == "IS1" and trial.status == "ok"]
     finished = [trial for trial in finished if trial.number > since] or finished
     return min(
-        finished, key=lambda trial: (limits.excess(trial.metrics), trial.objective), default=None
+        finished,
+        key=lambda trial: (
+            max(trial.late_error or 0.0, 1.0),
+            limits.excess(trial.metrics),
+            trial.objective,
+        ),
+        default=None,
     )
+
+
+def has_settled(trial: Trial) -> bool:
+    """Whether a run ended well and settled, or is of a study that does not ask for it."""
+    return trial.status == "ok" and (trial.late_error or 0.0) <= 1.0

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.stats import qmc
 
+from gmfbo.tuning.history.move_limit import MoveLimit
+
 Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 KEEP_OUT_RADIUS = 0.1
@@ -36,13 +38,16 @@ class KeepOut:
         Points of the unit cube at which the axis, or the twin, left the envelope.
     safe : ndarray, shape (n, d)
         Points at which the axis stayed inside.
+    moves : MoveLimit or None
+        Boxes in which a real run must lie; None where it may lie anywhere.
     """
 
     unsafe: NDArray[np.float64] = field(default_factory=_no_points)
     safe: NDArray[np.float64] = field(default_factory=_no_points)
+    moves: MoveLimit | None = None
 
     def __bool__(self) -> bool:
-        return len(self.unsafe) > 0
+        return len(self.unsafe) > 0 or self.moves is not None
 
     def admits(
         self, points: NDArray[np.float64], radius: float = KEEP_OUT_RADIUS
@@ -61,11 +66,12 @@ class KeepOut:
         ndarray of bool, shape (q,)
             True where a real run is allowed.
         """
-        if not self or len(points) == 0:
-            return np.ones(len(points), dtype=bool)
+        near = np.ones(len(points), dtype=bool) if self.moves is None else self.moves.admits(points)
+        if len(self.unsafe) == 0 or len(points) == 0:
+            return near
         to_unsafe = _nearest(points, self.unsafe)
         to_safe = _nearest(points, self.safe) if len(self.safe) else np.full(len(points), np.inf)
-        return np.asarray((to_unsafe > radius) | (to_safe < to_unsafe))
+        return np.asarray(near & ((to_unsafe > radius) | (to_safe < to_unsafe)))
 
     def admitted(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """As `admits`, with a radius that is halved until some point is allowed.
@@ -101,6 +107,10 @@ class KeepOut:
         cover = qmc.Sobol(d=len(point), rng=0).random(_CANDIDATES)
         for column, value in held.items():
             cover[:, column] = value
+        if self.moves is not None:
+            cover = self.moves.nearest(np.vstack([point, cover]))
+            for column, value in held.items():
+                cover[:, column] = value
         cover = snap(cover)
         allowed = cover[self.admitted(cover)]
         if len(allowed) == 0:

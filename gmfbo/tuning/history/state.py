@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
+from gmfbo.objective.settled import short_of_settling
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.space import GainSpace
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
@@ -42,6 +43,10 @@ class Observation:
         Largest value over the references of each limited metric [unit of the metric].
     feasible : bool
         Whether the run succeeded and meets all limits.
+    late_error : float
+        Late error over what counts as settled, at most 1 where the run settled.
+    counts : bool
+        Whether its cost is modelled: False for runs of a lower rank than the best real run.
     outdated : float
         Variance of the change of the plant since this run, over the variance of the costs of the
         real runs; 0 where it has not changed.
@@ -59,6 +64,13 @@ class Observation:
     limited: Mapping[str, float] = field(default_factory=dict)
     feasible: bool = True
     outdated: float = 0.0
+    late_error: float = 0.0
+    counts: bool = True
+
+    @property
+    def settled(self) -> bool:
+        """Whether the run ended well, inside the envelope, and settled."""
+        return not self.failed and self.late_error <= 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +95,8 @@ class TuningState:
         On metrics.
     keep_out : KeepOut
         Gains that the real axis must not be run at.
+    ranked : bool
+        Whether runs are ranked before their cost counts; otherwise a failed run has a price.
     """
 
     space: GainSpace
@@ -93,6 +107,7 @@ class TuningState:
     objective: Objective
     limits: Limits = field(default_factory=Limits)
     keep_out: KeepOut = field(default_factory=KeepOut)
+    ranked: bool = False
 
     def incumbent(self, *sources: SourceName) -> float:
         """Incumbent: least cost g of runs that meet the limits.
@@ -107,11 +122,51 @@ class TuningState:
         *sources : str
             Sources of the runs; `IS1` unless given.
         """
-        wanted = self.of(*(sources or ("IS1",)))
+        wanted = [one for one in self.of(*(sources or ("IS1",))) if one.counts]
         seen = [one for one in wanted if not one.outdated] or wanted
-        if not self.limits:
-            return min(one.objective for one in seen)
+        if not self.limits or self.unsettled:
+            return min((one.objective for one in seen), default=self.objective.failed)
         return min((one.objective for one in seen if one.feasible), default=self.objective.failed)
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether no real run has settled yet, so that the cost is how far runs are from it."""
+        real = self.of("IS1")
+        return self.ranked and bool(real) and not any(seen.settled for seen in real)
+
+    def cost_of(
+        self, times: NDArray[np.float64], trajectories: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Cost of bare trajectories, as that of the observations, shape (q,).
+
+        Parameters
+        ----------
+        times : ndarray, shape (m,)
+            [s] See `ExperimentSeries.scored_times`.
+        trajectories : ndarray, shape (q, m)
+            The scored signal.
+        """
+        if self.unsettled:
+            return short_of_settling(self.late_error_of(times, trajectories))
+        return self.objective.value(self.experiment.metrics_of(times, trajectories))
+
+    def late_error_of(
+        self, times: NDArray[np.float64], trajectories: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Late error of bare trajectories, corrected by real runs, shape (q,).
+
+        They carry the noise of these runs, which is allowed for as in them.
+
+        Parameters
+        ----------
+        times : ndarray, shape (m,)
+            [s] See `ExperimentSeries.scored_times`.
+        trajectories : ndarray, shape (q, m)
+            The scored signal.
+        """
+        real = [one.recording for one in self.trials if one.source == "IS1" and one.status == "ok"]
+        noise = max(map(self.experiment.noise, real), default=0.0)
+        return self.experiment.late_error_of(times, trajectories, noise)
 
     def of(self, *sources: SourceName) -> tuple[Observation, ...]:
         """Observations of some sources, in order.

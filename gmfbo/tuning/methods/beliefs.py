@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +15,19 @@ from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
-    from gmfbo.acquisition.feasibility import FeasibilityWeight
+    from torch import Tensor
+
+    from gmfbo.acquisition.feasibility import FeasibilityWeight, LogWeight
+    from gmfbo.acquisition.finishing import FinishModel
     from gmfbo.acquisition.maximise import Proposal as Found
     from gmfbo.acquisition.maximise import Search
     from gmfbo.surrogate.model import SourceModel
     from gmfbo.surrogate.observations import Observations
     from gmfbo.surrogate.truncated import TruncatedModel
+
+
+SAME_POINT = 1e-6
+"""Distance in the unit cube within which gains are the same."""
 
 
 def observations_of(state: TuningState, *sources: SourceName) -> Observations:
@@ -32,7 +40,7 @@ def observations_of(state: TuningState, *sources: SourceName) -> Observations:
     *sources : str
         `IS1`, `IS2`, `IS3`.
     """
-    return _gathered(state, state.of(*sources))
+    return _gathered(state, [one for one in state.of(*sources) if one.counts])
 
 
 def unprompted_observations(state: TuningState, *sources: SourceName) -> Observations:
@@ -78,15 +86,68 @@ def search_of(state: TuningState) -> Search:
     """
     from gmfbo.acquisition.maximise import Search
 
-    space = state.space
-    rounded = any(gain.integer for gain in space.gains)
+    space, finishing = state.space, finishing_of(state)
+    weights: list[LogWeight] = [finishing] if finishing else []
+    if state.limits:
+        weights.append(feasibility_of(state))
+    moves = state.keep_out.moves
+    rounded = any(gain.steps is not None for gain in space.gains)
+
+    def snap(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        near = points if moves is None else state.hold(moves.nearest(points))
+        return space.to_unit(space.from_unit(near)) if rounded else near
+
     return Search(
         dimension=len(space),
         fixed=state.fixed_unit,
-        snap=(lambda points: space.to_unit(space.from_unit(points))) if rounded else None,
-        log_weight=feasibility_of(state) if state.limits else None,
-        admits=state.keep_out.admitted if state.keep_out else None,
+        snap=snap if rounded or moves is not None else None,
+        log_weight=partial(_together, weights) if weights else None,
+        admits=(lambda points: admitted(state, points, finishing))
+        if finishing or state.keep_out
+        else None,
     )
+
+
+def _together(weights: Sequence[LogWeight], points: Tensor) -> Tensor:
+    total = weights[0](points)
+    for weight in weights[1:]:
+        total = total + weight(points)
+    return total
+
+
+def finishing_of(state: TuningState) -> FinishModel | None:
+    """Where real runs finish, once one has not; None before, or where failed runs have a price."""
+    from gmfbo.acquisition.finishing import FinishModel
+
+    real = state.of("IS1")
+    if not state.ranked or all(one.counts for one in real):
+        return None
+    return FinishModel.fit(
+        np.stack([one.point for one in real]), np.array([one.counts for one in real])
+    )
+
+
+def admitted(
+    state: TuningState, points: NDArray[np.float64], finishing: FinishModel | None
+) -> NDArray[np.bool_]:
+    """Points (q, d) at which the axis may be run and probably finishes, shape (q,)."""
+    from gmfbo.acquisition.finishing import probable
+
+    allowed = state.keep_out.admitted(points)
+    if finishing is not None and allowed.any():
+        allowed[allowed] = probable(finishing.log_probability(points[allowed]))
+    return allowed
+
+
+def seek_finished(state: TuningState) -> Proposal:
+    """Query of the axis where a run most probably finishes, while none has."""
+    search = search_of(state)
+    pool = search.pool() if search.snap is None else np.unique(search.snap(search.pool()), axis=0)
+    done = np.stack([one.point for one in state.of("IS1")])
+    new = np.abs(pool[:, None, :] - done).max(axis=2).min(axis=1) > SAME_POINT
+    pool = pool[new] if new.any() else pool
+    best = int(np.argmax(search.log_weights(pool)))
+    return Proposal("IS1", pool[best], note="no real run has finished: asks where one may")
 
 
 def feasibility_of(state: TuningState) -> FeasibilityWeight:
@@ -101,12 +162,13 @@ def feasibility_of(state: TuningState) -> FeasibilityWeight:
 
     limited = []
     for name, most in state.limits.most.items():
-        # Margins are the twin's whoever ran, so that its own runs tell of them too.
+        # Margins are the twin's whoever ran, so that its own runs tell of them too, and of a run
+        # that failed they are known as well.
         of_twin = name in MARGINS
         runs = [
             one
             for one in (state.of("IS1", "IS2") if of_twin else state.of("IS1"))
-            if np.isfinite(one.limited[name])
+            if np.isfinite(one.limited[name]) and (of_twin or one.counts)
         ]
         # The model of a single source: real runs and runs of the twin alike.
         seen = [(one.point, "IS1" if of_twin else one.source, one.limited[name]) for one in runs]
@@ -124,9 +186,17 @@ def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -
 
     After a change of the plant, of the runs since.
     """
-    if state.limits or any(one.outdated for one in state.of(*sources)):
+    if state.ranked or state.limits or any(one.outdated for one in state.of(*sources)):
         return state.incumbent(*sources)
     return min(float(data.values[rows].min()) for name in sources if (rows := data.of(name)).any())
+
+
+def expected_at(
+    model: SourceModel | TruncatedModel, point: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Predicted cost g of a real run at a point (d,), and its standard deviation."""
+    mean, variance = model.predict(point[None, :], "IS1")
+    return float(mean[0]), float(np.sqrt(variance[0]))
 
 
 def source_of(found: Found) -> Literal["IS1", "IS2"]:
@@ -169,13 +239,16 @@ def improve_each_source(
         {"IS1": 1.0, "IS2": twin_cost},
     )
     found = maximise(acquisition, search_of(state), ["IS1", "IS2"], data)
-    return Proposal(source_of(found), found.point, note=model.note)
+    expected = expected_at(model, found.point)
+    return Proposal(source_of(found), found.point, note=model.note, expected=expected)
 
 
 def least_expected(
     model: SourceModel | TruncatedModel, state: TuningState
 ) -> tuple[NDArray[np.float64], float, float]:
     """Point of the unit cube with the least posterior mean of the real axis.
+
+    Where runs are ranked, it is one that was tried and finished.
 
     Returns
     -------
@@ -184,8 +257,33 @@ def least_expected(
     mean, std : float
         Posterior of the cost g there.
     """
+    if state.ranked:
+        return least_expected_tried(model.predict, state)
     from gmfbo.acquisition.maximise import recommend
 
     point, mean = recommend(model, search_of(state))
     _, variance = model.predict(point[None, :], "IS1")
     return point, mean, float(np.sqrt(variance[0]))
+
+
+def least_expected_tried(
+    predict: Callable[[NDArray[np.float64], SourceName], tuple[Any, Any]], state: TuningState
+) -> tuple[NDArray[np.float64], float, float]:
+    """Gains of the finished real run with the least posterior mean, that mean and its std.
+
+    Runs that meet all limits come first, and those since a change of the plant.
+
+    Parameters
+    ----------
+    predict : callable
+        From points (q, d) and a source to posterior mean and variance of the cost, shape (q,).
+    state : TuningState
+        With a finished real run.
+    """
+    real = [one for one in state.of("IS1") if one.counts]
+    real = [one for one in real if not one.outdated] or real
+    real = [one for one in real if one.feasible] or real
+    points = np.stack([one.point for one in real])
+    mean, variance = predict(points, "IS1")
+    best = int(np.argmin(mean))
+    return points[best], float(mean[best]), float(np.sqrt(variance[best]))

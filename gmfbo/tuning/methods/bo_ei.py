@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import (
+    expected_at,
     incumbent_of,
     least_expected,
     observations_of,
     search_of,
+    seek_finished,
     single_source_model,
 )
 from gmfbo.tuning.query.method import Proposal
@@ -32,12 +34,15 @@ class SingleSourceImprovement:
         from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
         from gmfbo.acquisition.maximise import maximise
 
+        if not any(one.counts for one in state.of("IS1")):
+            return seek_finished(state)
         model, real = single_source_model(state), observations_of(state, "IS1")
         acquisition = CostAwareExpectedImprovement(
             model, {"IS1": incumbent_of(state, real, "IS1")}, {"IS1": 1.0}
         )
         found = maximise(acquisition, search_of(state), ["IS1"], real)
-        return Proposal("IS1", found.point, note=model.note)
+        expected = expected_at(model, found.point)
+        return Proposal("IS1", found.point, note=model.note, expected=expected)
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least posterior mean over the box."""

@@ -17,10 +17,16 @@ from numpy.typing import NDArray
 
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.margins import MARGINS
-from gmfbo.recordings.store.trial import Trial
+from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.experiment.run_values import at_times
-from gmfbo.tuning.history.state import TuningState
-from gmfbo.tuning.methods.beliefs import corrected_and_twin, feasibility_of
+from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.methods.beliefs import (
+    corrected_and_twin,
+    feasibility_of,
+    least_expected,
+    least_expected_tried,
+    single_source_model,
+)
 from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 from gmfbo.tuning.twin.runs_beside import runs_beside
 
@@ -59,11 +65,12 @@ class Gmfbo:
         from gmfbo.objective.mismatch import scaled_mismatch
 
         mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
-        point = _Belief.of(state).most_promising(state)
+        belief = _Belief.of(state)
+        point = belief.most_promising(state)
         if point is None:
             blind = state.hold(rng.random(len(state.space)))
             return Proposal("IS1", blind, mismatch, "the twin has not succeeded anywhere new")
-        return Proposal("IS1", point, mismatch)
+        return Proposal("IS1", point, mismatch, expected=belief.at(point))
 
     def promising(self, state: TuningState) -> NDArray[np.float64]:
         """Gains with the largest expected improvement, and with the least expected cost."""
@@ -75,6 +82,8 @@ class Gmfbo:
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least expected cost among the gains where the twin was run."""
+        if state.ranked:
+            return _recommended_tried(state)
         belief = _Belief.of(state)
         if not len(belief.points):
             best = min(state.of("IS1"), key=lambda seen: seen.objective)
@@ -109,8 +118,19 @@ class _Belief:
         points, simulated = twin_at_points(state, times)
         if not len(points):
             return cls(points, np.empty(0), np.empty(0), np.empty(0))
-        mean, variance = corrected_model(state, times).predict(points, simulated)
-        return cls(points, mean, variance, log_limit_weight(state, times, points, simulated))
+        if not modelled_runs(state):
+            # No run ended well: the twin as it is, about as wrong as its costs differ.
+            mean = state.cost_of(times, simulated)
+            variance = np.full(len(points), float(np.var(mean)) or 1.0)
+            corrected, weight = simulated, np.zeros(len(points))
+        else:
+            model = corrected_model(state, times)
+            mean, variance = model.predict(points, simulated)
+            corrected = model.trajectory(points, simulated)
+            weight = log_limit_weight(state, times, points, simulated)
+        if state.ranked:
+            weight = weight + log_finishing(state, times, points, corrected)
+        return cls(points, mean, variance, weight)
 
     def most_promising(self, state: TuningState) -> NDArray[np.float64] | None:
         """Point (d,) of the largest expected improvement among the new ones; None without any."""
@@ -118,11 +138,32 @@ class _Belief:
 
         # A repeat of a real run has no variance left, and is no candidate.
         new = is_new(self.points, state)
+        if not new.any() and state.keep_out.moves is not None:
+            return self._towards(state)
+        if state.ranked and any(not one.counts for one in state.of("IS1")):
+            from gmfbo.acquisition.finishing import probable
+
+            new[new] = probable(self.log_weight[new])
         if not new.any():
             return None
         gain = log_improvement(self.mean[new], self.variance[new], state.incumbent())
         found: NDArray[np.float64] = self.points[new][int(np.argmax(gain + self.log_weight[new]))]
         return found
+
+    def _towards(self, state: TuningState) -> NDArray[np.float64]:
+        """Promising point, moved to where a run may be made: the twin did not run there yet."""
+        far = replace(state, keep_out=replace(state.keep_out, moves=None))
+        found = self.most_promising(far)
+        assert state.keep_out.moves is not None
+        start = self.points[self.least_expected()] if found is None else found
+        return np.asarray(state.hold(state.keep_out.moves.nearest(start[None, :])[0]))
+
+    def at(self, point: NDArray[np.float64]) -> tuple[float, float] | None:
+        """Expected cost and its standard deviation at a point (d,), where the twin ran."""
+        row = int(np.argmin(np.abs(self.points - point).max(axis=1)))
+        if np.abs(self.points[row] - point).max() > 0.0:
+            return None
+        return float(self.mean[row]), float(np.sqrt(self.variance[row]))
 
     def least_expected(self) -> int:
         """Row of the least expected cost where the limits are probably met."""
@@ -174,7 +215,7 @@ def log_limit_weight(
         if name in of_twin:
             continue
         runs, _ = axis_runs(state, times)
-        values = np.array([seen.limited[name] for seen in state.of("IS1")])
+        values = np.array([seen.limited[name] for _, seen in modelled_runs(state)])
 
         def limited_of(
             trajectories: NDArray[np.float64], name: str = name, middle: float = values.mean()
@@ -216,20 +257,82 @@ def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns,
 
     signal = state.experiment.signal
     beside = runs_beside(state.trials)
-    real = [trial for trial in state.trials if trial.source == "IS1"]
-    outdated = {seen.number: seen.outdated for seen in state.of("IS1")}
+    modelled = modelled_runs(state)
+    real = [trial for trial, _ in modelled]
     runs = AxisRuns(
         points=np.stack([_point(state, trial) for trial in real]),
-        values=np.array([trial.objective for trial in real]),
+        values=np.array([seen.objective for _, seen in modelled]),
         simulated=np.stack([_sampled(beside.get(trial.number), times, signal) for trial in real]),
         measured=np.stack([_sampled(trial, times, signal) for trial in real]),
-        extra=np.array([outdated[trial.number] for trial in real]),
+        extra=np.array([seen.outdated for _, seen in modelled]),
     )
 
     def cost_of(trajectories: NDArray[np.float64]) -> NDArray[np.float64]:
-        return state.objective.value(state.experiment.metrics_of(times, trajectories))
+        return state.cost_of(times, trajectories)
 
     return runs, cost_of
+
+
+def modelled_runs(state: TuningState) -> list[tuple[Trial, Observation]]:
+    """Real runs that the corrected twin learns from, with their observations.
+
+    Where runs are ranked, a run that failed has no cost and is left out. One that is bounded but
+    did not settle shows the error of the twin as well as a settled one does.
+    """
+    seen = {one.number: one for one in state.of("IS1")}
+    real = [(trial, seen[trial.number]) for trial in state.trials if trial.source == "IS1"]
+    return [(trial, one) for trial, one in real if not (state.ranked and one.failed)]
+
+
+def log_finishing(
+    state: TuningState,
+    times: NDArray[np.float64],
+    points: NDArray[np.float64],
+    corrected: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Log probability, shape (q,), that a run finishes; the corrected twin's word is the prior.
+
+    Parameters
+    ----------
+    state : TuningState
+        What was observed.
+    times : ndarray, shape (m,)
+        [s] See `sample_times`.
+    points : ndarray, shape (q, d)
+        In the unit cube.
+    corrected : ndarray, shape (q, m)
+        Expected trajectories of the axis there.
+    """
+    from gmfbo.acquisition.finishing import TWIN_BELIEVED, FinishModel, prior_of
+
+    settles = state.late_error_of(times, corrected) <= 1.0
+    prior = prior_of(np.where(settles | state.unsettled, TWIN_BELIEVED, 1.0 - TWIN_BELIEVED))
+    real = state.of("IS1")
+    if not real:
+        return np.zeros(len(points))
+    at = np.stack([one.point for one in real])
+    # The twin's word at the real runs is that at the nearest point where it was run.
+    nearest = np.argmin(((at[:, None, :] - points) ** 2).sum(axis=2), axis=1)
+    finished = np.array([one.counts for one in real])
+    model = FinishModel.fit(at, finished, prior[nearest])
+    return model.log_probability(points, prior)
+
+
+def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, float]:
+    """Least expected cost among the gains that were tried and finished."""
+    times = sample_times(state)
+    points, simulated = twin_runs(state, times)
+    if not len(points):
+        return least_expected(single_source_model(state), state)
+    model = corrected_model(state, times)
+
+    def predict(
+        at: NDArray[np.float64], source: SourceName
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        nearest = np.argmin(((at[:, None, :] - points) ** 2).sum(axis=2), axis=1)
+        return model.predict(at, simulated[nearest])
+
+    return least_expected_tried(predict, state)
 
 
 def twin_runs(

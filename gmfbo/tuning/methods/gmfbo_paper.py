@@ -36,6 +36,7 @@ class PrintedGmfbo:
         "Nobar et al. 2025, Guided multi-fidelity Bayesian optimization, arXiv:2509.17952"
     )
     correction: CorrectionOptions = AS_PRINTED
+    prices_failures: bool = True
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise EI / H over gains and source, each with the incumbent of its source."""

@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.tuning.history.state import TuningState
-from gmfbo.tuning.methods.beliefs import improve_each_source, least_expected, observations_of
+from gmfbo.tuning.methods.beliefs import (
+    improve_each_source,
+    least_expected,
+    observations_of,
+    seek_finished,
+)
 from gmfbo.tuning.query.method import Proposal
 
 if TYPE_CHECKING:
@@ -33,6 +38,8 @@ class CostAwareMultiFidelity:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise EI / H over gains and source."""
+        if not any(one.counts for one in state.of("IS1")):
+            return seek_finished(state)
         data = observations_of(state, "IS1", "IS2")
         return improve_each_source(_fit(state), data, state, TWIN_COST)
 

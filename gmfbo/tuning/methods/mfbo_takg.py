@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.tuning.history.state import TuningState
-from gmfbo.tuning.methods.beliefs import least_expected, observations_of, search_of, source_of
+from gmfbo.tuning.methods.beliefs import (
+    least_expected,
+    observations_of,
+    search_of,
+    seek_finished,
+    source_of,
+)
 from gmfbo.tuning.query.method import Proposal
 
 
@@ -26,6 +32,8 @@ class MultiFidelityKnowledgeGradient:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise the knowledge gradient for its cost over gains and source."""
+        if not any(one.counts for one in state.of("IS1")):
+            return seek_finished(state)
         from gmfbo.acquisition.knowledge_gradient import KnowledgeGradient
         from gmfbo.acquisition.maximise import maximise
         from gmfbo.surrogate.truncated import TruncatedModel

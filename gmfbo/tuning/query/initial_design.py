@@ -19,6 +19,8 @@ class Stream(IntEnum):
     PROPOSAL = 3
     SURVEY = 4
     CLOSER_LOOK = 5
+    NOISE = 6
+    BELIEVED_TWIN = 7
 
 
 def stream(seed: int, purpose: Stream, *numbers: int) -> np.random.Generator:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,15 @@ class Proposal:
         Mismatch e of the twin that the method used, dimensionless.
     note : str
         Note for the user; usually empty.
+    expected : tuple of float or None
+        Predicted cost g of the real run, and its standard deviation; None where it is unknown.
     """
 
     source: Literal["IS1", "IS2"]
     point: NDArray[np.float64]
     mismatch: float | None = None
     note: str = ""
+    expected: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -122,3 +125,17 @@ class Method(Protocol):
             All observations.
         """
         ...
+
+
+@runtime_checkable
+class PublishedMethod(Protocol):
+    """A method that prices a failed run, as its publication does; its runs are not ranked.
+
+    Attributes
+    ----------
+    prices_failures : bool
+        True.
+    """
+
+    @property
+    def prices_failures(self) -> bool: ...

@@ -8,7 +8,7 @@ from typing import Literal
 
 from gmfbo.recordings.store.trial import SourceName
 
-Phase = Literal["initial", "query", "correction", "drift", "twin", "done"]
+Phase = Literal["initial", "query", "correction", "drift", "twin", "news", "done"]
 
 
 @dataclass(frozen=True)
@@ -17,9 +17,9 @@ class Progress:
 
     Attributes
     ----------
-    phase : {"initial", "query", "correction", "drift", "twin", "done"}
+    phase : {"initial", "query", "correction", "drift", "twin", "news", "done"}
         Initial data, a query, twin runs after a real run, a detected change of the plant, a
-        correction of the twin, or the end of the study.
+        correction of the twin, a sentence for the user without a run, or the end of the study.
     iteration, iterations : int
         Number of queries made, and their limit.
     is1_runs : int
@@ -48,6 +48,8 @@ class Progress:
         [s] Expected time until the end; None before the first query.
     note : str
         Note of the method, such as a fit that fell back; usually empty.
+    initial_runs, most_initial_runs : int
+        Number of initial runs of both sources so far, and in all.
     """
 
     phase: Phase
@@ -66,6 +68,8 @@ class Progress:
     seconds: float
     seconds_left: float | None
     note: str = ""
+    initial_runs: int = 0
+    most_initial_runs: int = 0
 
 
 ProgressCallback = Callable[[Progress], None]

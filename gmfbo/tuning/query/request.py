@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.tuning.history.remarks import last_failure
 from gmfbo.tuning.query.method import Recommendation
 
 if TYPE_CHECKING:
     from gmfbo.tuning.drift.drift import Drift
+    from gmfbo.tuning.history.history import History
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,8 @@ class TrialRequest:
         Mismatch e of the twin that the method used, dimensionless.
     note : str
         Note of the method; usually empty.
+    expected : tuple of float or None
+        Predicted cost g of the real run, and its standard deviation; None where it is unknown.
     """
 
     number: int
@@ -36,6 +40,7 @@ class TrialRequest:
     gains: Mapping[str, float]
     mismatch: float | None = None
     note: str = ""
+    expected: tuple[float, float] | None = None
 
     @classmethod
     def unanswered(
@@ -56,11 +61,19 @@ class TrialRequest:
         # A run whose file was damaged had been made; only the last one is asked for again.
         lost = {n for event in repairs for n in event.get("lost_trials", ())} - {last}
         made = {*made, *lost}
-        return [
-            cls(one["number"], one["source"], one["gains"], one["mismatch"], one["note"])
-            for number, one in sorted(asked.items())
-            if number not in made
-        ]
+        return [cls._logged(one) for number, one in sorted(asked.items()) if number not in made]
+
+    @classmethod
+    def _logged(cls, event: Mapping[str, Any]) -> TrialRequest:
+        expected = event.get("expected")  # studies of former versions did not log it
+        return cls(
+            event["number"],
+            event["source"],
+            event["gains"],
+            event["mismatch"],
+            event["note"],
+            None if expected is None else (expected[0], expected[1]),
+        )
 
 
 @dataclass(frozen=True)
@@ -70,9 +83,11 @@ class TuningResult:
     Attributes
     ----------
     best : Trial or None
-        Real run with the least cost; None when none succeeded.
+        Real run with the least cost, or while none settled the one nearest to it; None when none
+        succeeded.
     recommendation : Recommendation or None
-        Gains at which the surrogate expects the least cost; None without a real run.
+        Gains to take: by the method's rule, mostly those that were tried and have the least
+        expected cost. None where no real run settled.
     is1_runs : int
         Number of real runs, initial ones included.
     earlier, left_out : int
@@ -87,6 +102,12 @@ class TuningResult:
         Detected changes of the plant, in order; `best` is from after the last.
     twin_versions : tuple of str
         Reasons of the twin's corrections, in order.
+    settled : bool
+        Whether a real run settled; True in studies that do not ask for it.
+    remarks : tuple of str
+        Failed runs, limits that no run meets, metrics without a say, gains at their bounds.
+    last_failure : str
+        Why the last real run that failed did; empty where none failed.
     """
 
     best: Trial | None
@@ -99,3 +120,45 @@ class TuningResult:
     left_out: int = 0
     twin_versions: tuple[str, ...] = ()
     is2_runs: int = 0
+    settled: bool = True
+    remarks: tuple[str, ...] = ()
+    last_failure: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        history: History,
+        recommendation: Recommendation | None,
+        *,
+        earlier: int,
+        left_out: int,
+        twin_versions: tuple[str, ...],
+    ) -> Self:
+        """Result as of now.
+
+        Parameters
+        ----------
+        history : History
+            Of the study.
+        recommendation : Recommendation or None
+            Gains to take.
+        earlier, left_out : int
+            Real runs of an earlier study that were taken over, and that were not.
+        twin_versions : tuple of str
+            Reasons of the twin's corrections, in order.
+        """
+        return cls(
+            best=history.best,
+            recommendation=recommendation,
+            is1_runs=history.made,
+            is2_runs=len(history.of("IS2")),
+            queries=history.queries,
+            cost=history.cost,
+            drifts=tuple(history.drifts),
+            earlier=earlier,
+            left_out=left_out,
+            twin_versions=twin_versions,
+            settled=history.settled or not history.ranked,
+            remarks=history.remarks,
+            last_failure=last_failure(history.of("IS1")),
+        )

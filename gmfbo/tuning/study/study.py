@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     from gmfbo.recordings.store.study_folder import StudyStore
 
 
+OBJECTIVE_VERSION = 2
+"""Runs are ranked before their cost counts. In version 1, which states none, a failed run has a
+price."""
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
     """A tuning study, begun or not.
@@ -209,7 +214,21 @@ class Study:
                     "back, or give another 'out'"
                 )
         origin = os.path.relpath(self.origin.resolve(), self.location.resolve())
-        store.log("begin", origin=Path(origin).as_posix(), twins=twins, units=dict(units))
+        version = {} if begun else {"objective_version": OBJECTIVE_VERSION}
+        place = Path(origin).as_posix()
+        store.log("begin", origin=place, twins=twins, units=dict(units), **version)
+
+    @staticmethod
+    def objective_version(store: TrialStore) -> int:
+        """Version of the objective by which a study was begun, or by which a new one begins.
+
+        Parameters
+        ----------
+        store : TrialStore
+            Of the study.
+        """
+        begun = [event for event in store.events() if event["event"] == "begin"]
+        return int(begun[0].get("objective_version", 1)) if begun else OBJECTIVE_VERSION
 
     def _last(self, event: str) -> dict[str, Any] | None:
         logged = self._logged(event)
@@ -242,7 +261,7 @@ def _differing(one: StudyFile, other: StudyFile) -> list[str]:
 
     def decisive(study: StudyFile) -> dict[str, Any]:
         parts = study.model_dump(exclude={"name", "out"})
-        for end in ("iterations", "is1_runs"):
+        for end in ("iterations", "is1_runs", "is2_runs", "is2_seconds"):
             del parts["budget"][end]
         for patience in ("time_limit", "retries"):
             del parts["is1"][patience]

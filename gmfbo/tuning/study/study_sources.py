@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from gmfbo.errors import InputError, SimulationError, StudyFileError
+from gmfbo.errors import InputError, NotTheGainsError, SimulationError, StudyFileError
 from gmfbo.objective.limits import Limits
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, Trajectory
@@ -277,11 +277,13 @@ def run_source(source: Source, gains: Mapping[str, float], reference: Recording)
     ------
     InputError
         The request is impossible for the source, so that repeating it cannot help.
+    NotTheGainsError
+        The run failed for another reason than its gains.
     """
     started = time.perf_counter()
     try:
         return source.run(gains, reference)
-    except InputError:
+    except (InputError, NotTheGainsError):
         raise
     except Exception as error:
         # A plant is foreign code: a lost connection must cost one run, not the study.

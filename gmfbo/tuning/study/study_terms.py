@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,11 +17,15 @@ from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.loop_margins import MarginMeter
 from gmfbo.tuning.experiment.scoring_terms import ScoringTerms
+from gmfbo.tuning.query.method import Method, PublishedMethod
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.safety_section import SafetySection
-from gmfbo.tuning.study_file.study_sections import StudyFile
+from gmfbo.tuning.study_file.study_sections import GainRange, StudyFile
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.store.memory_store import TrialStore
 
 
 def own_metrics(study: Study) -> OwnMetrics | None:
@@ -131,6 +138,68 @@ def margin_meter(
     fine, coarse = sources.loop_twins
     part = experiment.parts[0]
     return MarginMeter(fine, coarse, part.reference, command, part.horizon, coarse.step)
+
+
+def ranked(study: Study, store: TrialStore, method: Method) -> bool:
+    """Whether runs are ranked before their cost counts; otherwise a failed run has a price.
+
+    Parameters
+    ----------
+    study : Study
+        Its file may ask for the published price.
+    store : TrialStore
+        Says by which version of the objective the study was begun.
+    method : Method
+        May price a failed run itself, as its publication does.
+    """
+    published = study.file.objective.as_published or isinstance(method, PublishedMethod)
+    return not published and study.objective_version(store) >= 2
+
+
+def in_force(study: Mapping[str, GainRange], gains: GainChoice) -> NDArray[np.float64]:
+    """Gains in force today as a point of the unit cube, shape (1, d); (0, d) without.
+
+    Parameters
+    ----------
+    study : mapping of str to GainRange
+        Part `[gains]` of the study file.
+    gains : GainChoice
+        Tuned and held gains.
+
+    Raises
+    ------
+    StudyFileError
+        Only some of the tuned gains say what is in force.
+    """
+    names = gains.space.names
+    now = {name: one.now for name, one in study.items() if one.now is not None and name in names}
+    if not now:
+        return np.empty((0, len(names)))
+    for name in names:
+        if name not in now:
+            raise StudyFileError(
+                f"[gains] '{name}': expected now = VALUE, the value in force today, as for "
+                f"'{next(iter(now))}'; give it for each tuned gain or for none"
+            )
+    return gains.space.to_unit(gains.space.point({name: now[name] for name in names}))[None, :]
+
+
+def starts_of(study: StudyFile, gains: GainChoice) -> NDArray[np.float64]:
+    """Gains in force and other known-safe ones, which are run first, in the unit cube (n, d).
+
+    Parameters
+    ----------
+    study : StudyFile
+        With `[gains]` and `[safety]`.
+    gains : GainChoice
+        Tuned and held gains.
+
+    Raises
+    ------
+    StudyFileError
+        A tuned gain lacks a value, or a point lies outside the box.
+    """
+    return np.vstack([in_force(study.gains, gains), known_safe(study.safety, gains)])
 
 
 def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]:

@@ -59,12 +59,9 @@ class GainChoice:
                         f"[gains]: no FMU parameter '{name}'"
                         + did_you_mean(name, {*known, *parameters})
                     )
-        fixed = {name: rng.low for name, rng in study.items() if rng.low == rng.high}
-        chosen = {
-            name: Gain(name, rng.low, rng.high, rng.scale, rng.integer)
-            for name, rng in study.items()
-            if name not in fixed
-        }
+        each = {name: rng.gain(name) for name, rng in study.items()}
+        fixed = {name: gain for name, gain in each.items() if not isinstance(gain, Gain)}
+        chosen = {name: gain for name, gain in each.items() if isinstance(gain, Gain)}
         free = [chosen.get(name, known.get(name)) for name in {**known, **chosen}]
         gains = tuple(gain for gain in free if gain is not None and gain.name not in fixed)
         if not gains:
@@ -103,3 +100,9 @@ class GainChoice:
                 raise InputError(
                     f"{label}: expected '{name}' within [{low:g}, {high:g}], got {value:g}"
                 )
+            steps = ranges[name].steps
+            if steps is not None and not np.isclose(steps, value, rtol=1e-6).any():
+                shown = ", ".join(f"{one:g}" for one in steps[:8]) + (
+                    " ..." if len(steps) > 8 else ""
+                )
+                raise InputError(f"{label}: expected '{name}' to be one of {shown}, got {value:g}")

@@ -20,6 +20,7 @@ from gmfbo.objective.cost import PAPER_WEIGHTS
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS, SETTLING_BAND
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
+from gmfbo.space import Gain
 from gmfbo.tuning.study_file.drift_section import DriftSection
 from gmfbo.tuning.study_file.reference_section import ReferenceSection
 from gmfbo.tuning.study_file.safety_section import SafetySection
@@ -43,9 +44,22 @@ def _as_range(value: object) -> object:
         return {"low": value[0], "high": value[1]}
     if isinstance(value, int | float):
         return {"low": value, "high": value}
+    if isinstance(value, dict) and "values" in value:
+        return {**value, **_ends_of(value)}
     if isinstance(value, dict | GainRange):
         return value
     raise ValueError(f"expected [low, high], a number or a table, got {value!r}")
+
+
+def _ends_of(value: dict[str, Any]) -> dict[str, float]:
+    """Bounds of a gain that may take single values only."""
+    values = value["values"]
+    if "low" in value or "high" in value or value.get("integer"):
+        raise ValueError("expected either values or low and high, got both")
+    numbers = isinstance(values, list) and all(isinstance(one, int | float) for one in values)
+    if not numbers or len(set(values)) < 2:
+        raise ValueError(f"values: expected a list of at least two numbers, got {values!r}")
+    return {"low": min(values), "high": max(values)}
 
 
 def _as_references(value: object) -> object:
@@ -138,6 +152,7 @@ class PlantSection(Section):
     parameters: Parameters = {}
     hidden: HiddenPhysics | None = None
     change: PlantChange | None = None
+    noise: dict[str, NotNegative] = {}  # standard deviation by signal [its unit]
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -149,6 +164,8 @@ class PlantSection(Section):
             )
         if self.twin is None and (self.parameters or self.hidden or self.change):
             raise ValueError("parameters, hidden and change need a twin that plays the plant")
+        if self.twin is None and self.noise:
+            raise ValueError("noise needs a twin that plays the plant; a real one has its own")
         if self.command is None and self.model_fields_set & {"time_limit", "retries"}:
             raise ValueError("time_limit and retries need a command")
         return self
@@ -168,6 +185,8 @@ class GainRange(Section):
     high: Number
     scale: Literal["linear", "log"] = "linear"
     integer: bool = False
+    values: tuple[Number, ...] = ()
+    now: Number | None = None  # in force today: the first real run
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -175,7 +194,28 @@ class GainRange(Section):
             raise ValueError(f"expected low <= high, got [{self.low:g}, {self.high:g}]")
         if self.scale == "log" and self.low <= 0.0:
             raise ValueError(f"a log scale needs a positive lower bound, got {self.low:g}")
+        if self.now is not None and not self.low <= self.now <= self.high:
+            raise ValueError(
+                f"now: expected within [{self.low:g}, {self.high:g}], got {self.now:g}; widen the "
+                "range"
+            )
         return self
+
+    def gain(self, name: str) -> Gain | float:
+        """The gain of this range, or its only value.
+
+        Parameters
+        ----------
+        name : str
+            FMU parameter.
+        """
+        low, high = self.low, self.high
+        if self.integer and math.ceil(low) <= math.floor(high):
+            low, high = float(math.ceil(low)), float(math.floor(high))
+        if low == high:
+            return low
+        values = tuple(sorted(set(self.values)))
+        return Gain(name, low, high, self.scale, self.integer, values)
 
 
 class Normalisation(Section):
@@ -204,6 +244,7 @@ class ObjectiveSection(Section):
     band: Annotated[float, Field(gt=0.0, lt=1.0)] = SETTLING_BAND  # share of the step
     filter: NotNegative = 0.0  # [s] of the low-pass that the response is smoothed by
     command: str | None = None  # signal; without it the twin file's state of that name
+    as_published: bool = False  # a failed run has a price; runs are not ranked
 
     @model_validator(mode="after")
     def _known_metrics(self) -> Self:
@@ -235,6 +276,8 @@ class BudgetSection(Section):
     iterations: int | None = Field(None, ge=0)
     is1_runs: int | None = Field(None, ge=1)
     is3_per_run: int = Field(4, ge=0)
+    is2_runs: int | None = Field(None, ge=2)  # of the twin, in all
+    is2_seconds: Positive = 1800.0  # [s] of twin runs: half an hour, as long as a bench waits
 
     @property
     def most_queries(self) -> int:

@@ -78,6 +78,7 @@ def _take_back(store: TrialStore) -> TakenBack:
         "gains": asked["gains"],
         "mismatch": asked["mismatch"],
         "note": f"asked again: trial {number} was taken back",
+        "expected": asked.get("expected"),
         "real": sum(one.source == "IS1" for one in standing.trials()),
     }
     store.log("ask", **again)

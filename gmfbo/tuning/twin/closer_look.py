@@ -58,6 +58,8 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
         made = len(history.children(real[-1], "IS2"))
         if made >= known + count:
             continue
+        if history.twin_used_up:
+            return
         centres = method.promising(_without(history, real[-1].number, known))
         if not len(centres):
             return

@@ -16,6 +16,9 @@ from gmfbo.tuning.twin.corrected_runs import CorrectedRuns
 
 Announce = Callable[[Phase, Trial], None]
 
+WORTH_A_LINE_S = 60.0
+"""[s] Time of all twin runs from which it is said beforehand."""
+
 
 @dataclass(frozen=True, eq=False)
 class TwinRuns:
@@ -31,12 +34,15 @@ class TwinRuns:
         Options of the method's corrected runs.
     announce : callable
         Called with each finished run.
+    say : callable
+        Called with a sentence for the user.
     """
 
     source: Source
     history: History
     correction: CorrectionOptions | None
     announce: Announce
+    say: Callable[[str], None] = lambda _: None
 
     def initial(self) -> None:
         """Run the initial points, shape (initial_is2, d).
@@ -58,6 +64,8 @@ class TwinRuns:
         runs = list(history.trials)
         for number, point in enumerate(points[done:], start=done + 1):
             runs.append(self._run(history.gains_at(point), number=number, with_margins=True))
+            if number == 1:
+                self._tell_plan(runs[0])
         history.normalise(runs)
         constants, first = history.objective, runs[0].recording
         history.store.log(
@@ -70,6 +78,22 @@ class TwinRuns:
         for run in runs[done:]:
             self.announce("initial", history.write(history.priced(run)))
 
+    def _tell_plan(self, first: Trial) -> None:
+        """Say beforehand how long a slow twin takes, and what to choose instead."""
+        history, options = self.history, self.correction
+        budget = history.study.budget
+        each = 1 + budget.is3_per_run + 2 * options.closer if options else 0
+        real = budget.is1_runs or budget.initial_is1 + budget.most_queries
+        count = budget.initial_is2 + history.survey + each * real
+        seconds = first.seconds * count
+        if seconds > WORTH_A_LINE_S:
+            self.say(
+                f"a twin run takes {first.seconds:.2g} s: about {count} runs, "
+                f"{seconds / 60.0:.0f} min; [budget] is2_runs or is2_seconds "
+                f"(now {budget.is2_seconds:g}) end them earlier, and method 'bo_ei' makes "
+                f"{budget.initial_is2} of them"
+            )
+
     def survey(self) -> None:
         """Run the twin over the box, once, if the method asks for it; after a kill, the rest."""
         history = self.history
@@ -78,6 +102,8 @@ class TwinRuns:
         )
         done = len(history.unprompted) - history.study.budget.initial_is2
         for point in points[done:]:
+            if history.twin_used_up:
+                return
             trial = history.write(self._run(history.gains_at(point)))
             self.announce("initial", trial)
 
@@ -104,7 +130,7 @@ class TwinRuns:
 
         After a kill, only the missing runs are made.
         """
-        if self.correction is None:
+        if self.correction is None or self.history.twin_used_up:
             return
         corrected = CorrectedRuns(self.source, self.history, self.correction)
         for real in self.history.fresh:

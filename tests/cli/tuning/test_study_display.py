@@ -43,10 +43,11 @@ def test_no_line_is_wider_than_the_terminal(width: int) -> None:
 
 
 def test_initial_runs_of_the_twin_are_counted_against_their_number() -> None:
-    first = lines(step(phase="initial", trial=3, seconds_left=None, best_objective=None))
+    counted = {"phase": "initial", "most_initial_runs": 14}
+    first = lines(step(**counted, initial_runs=3, seconds_left=None, best_objective=None))
     assert any("initial data" in line and "3 of 14" in line for line in first)
     # Runs beside the first real ones have numbers of their own.
-    beyond = lines(step(phase="initial", trial=40, source="IS1", gains={"kp": 1.0}))
+    beyond = lines(step(**counted, initial_runs=14, trial=40, source="IS1", gains={"kp": 1.0}))
     assert any("14 of 14" in line for line in beyond)
 
 

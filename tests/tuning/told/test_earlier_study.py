@@ -98,6 +98,7 @@ def test_proposals_learn_from_earlier_runs(tmp_path: Path, monday: Study) -> Non
         study = tuesday(folder, method="bo_ei", budget="is1_runs = 1")
         if not brought:
             study = edited(study, ('earlier = "../monday/axis.study"\n', ""))
+            study = edited(study, ("is1_runs = 1", "is1_runs = 1\ninitial_is1 = 1"))
         tuned(study)
         first.append(real(study)[-1].gains)
     least = min(real(monday), key=lambda trial: trial.objective)

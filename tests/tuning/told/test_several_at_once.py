@@ -102,3 +102,13 @@ def test_taking_back_goes_on_to_the_run_before_and_ends_there(study: Study) -> N
         take_back(study)
     with tuner_of(study) as tuner:
         assert tuner.history.of("IS1") == []
+
+
+def test_of_several_runs_one_failed_for_another_reason_than_its_gains(study: Study) -> None:
+    with tuner_of(study) as tuner:
+        three = tuner.ask(parallel=3)
+        with pytest.raises(InputError, match=r"trials 11, 12, 13 are waited for.*--trial"):
+            tuner.not_the_gains(None, "door was open")
+        assert tuner.not_the_gains(12, "door was open") == three[1]
+        assert tuner.ask(parallel=3) == three
+        assert not tuner.history.of("IS1")

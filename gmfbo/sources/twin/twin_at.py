@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.twin.twin import FmuTwin
@@ -21,10 +23,13 @@ class TwinAt:
         The twin.
     values : mapping of str to float
         [FMU's unit] Over the twin's own parameters.
+    draw : callable or None
+        Draws other values from what is believed about them; None where they are certain.
     """
 
     twin: FmuTwin
     values: Mapping[str, float]
+    draw: Callable[[np.random.Generator], Mapping[str, float]] | None = None
 
     @property
     def name(self) -> str:
@@ -40,6 +45,16 @@ class TwinAt:
     def run(self, gains: Mapping[str, float], reference: Recording) -> Trajectory:
         """Simulate the twin at these gains."""
         return self.twin.run(gains, reference, parameters=self.values)
+
+    def believed(self, rng: np.random.Generator) -> TwinAt:
+        """The twin at values drawn from what is believed about them.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+            Source of randomness.
+        """
+        return self if self.draw is None else TwinAt(self.twin, self.draw(rng))
 
     def close(self) -> None:
         """Leave the twin to its owner."""

@@ -1,0 +1,147 @@
+"""What a study came to, as text: the gains to take first, then what a reader must know of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from gmfbo.cli.console import console, gains_text
+from gmfbo.cli.tuning.objective_text import metric_text, objective_table
+from gmfbo.errors import SimulationError
+from gmfbo.objective.margins import MARGINS
+from gmfbo.objective.metrics import METRICS
+from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
+from gmfbo.plain_words import words
+
+if TYPE_CHECKING:
+    from gmfbo.recordings.store.trial import Trial
+    from gmfbo.reports.study.review import StudyReview
+    from gmfbo.tuning.query.request import TuningResult
+    from gmfbo.tuning.study.study import Study
+    from gmfbo.tuning.study_file.study_sections import StudyFile
+
+
+def print_result(study: Study | StudyReview, result: TuningResult) -> None:
+    """Print the gains that a study recommends, the best run, remarks, and what counts.
+
+    Parameters
+    ----------
+    study : Study or StudyReview
+        The study.
+    result : TuningResult
+        Its result.
+    """
+    console.print(
+        f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
+        f"{result.is2_runs} of the twin (initial ones included), "
+        f"{result.queries} queries after the initial data, "
+        f"cost {result.cost:.1f} (a twin run counts 0.1)"
+    )
+    if result.earlier:
+        left = f", {result.left_out} at other gains left out" if result.left_out else ""
+        runs = f"{result.earlier} real runs of {study.file.earlier}{left}"
+        console.print(f"taken over         {runs}", markup=False)
+    for drift in result.drifts:
+        console.print(f"plant changed      {drift.message}")
+    for number, reason in enumerate(result.twin_versions, start=1):
+        console.print(f"twin version {number:<6}{reason}", markup=False)
+    _print_gains(study, result)
+    for remark in result.remarks:
+        console.print(f"note               {remark}", markup=False)
+    if result.best is not None:
+        _print_counts(study, result.best)
+    console.print(f"study folder       {study.location}")
+
+
+def refuse_without_success(result: TuningResult) -> None:
+    """Raise where no real run succeeded, so that a script notices.
+
+    Parameters
+    ----------
+    result : TuningResult
+        Result of a study whose budget is used up.
+
+    Raises
+    ------
+    SimulationError
+        All real runs failed or left the safety envelope.
+    """
+    if result.best is None and result.is1_runs:
+        reason = f" (the last: {result.last_failure})" if result.last_failure else ""
+        raise SimulationError(
+            f"no real run succeeded: all {result.is1_runs} failed or left the envelope{reason}; "
+            "play one run by hand, name the gains in force in [gains] (now = ...), or check the "
+            "limits of [safety]"
+        )
+
+
+def metric_lines(study: Study | StudyReview, trial: Trial) -> list[str]:
+    """Metrics of a run, one a line, each with its name; a time that was not reached is `never`.
+
+    Those of tracking, command and loop that have neither weight nor limit stay in the report.
+
+    Parameters
+    ----------
+    study : Study or StudyReview
+        Knows weights, limits, units, and how long a run is scored.
+    trial : Trial
+        A run that ended well.
+    """
+    file, units, objective = study.file, study.metric_units, study.objective
+    worst = objective.worst if objective is not None else {}
+    lines = []
+    for name in shown_metrics(file, trial.metrics):
+        kind, bracket, number = name.partition("[")
+        never = worst.get(kind, math.inf)
+        if bracket:
+            never = file.references[int(number[:-1]) - 1].horizon
+        told = metric_text(name, trial.metrics[name], units, never)
+        lines.append(f"{words(name):<15} {told}")
+    return lines
+
+
+def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
+    """Metrics worth a line: all without a weight or limit of theirs stay in the report.
+
+    Parameters
+    ----------
+    file : StudyFile
+        With weights and limits.
+    metrics : mapping of str to float
+        Of a run.
+    """
+    wanted = {*METRICS, *file.objective.weights, *file.constraints, *file.own_metrics}
+    ours = {*TRACKING_METRICS, *COMMAND_METRICS, *MARGINS}
+    return [n for n in metrics if (base := n.partition("[")[0]) in wanted or base not in ours]
+
+
+def _print_gains(study: Study | StudyReview, result: TuningResult) -> None:
+    if result.best is None:
+        console.print("no real run succeeded, so there are no gains to take")
+        return
+    if not result.settled:
+        console.print(
+            f"no real run settled (of {result.is1_runs}), so no gains are recommended; "
+            "below is the least bad run"
+        )
+    if result.recommendation is not None:
+        advised = result.recommendation
+        console.print(f"recommended        {gains_text(advised.gains)}")
+        console.print(f"                   expected {advised.mean:.4f} +- {advised.std:.4f}")
+    label = "best observed" if result.settled else "least bad"
+    console.print(f"{label:<19}{gains_text(result.best.gains)}")
+    console.print(f"                   objective {result.best.objective:.4f}")
+    for line in metric_lines(study, result.best):
+        console.print(f"                   {line}", markup=False)
+
+
+def _print_counts(study: Study | StudyReview, best: Trial) -> None:
+    """Print what each weighted metric of a run counts."""
+    objective = study.objective
+    if objective is None:
+        return
+    normalise = study.file.objective.normalise
+    samples = "the study file" if normalise.points is None else f"{normalise.points} twin runs"
+    for line in objective_table(objective, best.metrics, study.metric_units, samples):
+        console.print(line, markup=False)

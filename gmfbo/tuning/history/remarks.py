@@ -1,0 +1,129 @@
+"""Remarks on the real runs of a study, which its best gains alone do not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from gmfbo.objective.limits import Limits
+from gmfbo.objective.margins import AT_LEAST
+from gmfbo.plain_words import words
+from gmfbo.recordings.recording import Trajectory
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.space import GainSpace
+from gmfbo.tuning.history.incumbent import has_settled
+
+AT_BOUND = 0.01
+"""Share of a gain's range, as it is searched, within which a gain lies at its bound."""
+
+
+def remarks_on(
+    real: Sequence[Trial],
+    best: Trial | None,
+    *,
+    weights: Mapping[str, float],
+    limits: Limits,
+    space: GainSpace,
+) -> tuple[str, ...]:
+    """Sentences on failed runs, limits that no run meets, metrics without effect, and bounds.
+
+    Parameters
+    ----------
+    real : sequence of Trial
+        Real runs, in order.
+    best : Trial or None
+        Best of them.
+    weights : mapping of str to float
+        Of the objective, by metric.
+    limits : Limits
+        On metrics.
+    space : GainSpace
+        Box of the tuned gains.
+    """
+    finished = [trial for trial in real if trial.status == "ok"]
+    found = [*_failed(real), *_unsettled(finished), *_never_met(finished, limits)]
+    found += _without_effect(finished, weights)
+    if best is not None:
+        found += _at_bounds(best, space)
+    return tuple(found)
+
+
+def last_failure(real: Sequence[Trial]) -> str:
+    """Why the last run that failed did; empty without one."""
+    for trial in reversed(real):
+        if trial.status != "ok":
+            run = trial.recording
+            return (run.message if isinstance(run, Trajectory) else "") or trial.status
+    return ""
+
+
+def _failed(real: Sequence[Trial]) -> list[str]:
+    unsafe = sum(trial.status == "unsafe" for trial in real)
+    failed = sum(trial.status != "ok" for trial in real) - unsafe
+    counts = [
+        f"{count} of {len(real)} real runs {what}"
+        for count, what in ((failed, "failed"), (unsafe, "left the safety envelope"))
+        if count
+    ]
+    return [f"{', '.join(counts)}; the last one: {last_failure(real)}"] if counts else []
+
+
+def _unsettled(finished: Sequence[Trial]) -> list[str]:
+    moving = sum(not has_settled(trial) for trial in finished)
+    if not 0 < moving < len(finished):
+        return []  # that none settled is said before all else
+    return [f"{moving} of {len(finished)} runs that ended well did not settle; they rank below"]
+
+
+def _never_met(finished: Sequence[Trial], limits: Limits) -> list[str]:
+    found = []
+    for name, most in limits.most.items():
+        values = [float(limits.limited(trial.metrics)[name]) for trial in finished]
+        measured = [value for value in values if not np.isnan(value)]
+        if measured and min(measured) > most:
+            # A margin has a least value, and is compared with a minus.
+            sign, relation = (-1.0, ">=") if name in AT_LEAST else (1.0, "<=")
+            found.append(
+                f"no run meets the limit {words(name)} {relation} {limits.stated[name]:g}; the "
+                f"nearest has {sign * min(measured):.4g}"
+            )
+    if finished and not found and not any(limits.met(trial.metrics) for trial in finished):
+        found.append("no run meets all limits of [constraints] at once")
+    return found
+
+
+def _without_effect(finished: Sequence[Trial], weights: Mapping[str, float]) -> list[str]:
+    counted = [name for name, weight in weights.items() if weight > 0.0]
+    if len(finished) < 2:
+        return []
+    values = {
+        # A metric is NaN, or lacks, where its signal was not recorded.
+        name: np.unique([float(trial.metrics.get(name, np.nan)) for trial in finished])
+        for name in counted
+    }
+    same = [name for name in counted if len(values[name]) == 1]
+    if same and len(same) == len(counted):
+        return [
+            f"all {len(finished)} runs score the same, so no gains are better than others; check "
+            "[reference] and [objective]: the unit and size of the step, the horizon, the signal"
+        ]
+    found = []
+    for name in same:
+        value = float(values[name][0])
+        was = f"was {value:.4g} in all" if np.isfinite(value) else "was not measured in any of the"
+        found.append(f"{words(name)} {was} {len(finished)} runs, so it had no say")
+    return found
+
+
+def _at_bounds(best: Trial, space: GainSpace) -> list[str]:
+    unit = space.to_unit([best.gains[name] for name in space.names])
+    found = []
+    for gain, share in zip(space.gains, np.atleast_1d(unit), strict=True):
+        if not AT_BOUND < share < 1.0 - AT_BOUND:
+            end = "lower" if share <= AT_BOUND else "upper"
+            found.append(
+                f"the best {gain.name} = {best.gains[gain.name]:.4g} lies at the {end} end of its "
+                f"range [{gain.low:g}, {gain.high:g}]; better gains may lie beyond, widen [gains]"
+            )
+    return found
