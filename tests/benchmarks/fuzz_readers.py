@@ -96,8 +96,9 @@ def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
 def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, int]:
     """Result as text, and the number of faults."""
     share = f" --share {given.share:g}" if given.share != 1.0 else ""
+    only = "" if given.only == list(TARGETS) else " --only " + " ".join(map(repr, given.only))
     lines = [
-        f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{share}",
+        f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{share}{only}",
         f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
         "",
         f"{'reader':<16} {'files':>6} {'read':>6} {'refused':>8} {'reader ended':>13} "
@@ -120,8 +121,8 @@ def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, i
         "",
         "refused: by an error of gmfbo's own, one line. reader ended: of these, the reading",
         "process crashed, hung to its limit of time or met its limit of memory; the next file was",
-        "read by a new one. worst: of one file, in the process that read it; processor time, or",
-        "for the formats that the reading process reads what passed until it answered.",
+        "read by a new one. worst: of one file; processor time and growth of memory, of the",
+        "process that read it too.",
         f"limits: {_limits()}",
     ]
     lines += [f"FAULT ({count}): {fault}" for fault, count in faults.most_common(40)]
@@ -130,7 +131,7 @@ def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, i
 
 def _limits() -> str:
     limits = {(t.seconds, t.megabytes) for t in TARGETS.values()}
-    return "; ".join(f"{seconds:g} s and {size:g} MB" for seconds, size in sorted(limits))
+    return "; ".join(f"{seconds:g} s and {size:.0f} MB" for seconds, size in sorted(limits))
 
 
 def _sum(entries: list[dict[str, Any]], key: str) -> int:

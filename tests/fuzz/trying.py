@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import resource
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,7 +29,8 @@ class Tally:
     faults : list of str
         What must not happen: another error, too long, too much memory.
     seconds, megabytes : float
-        Worst of one file; of processor time, or what passed until the reading process answered.
+        Worst of one file: processor time of this process and of the one that reads, and growth
+        of its memory [1e6 bytes].
     """
 
     tried: int = 0
@@ -60,8 +63,7 @@ def try_file(target: Target, content: bytes, folder: Path, tally: Tally) -> list
     path.write_bytes(content)
     faults: list[str] = []
     before = _forget_peaks(target)
-    clock = time.perf_counter if target.apart else time.process_time
-    began = clock()
+    began = _computed(target)
     try:
         target.read(path)
         tally.read += 1
@@ -75,7 +77,7 @@ def try_file(target: Target, content: bytes, folder: Path, tally: Tally) -> list
             faults.append(str(unclear))
     except Exception as error:
         faults.append(f"{type(error).__name__}: {' '.join(str(error).split())[:200]}")
-    seconds, megabytes = clock() - began, _grown(target, before)
+    seconds, megabytes = _computed(target) - began, _grown(target, before)
     if seconds > target.seconds:
         faults.append(f"took {seconds:.1f} s, at most {target.seconds:g} s")
     if megabytes > target.megabytes:
@@ -91,6 +93,28 @@ def _pids(target: Target) -> list[str]:
     if not target.apart:
         return ["self"]
     return ["self", *(str(process.pid) for process in reading_process._running if process.usable)]
+
+
+def _computed(target: Target) -> float:
+    """[s] Processor time of this process and of the reading processes, ended ones too.
+
+    Other programs of the machine have no part in it, as they have in the time that passes.
+    """
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return (
+        time.process_time()
+        + (ended.ru_utime + ended.ru_stime)
+        + sum(_processor_s(pid) for pid in _pids(target) if pid != "self")
+    )
+
+
+def _processor_s(pid: str) -> float:
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="ascii")
+    except OSError:
+        return 0.0
+    user, system = text.rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
 def _forget_peaks(target: Target) -> dict[str, float]:
@@ -114,5 +138,5 @@ def _status(pid: str, key: str) -> float:
         return 0.0
     for line in text.splitlines():
         if line.startswith(f"{key}:"):
-            return float(line.split()[1]) / 1000.0
+            return float(line.split()[1]) * 1024 / 1e6
     return 0.0

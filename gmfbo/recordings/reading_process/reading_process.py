@@ -26,7 +26,7 @@ PROCESSOR_LIMIT_S = 8.0
 
 The limit of time is longer, since it also runs while a slow disk loads the library itself.
 """
-MEMORY_LIMIT_BYTES = 2 * 2**30
+MEMORY_LIMIT_BYTES = 2**30 - 2**27  # with the process itself 1 GiB
 MEMORY_LIMIT_PER_BYTE = 20  # per byte of the file; text and compressed files need less
 
 _PACKAGE_PARENT = Path(__file__).resolve().parents[3]
