@@ -1,4 +1,4 @@
-"""Units that stand in a column's name: `position_deg`, `time/ms`, `Time in ms`."""
+"""Units that stand in a column's name: `position_deg`, `time/ms`, `Time in ms`, `phi(deg)`."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from gmfbo.recordings.columns.signal import SignalSpec
 from gmfbo.units import parse_unit
 
 _IN = re.compile(r"(?P<name>.*\S)\s+(?:in|IN)\s+(?P<unit>\S.*)")
+_BRACKETS = re.compile(r"(?P<name>[^()]*[^()\s])\((?P<unit>[^()]+)\)")
+_NAMELESS_CLOCK = re.compile(r"in\s+(?P<unit>\S+)")  # `in s` of Rohde & Schwarz oscilloscopes
 _SLASH = re.compile(r"(?P<name>[^/]*[^/\s])\s*/\s*(?P<unit>.+)")
 
 _OTHER_WORDS = ("in", "r", "U", "h")
@@ -27,11 +29,11 @@ def names_and_units(text: str) -> Iterator[tuple[str, str]]:
     Parameters
     ----------
     text : str
-        Name of the column, without brackets.
+        Name of the column; brackets after a blank were taken off with the header.
     """
     if len(text) > _LONGEST_NAME:
         return
-    for form in (_IN, _SLASH):
+    for form in (_IN, _SLASH, _BRACKETS):
         found = form.fullmatch(text)
         if found:
             unit = found["unit"].strip()
@@ -152,6 +154,11 @@ def _clock(
         known = parse_unit(unit)
         if _is_clock(base) and known is not None and known.si == "s":
             return MappedColumn(column, unit)
+    first = next(iter(units), "")
+    nameless = _NAMELESS_CLOCK.fullmatch(first)
+    known = parse_unit(nameless["unit"]) if nameless else None
+    if nameless and known is not None and known.si == "s":
+        return MappedColumn(first, nameless["unit"])
     return None
 
 

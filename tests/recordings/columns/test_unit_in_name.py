@@ -38,6 +38,7 @@ def read(
     [
         ("angle_deg", "angle", np.pi / 90),
         ("angle/deg", "angle", np.pi / 90),
+        ("angle(Deg)", "angle", np.pi / 90),
         ("angle in deg", "angle", np.pi / 90),
         ("angle_rev", "angle", 4 * np.pi),
         ("speed_rpm", "speed", np.pi / 15),
@@ -112,3 +113,16 @@ def test_an_absurd_name_takes_no_time() -> None:
 def test_a_group_is_no_unit() -> None:
     assert list(names_and_units("drive/iq")) == []
     assert list(names_and_units("group 0/position")) == []
+
+
+@pytest.mark.parametrize("clock", ["in ms", "time(ms)"])
+def test_a_clock_of_an_oscilloscope_has_its_unit_in_its_name(tmp_path: Path, clock: str) -> None:
+    recording = read(tmp_path, f"{clock},angle in deg")
+    np.testing.assert_allclose(recording.time, [0.0, 1e-3])
+    np.testing.assert_allclose(recording.signal("angle"), [0.0, np.pi / 90])
+
+
+@pytest.mark.parametrize("header", ["in deg,angle", "in,angle", "angle,in ms", "der(s),angle"])
+def test_what_does_not_name_a_time_is_no_clock(tmp_path: Path, header: str) -> None:
+    with pytest.raises(RecordingError, match="expected a column 'time'"):
+        read(tmp_path, header)
