@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from gmfbo.recordings.csv.header import is_number, read_header, read_units_row
 from gmfbo.recordings.csv.oscilloscope import (
     EvenClock,
+    channels_named,
     labels_beside,
     stated_above,
     stated_in_header,
@@ -61,6 +62,7 @@ def layout_of(table: list[list[str]], label: str, *, own: bool) -> Layout:
     if (moved := labels_beside(table)) is not None:
         header, units, *rows = moved
         return Layout(read_header(header, label)[0], units, rows)
+    table = channels_named(table)
     row = header_row(table)
     if row is None and (first := _first_of_bare_numbers(table)) is not None:
         return _without_header(table, first)

@@ -126,6 +126,15 @@ def stated_above(lines: Sequence[Sequence[str]]) -> EvenClock | None:
     return EvenClock(start, step) if step else None
 
 
+def channels_named(table: list[list[str]]) -> list[list[str]]:
+    """`x-axis,1,2` of Keysight as `x-axis,CH1,CH2`: bare numbers would be no header."""
+    first, *rows = table
+    if _key(first[0]) != "xaxis" or not any(cell.strip().isdecimal() for cell in first[1:]):
+        return table
+    named = [f"CH{cell.strip()}" if cell.strip().isdecimal() else cell for cell in first[1:]]
+    return [[first[0], *named], *rows]
+
+
 def with_gap(cell: str) -> str:
     """`Time(s)` as `Time (s)`, in headers of which no name is that of a function."""
     found = _WITHOUT_GAP.fullmatch(cell.strip())

@@ -23,6 +23,9 @@ LAYOUTS = {
     "Rigol, later with times": "Time(s),CH1(V),t0 = -2e-3, tInc = 1e-3,\n"
     + "".join(f"{t:e},{v:e},,\n" for t, v in PAIRS),
     "Keysight InfiniiVision": "x-axis,CH1\nsecond,Volt\n" + "".join(f"{t},{v}\n" for t, v in PAIRS),
+    "Keysight InfiniiVision, numbered": "x-axis,1\nsecond,Volt\n"
+    + "".join(f"{t},{v}\n" for t, v in PAIRS),
+    "Rohde & Schwarz RTB": "in s,CH1 in V\n" + "".join(f"{t:E},{v:E}\n" for t, v in PAIRS),
     "Keysight Infiniium": "Type:,raw\nPoints:,4\nXInc:,1.0E-03\nXOrg:,-2.0E-03\nYUnits:,Volt\n"
     "XUnits:,second\nData:,\n" + "".join(f"{v:E}\n" for v in VOLTS),
     "Rohde & Schwarz RTM": "[s],CH1[V]\n" + "".join(f"{t:E},{v:E}\n" for t, v in PAIRS),
