@@ -183,8 +183,8 @@ for law, (on_seen, on_unseen) in table.items():
 #
 # Coulomb and Stribeck friction gain three per cent or four on unseen gains, friction in proportion
 # to the motor's torque a quarter. The authors found the same on 240 runs: their `m5` has 0.29 times
-# the motor's torque and next to no constant friction. So has the diagnosis: 0.47 times the load, and
-# the level without load comes out at zero, within 0.01 N m.
+# the motor's torque and next to no constant friction. So has the diagnosis: 0.47 times the load,
+# and the level without load comes out at zero, within 0.01 N m.
 #
 # It is not all: half of what is more than noise is explained by no law, and depends on the
 # position. The authors add that load and drive rub differently, a law the library does not have.
