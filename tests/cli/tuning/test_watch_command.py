@@ -60,7 +60,7 @@ def test_runs_are_told_as_they_come_and_the_end_ends_it(tmp_path: Path) -> None:
         "live: gmfbo_paper, 3 real runs, 11 of the twin (initial ones included), "
         "1 queries after the initial data, cost 4.7 (a twin run counts 0.1)"
     )
-    assert lines[3].split(None, 2)[2] == "ctl.Kp = 800, ctl.Kd = 50"
+    assert lines[3].split(None, 1)[1] == "ctl.Kp = 800, ctl.Kd = 50"
 
 
 def test_ctrl_c_ends_watching_with_status_130_and_leaves_the_study(tmp_path: Path) -> None:

@@ -59,6 +59,7 @@ class PlantKind:
         if not path.exists():
             folder.mkdir(parents=True)
             text = STUDY.format(method="random", seed=seed, budget=budget)
+            text = text.replace("[budget]", "[objective]\nas_published = true\n[budget]")
             path.write_text(text.replace("ask_tell = true", self.section), encoding="utf-8")
             self.prepare(folder)
         return Study.read(path)
