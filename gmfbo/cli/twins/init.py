@@ -65,10 +65,10 @@ def init(
     dialect: DialectName = None,
     sample_time: SampleTime = None,
     yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Ask nothing at a terminal: take the guesses.")
+        bool, typer.Option("--yes", help="Ask nothing at a terminal: take the guesses.")
     ] = False,
 ) -> None:
-    """Write twin.toml and study.toml for an FMU and logs of its axis.
+    """Write a twin file and a study from an FMU and its logs.
 
     Signals, their columns and units, gains, ports and states are guessed from names and units,
     and each guess is marked. At a terminal it asks for the columns; elsewhere --set says what it
