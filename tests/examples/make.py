@@ -50,10 +50,14 @@ VENDOR_NAMES = {
 }
 
 
+def clock(rows: int) -> NDArray[np.float64]:
+    """[s] Time of each row."""
+    return SAMPLE_S * np.arange(rows, dtype=np.float64)
+
+
 def sine(hertz: float, seconds: float) -> NDArray[np.float64]:
     """[rad] Sine of 0.4 rad."""
-    time = SAMPLE_S * np.arange(round(seconds / SAMPLE_S), dtype=np.float64)
-    return np.asarray(0.4 * np.sin(2.0 * np.pi * hertz * time), dtype=np.float64)
+    return np.asarray(0.4 * np.sin(2.0 * np.pi * hertz * clock(round(seconds / SAMPLE_S))))
 
 
 def servo_runs(hidden: Mapping[str, float] = FRICTION) -> list[NDArray[np.float64]]:
@@ -74,7 +78,7 @@ def servo_runs(hidden: Mapping[str, float] = FRICTION) -> list[NDArray[np.float6
     with AugmentedTwin(FmuTwin(models_folder() / "servo_axis.toml"), substeps=10) as axis:
         for hertz in (0.5, 0.9, 1.4, 2.3):
             wave = sine(hertz, 2.5)
-            time = SAMPLE_S * np.arange(wave.size, dtype=np.float64)
+            time = clock(wave.size)
             plan = axis.plan(Recording(time=time, signals={"reference": wave}), {})
             noise = 3e-5 * rng.standard_normal(time.size)  # [rad] the controller reads it too
             run = axis.run(plan, {"inertia": 0.0105}, hidden, excitation={"sensor": noise})
@@ -102,7 +106,7 @@ def vendor_run(
     ndarray of shape (rows, 4)
         Time [ms], reference [deg], position [deg] and torque command [N.m].
     """
-    time = SAMPLE_S * np.arange(reference.size, dtype=np.float64)
+    time = clock(reference.size)
     with FmuTwin(models_folder() / "demo_axis.toml") as axis:
         asked = Recording(time=time, signals={"reference": reference})
         run = axis.run({}, asked, parameters={**parameters, "encoder.seed": float(seed)})
