@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gmfbo.errors import SimulationError
 from gmfbo.objective.cost import Objective
+from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.study_file.study_sections import StudyFile
@@ -24,8 +26,20 @@ def objective_of(
     experiment : ExperimentSeries
         Names the metrics, and the worst case of step metrics.
     initial : sequence of Trial
-        The initial twin runs, of which one or more succeeded.
+        The initial twin runs.
+
+    Raises
+    ------
+    SimulationError
+        All of them failed.
     """
+    if all(trial.status != "ok" for trial in initial):
+        first = initial[0].recording
+        reason = first.message if isinstance(first, Trajectory) else ""
+        raise SimulationError(
+            f"none of the {len(initial)} initial runs of IS2 succeeded "
+            f"({initial[0].status}: {reason}); run the twin alone with 'gmfbo simulate'"
+        )
     section = study.objective
     sampled = [trial for trial in initial[: section.normalise.points] if trial.status == "ok"]
     names = (*experiment.metric_names, *sorted(study.own_metrics))
