@@ -142,16 +142,10 @@ def squares_on(search: Search, ledger: Ledger, parts: Sequence[Part]) -> Array:
     there = replace(search, problem=parts[0].problem)
     whitening = there.quiet_at(parts[-1].fitted, ledger)
     whitened = [whitening(part.fitted.residual) for part in parts]
-    counts = _by_stretch(parts[0], [(z != 0.0).astype(float) for z in whitened[0]])
-    return np.array([counts, *(_by_stretch(parts[0], [z**2 for z in zs]) for zs in whitened)])
-
-
-def _by_stretch(part: Part, rows: Sequence[Array]) -> list[float]:
-    return [
-        float(np.sum(values[:, s]))
-        for values, stretches in zip(rows, part.problem.stretches(), strict=True)
-        for s in stretches
-    ]
+    counted = [[(z != 0.0).astype(float) for z in whitened[0]]]
+    squared = [[z**2 for z in zs] for zs in whitened]
+    summed = parts[0].problem.by_stretch
+    return np.array([np.concatenate(summed(values)) for values in (*counted, *squared)])
 
 
 def gains_on(before: Part, after: Part) -> Array:
@@ -162,9 +156,11 @@ def gains_on(before: Part, after: Part) -> Array:
     before, after : Part
         Stated on the same windows.
     """
-    squares = [
-        _by_stretch(before, [z**2 for z in before.whitening(part.fitted.residual)])
+    first, second = (
+        np.concatenate(
+            before.problem.by_stretch([z**2 for z in before.whitening(part.fitted.residual)])
+        )
         for part in (before, after)
-    ]
-    fallen: Array = 0.5 * (np.array(squares[0]) - np.array(squares[1]))
+    )
+    fallen: Array = 0.5 * (first - second)
     return fallen

@@ -136,3 +136,16 @@ class Problem:
             edges = np.linspace(0, n, count + 1).astype(int)
             found.append([slice(a, b) for a, b in pairwise(edges)])
         return found
+
+    def by_stretch(self, values: Sequence[Array]) -> list[Array]:
+        """Sums over the signals and rows of each stretch, by segment.
+
+        Parameters
+        ----------
+        values : sequence of ndarray, shape (m, n)
+            By segment.
+        """
+        return [
+            np.array([np.sum(own[:, rows]) for rows in stretches])
+            for own, stretches in zip(values, self.stretches(), strict=True)
+        ]

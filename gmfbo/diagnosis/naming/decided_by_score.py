@@ -218,15 +218,10 @@ def _notes_of(rounds: Sequence[Round]) -> list[str]:
 def _gains(compared: Compared, row: Row, without: Row) -> list[Array]:
     """Fall of the whitened square in each stretch, by segment."""
     problem, whitening = compared.search.problem, compared.ledger.whitening
-    return [
-        np.array([np.sum(before[:, s] ** 2) - np.sum(after[:, s] ** 2) for s in stretches])
-        for before, after, stretches in zip(
-            whitening(without.residual),
-            whitening(row.residual),
-            problem.stretches(),
-            strict=True,
-        )
-    ]
+    before, after = (
+        problem.by_stretch([z**2 for z in whitening(one.residual)]) for one in (without, row)
+    )
+    return [a - b for a, b in zip(before, after, strict=True)]
 
 
 def _per_recording(case: Case, compared: Compared, gains: Sequence[Array]) -> dict[str, float]:

@@ -128,7 +128,7 @@ class Simulations:
         measured_noise : ndarray, shape (rows,)
             [FMU's unit] Added to the position that the tracking loop follows.
         """
-        quiet = self._run(point, record, excitation, measured_noise)
+        quiet = self._run(point, record, excitation, measured_noise, self.tracking)
         noise = None if point.noise is None else point.noise[record]
         if noise is None or not quiet.finite:
             return quiet
@@ -153,11 +153,7 @@ class Simulations:
         record : int
             Index of the recording.
         """
-        physics = point.physics_in(record)
-        values = tuple(point.parameters.items()), tuple(physics.items())
-        run = _Run(self._plan(record, physics), record, *values, None)
-        response = self._logged(self._remembered(run))
-        return Simulated(self.read(response, record), response)
+        return self._run(point, record, None, None, None)
 
     def run_under(
         self, point: Point, record: int, noise: PlayedNoise, *, excitation: Columns | None = None
@@ -177,7 +173,7 @@ class Simulations:
         """
         more = dict(excitation or {})
         more["sensor"] = more.get("sensor", 0.0) + noise.at_port
-        run = self._run(point, record, more, None)
+        run = self._run(point, record, more, None, self.tracking)
         response = run.response if self.reading is not None else noise.logged(run.response)
         return Simulated(self.read(response, record), response)
 
@@ -187,6 +183,7 @@ class Simulations:
         record: int,
         excitation: Columns | None,
         measured_noise: NDArray[np.float64] | None,
+        tracking: Tracking | None,
     ) -> Simulated:
         physics = point.physics_in(record)
         run = _Run(
@@ -194,7 +191,7 @@ class Simulations:
             record,
             tuple(point.parameters.items()),
             tuple(physics.items()),
-            self.tracking,
+            tracking,
         )
         if excitation is None and measured_noise is None:
             response = self._remembered(run)

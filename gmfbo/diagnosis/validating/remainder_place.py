@@ -68,15 +68,15 @@ def _chosen(inner: Grams, places: Sequence[int]) -> Grams:
 
 def _where(case: Case, compared: Compared, row: Fitted, whitening: Whitening) -> str:
     """Stretch that holds more than half of what is more than noise."""
-    problem = compared.search.problem
-    excess, names = [], []
-    for segment, z, stretches in zip(
-        problem.segments, whitening(row.residual), problem.stretches(), strict=True
-    ):
+    problem, whitened = compared.search.problem, whitening(row.residual)
+    squares = problem.by_stretch([z**2 for z in whitened])
+    noise = problem.by_stretch([(z != 0.0).astype(float) for z in whitened])
+    excess = np.concatenate(squares) - np.concatenate(noise)
+    names = []
+    for segment, stretches in zip(problem.segments, problem.stretches(), strict=True):
         recording = case.simulations.records[segment.record].name
         for rows in stretches:
-            excess.append(float(np.sum(z[:, rows] ** 2)) - np.count_nonzero(z[:, rows]))
             first, last = segment.time[rows][[0, -1]]
             names.append(f"{recording} {number(float(first))}-{number(float(last))} s")
     most = int(np.argmax(excess))
-    return names[most] if excess[most] > 0.5 * max(sum(excess), 0.0) else "throughout"
+    return names[most] if excess[most] > 0.5 * max(float(excess.sum()), 0.0) else "throughout"
