@@ -199,10 +199,6 @@ def _nothing_else(excitation: Excitation) -> Sequence[Values]:
     return ()
 
 
-def _of_any_values(values: Values, excitation: Excitation) -> bool:
-    return True
-
-
 def _always_excited(excitation: Excitation) -> str | None:
     return None
 
@@ -239,8 +235,6 @@ class Effect:
         One plain sentence with number and unit; `place` is `Units.place`.
     equation, source : str
         The law in ASCII, and its publication.
-    is_itself : callable (parameters, Excitation) -> bool
-        Whether the values still fit the effect's name; else the fit is no evidence of it.
     fixed : callable (Excitation) -> mapping
         Parameters of `physics.fmu` that are set, not fitted.
     own_nuisances : tuple of EffectParameter
@@ -264,16 +258,10 @@ class Effect:
         `shaft_inertia`, since a hard joint moves both within a step.
     acts_at_rest : bool
         Whether it pushes or moves an axis that stands still under its first reference.
-    least_time : float
-        [s] Time for which `acts` must hold before the effect is claimed.
     contains : tuple of str
         Simpler effects that are limiting cases of it.
-    flattens_to : tuple of str
-        Those of `contains` that it resembles only while the axis moves little.
-    same_loop : tuple of str
-        Effects elsewhere in the loop that cause the same reading and the same command.
-    vanishing : mapping of str to tuple of str
-        By simpler effect: parameters at whose zero this effect becomes that one.
+    as_limit : mapping of str to str
+        By parameter: that of the simpler effect whose value it has where this one is that one.
     confused_with : mapping of str to str
         By other effect: the excitation that separates the two.
     parameter_like : tuple of str
@@ -296,7 +284,6 @@ class Effect:
     statement: Callable[[Values, Units, str], str]
     equation: str
     source: str
-    is_itself: Callable[[Values, Excitation], bool] = _of_any_values
     fixed: Callable[[Excitation], Values] = _nothing_fixed
     own_nuisances: tuple[EffectParameter, ...] = ()
     fixed_otherwise: Callable[[Excitation], Sequence[Values]] = _nothing_else
@@ -306,11 +293,8 @@ class Effect:
     requires: tuple[str, ...] = ()
     inertia_share: bool = False
     acts_at_rest: bool = False
-    least_time: float = 0.0
     contains: tuple[str, ...] = ()
-    flattens_to: tuple[str, ...] = ()
-    same_loop: tuple[str, ...] = ()
-    vanishing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    as_limit: Mapping[str, str] = field(default_factory=dict)
     confused_with: Mapping[str, str] = field(default_factory=dict)
     parameter_like: tuple[str, ...] = ()
 

@@ -78,11 +78,6 @@ def repeats(line: float, excitation: Excitation) -> bool:
     return line * excitation.stroke >= 2.0 * math.pi * _LEAST_CYCLES
 
 
-def strongest_repeats(parameters: Values, excitation: Excitation) -> bool:
-    """Whether the strongest of the numbered lines has enough cycles."""
-    return repeats(strongest_first(parameters)["wavenumber_1"], excitation)
-
-
 def lowest(excitation: Excitation) -> float:
     """Lowest wavenumber of a fit: half a cycle over the stroke [rad/position unit]."""
     return min(math.pi / excitation.stroke, 0.5 * min(wavenumbers(excitation)))

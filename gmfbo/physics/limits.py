@@ -7,9 +7,8 @@ import numpy as np
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask
 
-# A limit must cut this share of the largest command, for this long, before it is claimed.
+# A limit must cut this share of the largest command before it is claimed.
 CUT_SHARE = 5e-4
-LEAST_TIME = 1.5e-3  # [s]
 
 
 def cut_floor(excitation: Excitation) -> float:

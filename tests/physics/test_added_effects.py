@@ -14,7 +14,7 @@ from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE, Effect, add_effect, catalogue
 from gmfbo.sources.fmu_file.models import models_folder, physics_fmu
 
-OTHER = replace(CATALOGUE["elastic_return"], name="rubber_bellows", contains=(), vanishing={})
+OTHER = replace(CATALOGUE["elastic_return"], name="rubber_bellows", contains=(), as_limit={})
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_the_variable_names_a_physics_fmu_of_ones_own(
 BELLOWS = """
 from dataclasses import replace
 from gmfbo.physics import CATALOGUE
-bellows = replace(CATALOGUE["elastic_return"], name="bellows", contains=(), vanishing={})
+bellows = replace(CATALOGUE["elastic_return"], name="bellows", contains=(), as_limit={})
 number = 7
 """
 

@@ -98,7 +98,6 @@ def test_every_effect_of_the_fmu_is_in_the_catalogue_with_all_its_parameters(
 def test_effects_name_each_other_rightly(effect: Effect) -> None:
     assert set(effect.confused_with) <= set(CATALOGUE) - {effect.name}
     assert set(effect.contains) <= set(CATALOGUE) - {effect.name}
-    assert set(effect.flattens_to) <= set(effect.contains)
     assert effect.confused_with, "an effect that nothing is confused with needs no diagnosis"
     assert all(words and not words.endswith(".") for words in effect.confused_with.values())
 

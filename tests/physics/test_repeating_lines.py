@@ -19,17 +19,6 @@ def cycles(number: float) -> float:
 
 
 @pytest.mark.parametrize("effect", LINES, ids=lambda effect: effect.name)
-@pytest.mark.parametrize(("strongest", "weaker"), [(1.4, 12.0), (0.3, 2.0)])
-def test_a_strongest_line_of_a_cycle_is_none(
-    effect: Effect, strongest: float, weaker: float
-) -> None:
-    values = {"wavenumber_1": cycles(weaker), "sine_1": 0.0, "cosine_1": 0.1}
-    assert effect.is_itself(values, TYPICAL)
-    slow = {"wavenumber_2": cycles(strongest), "sine_2": 0.2, "cosine_2": 0.0}
-    assert not effect.is_itself({**values, **slow}, TYPICAL)
-
-
-@pytest.mark.parametrize("effect", LINES, ids=lambda effect: effect.name)
 def test_fits_start_at_lines_that_repeat(effect: Effect) -> None:
     lines = (cycles(0.8), cycles(7.0))
     excitation = replace(TYPICAL, wavenumbers=lines, ripple_wavenumbers=lines)

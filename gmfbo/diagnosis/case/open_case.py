@@ -154,10 +154,12 @@ class _Opening:
         self.notes = notes
         self.new_rows: frozenset[str] | None = None
         self.wider = WiderRanges({}, {})
-        self.sensor_included = False
+        self.sensor_included = self.refines = False
 
     def case(self, substeps: int) -> Case:
-        if substeps > 1 and not steps_finely(self.twin, self.recordings[0], substeps):
+        finely = substeps == 1 or steps_finely(self.twin, self.recordings[0], substeps)
+        self.refines = finely and (substeps > 1 or steps_finely(self.twin, self.recordings[0], 2))
+        if not finely:
             substeps = 1
             self.notes.append(
                 "the twin gives other results, or none, at a finer communication step: physics was "
@@ -228,6 +230,8 @@ class _Opening:
             records = self._records(first)
         simulations = Simulations(open_twin, records, self.jobs)
         simulations.on_run = self.on_run
+        if self.refines:
+            simulations.finer = lambda: self._simulations(2 * substeps)
         return simulations
 
     def _records(self, simulator: AugmentedTwin) -> list[Record]:

@@ -123,7 +123,7 @@ def seen_on(
     residual = problem.residual(values, row.nuisances)
     there = replace(row, values=values, residual=residual, columns=[])
     search = replace(search, problem=problem)
-    whitening = search.whitening_at(there, ledger.kernels, ledger.levels)
+    whitening = search.whitening_at(there, ledger.kernels, ledger.levels, ledger.errors)
     return Part(problem, whitening, there)
 
 

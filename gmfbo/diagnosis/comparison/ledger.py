@@ -11,6 +11,7 @@ from gmfbo.diagnosis.comparison.moves import Response
 from gmfbo.diagnosis.comparison.noise_places import Levels
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
@@ -32,6 +33,8 @@ class Ledger:
         By these levels.
     opened : Levels
         Those about the twin without any element.
+    errors : SimulationErrors
+        Of the simulation about the row whose levels they are.
     responses : tuple of Response
         Of all elements about the twin without them.
     """
@@ -41,6 +44,7 @@ class Ledger:
     levels: Levels
     whitening: Whitening
     opened: Levels
+    errors: SimulationErrors
     responses: tuple[Response, ...] = ()
 
 

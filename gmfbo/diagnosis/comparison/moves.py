@@ -80,6 +80,33 @@ class Element:
         }
         return replace(self, candidate=self.candidate.with_values(values))
 
+    def beginning_as(
+        self, fitted: Sequence[Candidate], hypothesis: Hypothesis, share: float
+    ) -> Element:
+        """The same as a fitted limit of its law, with a share of the sizes that it has beside it.
+
+        Parameters
+        ----------
+        fitted : sequence of Candidate
+            Effects, one of which is a limit of this one.
+        hypothesis : Hypothesis
+            That it is added to.
+        share : float
+            Of its own sizes.
+        """
+        assert self.candidate is not None
+        law = self.candidate.law
+        limit = next(c for c in fitted if c.effect in law.contains)
+        same = {p.name: p.name for p in law.own_nuisances} | dict(law.as_limit)
+        sizes = self.sizes(hypothesis)
+        values = {
+            name: limit.values.get(same[name], value)
+            if name in same
+            else value * (share if name in sizes else 1.0)
+            for name, value in self.candidate.values.items()
+        }
+        return replace(self, candidate=self.candidate.with_values(values))
+
 
 @dataclass(frozen=True, eq=False)
 class Move:

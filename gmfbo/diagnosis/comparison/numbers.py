@@ -35,6 +35,9 @@ TORQUE_TIME = 0.02
 BAND = 0.2
 """[Nyquist frequency] Noise levels are read above it."""
 
+PLAYED_NOISES = 8
+"""[1] Realisations of the loop's noise that are played (README's axis: 4, 8 and 16 agree)."""
+
 BLOCK_ROWS = 128
 """[rows] Of a block in the estimate of the noise levels."""
 

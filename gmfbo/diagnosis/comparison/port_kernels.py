@@ -30,10 +30,15 @@ class PortKernels:
         of the row in which the push began.
     step : float
         [s] Between taps.
+    simulated : mapping of str to mapping of str to ndarray, shape (taps,)
+        [SI unit of the signal / FMU's unit of the port] Answers of the simulation to noise that
+        the controller reads, without what the log alone has of it; empty where a loop holds an
+        open-loop twin.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
     step: float
+    simulated: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
 
     def spectra(self, port: str, names: tuple[str, ...], frequencies: Array) -> Spectrum:
@@ -108,16 +113,19 @@ def port_kernels(
             # The twin follows the recorded position: what is left of its noise in the residual.
             found = {name: -kernel for name, kernel in found.items()}
             found[str(position)] = found[str(position)] + to_si * np.eye(1, taps)[0]
-        elif port == "sensor" and position in found:
-            found[position] = found[position] + _lacking(found[position], to_si)
         return found
 
     kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
+    simulated = {} if is_open else {p: kernels[p] for p in ports if p == "sensor"}
+    if position in simulated.get("sensor", {}):
+        answer = simulated["sensor"][position]
+        logged = {**simulated["sensor"], position: answer + _lacking(answer, to_si)}
+        kernels["sensor"] = logged
     if "command" in kernels and command in kernels["command"] and not is_open:
         # What the controller commands otherwise is in the log as well.
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
-    return PortKernels(kernels, step)
+    return PortKernels(kernels, step, simulated)
 
 
 def through(columns: Array, kernel: Array) -> Array:

@@ -23,6 +23,8 @@ from gmfbo.diagnosis.comparison.numbers import (
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limits_in
+from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
 from gmfbo.physics import CATALOGUE
 
@@ -30,8 +32,6 @@ Array = NDArray[np.float64]
 
 _FIRST_FITS, _LATER_FITS, _FREED_FITS, _QUIET_FITS = 6, 3, 4, 3
 _MUCH = 3.0  # times the level about which nobody cares
-_SHARES = (1.0, 0.3, 0.05)  # of a start: a smaller size is nearer to the row without it
-_NO_WORSE = 20.0  # of chi2: what priors may ask for
 _WITHOUT = 4  # points of a fit without one of the best elements: most are far worse
 _LEVELS = 4  # most rounds of levels and rows
 _KEPT = 5  # best rows that are fitted again under new levels
@@ -68,6 +68,10 @@ class Search:
     kernels_at: Callable[[Fitted], PortKernels]
     log: Callable[[str], None] = field(default=lambda line: None)
 
+    @property
+    def _fits(self) -> RowFits:
+        return RowFits(self.problem)
+
     def levels_at(self, fitted: Fitted, kernels: PortKernels, near: Levels | None = None) -> Levels:
         """Levels of noise and inadequacy about a fit."""
         problem = self.problem
@@ -86,13 +90,20 @@ class Search:
         rates = problem.rates(fitted.values)
         return inadequate(kernels, problem.segments, fitted.residual, rates, levels, self.cared)
 
-    def whitening_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Whitening:
-        """Whitening by these levels."""
-        rates = self.problem.rates(fitted.values)
+    def errors_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> SimulationErrors:
+        """Errors of the simulation about a fit."""
+        return errors_of(self.problem, fitted, kernels, levels.ports.get("sensor", 0.0))
+
+    def whitening_at(
+        self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors
+    ) -> Whitening:
+        """Whitening by these levels, and errors of the simulation beside them."""
+        problem, rates = self.problem, self.problem.rates(fitted.values)
+        parts = zip(problem.segments, rates, errors.on(problem), problem.stretches(), strict=True)
         return Whitening(
             tuple(
-                segment_whitener(segment, kernels, levels, rate)
-                for segment, rate in zip(self.problem.segments, rates, strict=True)
+                segment_whitener(segment, kernels, levels, rate).beside(error, stretches)
+                for segment, rate, error, stretches in parts
             )
         )
 
@@ -100,7 +111,7 @@ class Search:
         """Whitening by noise alone, without any inadequacy."""
         levels = ledger.levels
         ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
-        return self.whitening_at(fitted, ledger.kernels, levels.with_ports(**ports))
+        return self.whitening_at(fitted, ledger.kernels, levels.with_ports(**ports), ledger.errors)
 
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
@@ -108,16 +119,17 @@ class Search:
         base, levels = first, None
         for _ in range(2):
             levels = self.levels_at(base, kernels, levels)
-            whitening = self.whitening_at(base, kernels, levels)
+            errors = self.errors_at(base, kernels, levels)
+            whitening = self.whitening_at(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
             assert found is not None
             base = found
         kernels = self.kernels_at(base)
         levels = self.levels_at(base, kernels, levels)
-        whitening = self.whitening_at(base, kernels, levels)
+        whitening = self.whitening_at(base, kernels, levels, errors)
         self.log(f"base {base.parameters} {levels}")
-        return Ledger({frozenset(): base}, kernels, levels, whitening, levels)
+        return Ledger({frozenset(): base}, kernels, levels, whitening, levels, errors)
 
     def searched(self, ledger: Ledger) -> tuple[Ledger, Scored]:
         """Best first, until nothing gains."""
@@ -127,8 +139,9 @@ class Search:
         moves = ranked(ledger.whitening, base, found)
         self.log("moves " + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:10]))
         effects = [m for m in moves if m.element.candidate is not None][:_FIRST_FITS]
+        effects.sort(key=lambda m: limits_in(frozenset({m.element.name})))
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
-        ledger = self._fitted(ledger, base, [*effects, *freed])
+        ledger = replace(ledger, rows=self._fits.with_moves(ledger, base, [*effects, *freed]))
         ledger, scored = self._settled(ledger)
         if self._is_inadequate(ledger):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
@@ -140,7 +153,8 @@ class Search:
                 break
             best = ledger.rows[before]
             for about, chosen in plans:
-                ledger = self._fitted(ledger, about, chosen, best)
+                rows = self._fits.with_moves(ledger, about, chosen, best)
+                ledger = replace(ledger, rows=rows)
             ledger, scored = self._settled(ledger)
             if scored.best == before:
                 break
@@ -152,16 +166,16 @@ class Search:
         What the twin lacks is first taken for an inadequacy, beside which a law may hardly show.
         """
         quiet = ledger.levels.with_ports(**self.cared)
-        alone = replace(ledger, whitening=self.whitening_at(base, ledger.kernels, quiet))
-        moves = ranked(alone.whitening, base, found)
+        whitening = self.whitening_at(base, ledger.kernels, quiet, ledger.errors)
+        alone = replace(ledger, rows={}, whitening=whitening)
+        moves = ranked(whitening, base, found)
         self.log(
             "by noise alone " + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:10])
         )
         moves = moves[:_QUIET_FITS]
         rows = dict(ledger.rows)
-        for elements, row in self._fitted(replace(alone, rows={}), base, moves).rows.items():
-            left = _chi(row, alone.whitening)
-            if elements not in rows or left < _chi(rows[elements], alone.whitening):
+        for elements, row in self._fits.with_moves(alone, base, moves).items():
+            if elements not in rows or chi(row, whitening) < chi(rows[elements], whitening):
                 rows[elements] = row
         return replace(ledger, rows=rows)
 
@@ -209,74 +223,10 @@ class Search:
         rows = dict(ledger.rows)
         for name in elements:
             if elements - {name} not in rows:
-                found = self.without(ledger, rows[elements], name, _WITHOUT)
+                found = self._fits.without(ledger.whitening, rows[elements], name, _WITHOUT)
                 if found is not None:
                     rows[found.elements] = found
         return replace(ledger, rows=rows)
-
-    def without(self, ledger: Ledger, row: Fitted, name: str, iterations: int) -> Fitted | None:
-        """Fit a row without one of its elements.
-
-        Parameters
-        ----------
-        ledger : Ledger
-            Whose whitening it is fitted under.
-        row : Fitted
-            Where the fit begins.
-        name : str
-            The element.
-        iterations : int
-            Most steps.
-        """
-        effects = tuple(c for c in row.hypothesis.effects if c.effect != name)
-        gone = name.removeprefix("parameter:")
-        freed = tuple(f for f in row.freed if f != gone)
-        setting = row.hypothesis.setting
-        if len(freed) < len(row.freed):
-            kept = tuple(u for u in setting.uncertain if u.name != gone)
-            setting = replace(setting, uncertain=kept)
-        hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
-        search = ModeSearch(self.problem, ledger.whitening, hypothesis, freed)
-        return search.fitted(row.parameters, row.nuisances, iterations=iterations)
-
-    def _fitted(
-        self,
-        ledger: Ledger,
-        about: Fitted,
-        moves: Sequence[Move],
-        best: Fitted | None = None,
-    ) -> Ledger:
-        """Fit moves from a row; what it shares with the best one starts at the values there."""
-        rows = dict(ledger.rows)
-        for move in moves:
-            freed = about.freed
-            if move.element.freed is not None:
-                freed = (*freed, move.element.freed.name)
-            near = about if best is None else _with_values_of(about, best)
-            found = self._no_worse(ledger, near, move.element, freed, _chi(about, ledger.whitening))
-            if found is not None:
-                rows[found.elements] = found
-        return replace(ledger, rows=rows)
-
-    def _no_worse(
-        self,
-        ledger: Ledger,
-        about: Fitted,
-        element: Element,
-        freed: tuple[str, ...],
-        before: float,
-    ) -> Fitted | None:
-        """Fit of one element more that leaves no more than the row without it; else None."""
-        for share in _SHARES:
-            tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
-            hypothesis = tried.added_to(about.hypothesis)
-            search = ModeSearch(self.problem, ledger.whitening, hypothesis, freed)
-            found = search.fitted(tried.start(about.parameters), about.nuisances)
-            if found is not None and _chi(found, ledger.whitening) <= before + _NO_WORSE:
-                return found
-            if not element.sizes(about.hypothesis):
-                return None
-        return None
 
     def _settled(self, ledger: Ledger) -> tuple[Ledger, Scored]:
         """Levels at the best row, the best rows fitted again under them."""
@@ -297,8 +247,11 @@ class Search:
         for _ in range(_LEVELS):
             before = ledger.levels
             levels = self.levels_at(row, kernels, before)
-            whitening = self.whitening_at(row, kernels, levels)
-            ledger = replace(ledger, kernels=kernels, levels=levels, whitening=whitening)
+            errors = self.errors_at(row, kernels, levels)
+            whitening = self.whitening_at(row, kernels, levels, errors)
+            ledger = replace(
+                ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
+            )
             row = ModeSearch(self.problem, whitening, row.hypothesis, row.freed).again(row)
             ledger = replace(ledger, rows={**ledger.rows, leading: row})
             fallen = [before.ports[p] / levels.ports[p] for p in self.cared if p in levels.ports]
@@ -315,11 +268,10 @@ class Search:
             stale = ({scored.elements[i] for i in order[:_KEPT]} | asked) - done
             if not stale:
                 return replace(ledger, rows=rows), scored
-            for elements in stale:
-                row = rows[elements]
-                search = ModeSearch(self.problem, ledger.whitening, row.hypothesis, row.freed)
-                rows[elements] = search.again(row)
-            done |= stale
+            for elements in sorted(stale, key=limits_in):
+                fitted = {e: rows[e] for e in done}
+                rows[elements] = self._fits.again(ledger.whitening, rows[elements], fitted)
+                done.add(elements)
 
     def _leading(self, ledger: Ledger) -> frozenset[str]:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""
@@ -333,7 +285,7 @@ class Search:
                 ledger,
                 rows={elements: row},
                 levels=levels,
-                whitening=self.whitening_at(row, ledger.kernels, levels),
+                whitening=self.whitening_at(row, ledger.kernels, levels, ledger.errors),
             )
             value = float(self.scored(own, weighted=False).log_evidences.mean())
             if value > most:
@@ -372,18 +324,6 @@ class Search:
         return total
 
 
-def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
-    """A row with its effects, parameters and nuisances at the values of a larger one."""
-    known = {c.effect: c for c in best.hypothesis.effects}
-    effects = tuple(known.get(c.effect, c) for c in row.hypothesis.effects)
-    hypothesis = replace(row.hypothesis, effects=effects)
-    x = hypothesis.start({**row.parameters, **best.parameters})
-    if not x.size:
-        return row
-    u = np.array([p.to_u(float(v)) for p, v in zip(row.priors, x, strict=True)])
-    return replace(row, hypothesis=hypothesis, u=u, nuisances=best.nuisances)
-
-
 def _one_holds_the_other(name: str, elements: frozenset[str]) -> bool:
     """Whether an element is a limit of one in a row, or holds one."""
     own = CATALOGUE[name].contains if name in CATALOGUE else ()
@@ -391,7 +331,3 @@ def _one_holds_the_other(name: str, elements: frozenset[str]) -> bool:
         other in own or (other in CATALOGUE and name in CATALOGUE[other].contains)
         for other in elements
     )
-
-
-def _chi(row: Fitted, whitening: Whitening) -> float:
-    return sum(float(np.sum(z**2)) for z in whitening(row.residual))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,32 @@ _MASKED_ROWS = 20  # at each end, where a filter sees beyond it
 
 
 @dataclass(frozen=True, eq=False)
+class Spread:
+    """Directions of a stretch in which whitened signals vary by more than noise.
+
+    Attributes
+    ----------
+    rows : slice
+        Of the stretch.
+    directions : ndarray, shape (m * n_rows, k)
+        Orthonormal.
+    lost : ndarray, shape (k,)
+        Share of each that is taken out, so that what is left varies as noise does.
+    """
+
+    rows: slice
+    directions: Array
+    lost: Array
+
+    def take_out(self, white: Array) -> None:
+        """Whiten these rows of whitened columns, shape (..., m, n), in place."""
+        own = white[..., self.rows]
+        flat = own.reshape(*own.shape[:-2], -1)
+        flat = flat - ((flat @ self.directions) * self.lost) @ self.directions.T
+        white[..., self.rows] = flat.reshape(own.shape)
+
+
+@dataclass(frozen=True, eq=False)
 class SegmentWhitener:
     """Filters of one segment, one a class of rows with about the same jitter.
 
@@ -34,15 +60,45 @@ class SegmentWhitener:
         Filter of each row.
     length : int
         Of the transforms.
+    spreads : tuple of Spread
+        Of errors beside the noise, one a stretch.
     """
 
     filters: tuple[Spectrum, ...]
     log_determinants: Array
     classes: NDArray[np.intp]
     length: int
+    spreads: tuple[Spread, ...] = ()
 
     def __call__(self, columns: Array) -> Array:
         """Whitened columns, shape (..., m, n); nothing at the masked ends."""
+        out = self._filtered(columns)
+        for spread in self.spreads:
+            spread.take_out(out)
+        return out
+
+    def beside(self, errors: Array, stretches: Sequence[slice]) -> SegmentWhitener:
+        """The same with errors beside the noise, each of which has an own size in each stretch.
+
+        Parameters
+        ----------
+        errors : ndarray, shape (k, m, n)
+            Each of one standard deviation.
+        stretches : sequence of slice
+            Rows.
+        """
+        if not len(errors):
+            return self
+        white, logs = self._filtered(errors), self.log_determinants.copy()
+        spreads = []
+        for rows in stretches:
+            flat = white[:, :, rows].reshape(len(white), -1).T
+            directions, sizes, _ = np.linalg.svd(flat, full_matrices=False)
+            spreads.append(Spread(rows, directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)))
+            logs[rows] += np.log1p(sizes**2).sum() / (rows.stop - rows.start)
+        return replace(self, log_determinants=logs, spreads=tuple(spreads))
+
+    def _filtered(self, columns: Array) -> Array:
         n = columns.shape[-1]
         spectrum = rfft(columns, self.length, axis=-1)
         out = np.zeros(columns.shape)

@@ -58,6 +58,8 @@ class Simulations:
     ----------
     rest : int
         Communication steps until the loop is at rest; 0 where it does not come to rest.
+    finer : callable () -> Simulations, or None
+        Opens simulators of the same recordings at half the step, where the twin takes it.
     begins_at_rest : bool
         Whether the left-out physics already acted before the recording, so that the first
         reference is held for `rest` steps; otherwise the physics begins with the recording.
@@ -83,7 +85,25 @@ class Simulations:
         self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
         self._after_rest = cache(_after_rest)
         self.runs = 0
+        self.finer: Callable[[], Simulations] | None = None
+        self._half_step: Simulations | None = None
         self.on_run: Callable[[], None] = lambda: None
+
+    @property
+    def half_step(self) -> Simulations | None:
+        """The same at half the step, opened when it is first asked for; None without `finer`."""
+        if self._half_step is None and self.finer is not None:
+            self._half_step = self.finer()
+            self._half_step.on_run = self._count
+        if (finer := self._half_step) is not None:
+            finer.rest, finer.begins_at_rest = self.rest, self.begins_at_rest
+            finer.new_rows, finer.tracking = self.new_rows, self.tracking
+            finer.encoder, finer.reading = self.encoder, self.reading
+            plans = [record.plan for record in finer.records]
+            finer.replace_records(
+                [replace(own, plan=plan) for own, plan in zip(self.records, plans, strict=True)]
+            )
+        return self._half_step
 
     @property
     def settings(self) -> dict[str, float]:
@@ -282,6 +302,8 @@ class Simulations:
 
     def close(self) -> None:
         """End all processes."""
+        if self._half_step is not None:
+            self._half_step.close()
         self._threads.shutdown(wait=True, cancel_futures=True)
         self._remembered.cache_clear()
         for simulator in self._all:
@@ -300,9 +322,12 @@ class Simulations:
             yield simulator
         finally:
             self._simulators.put(simulator)
-            with self._lock:
-                self.runs += 1
-            self.on_run()
+            self._count()
+
+    def _count(self) -> None:
+        with self._lock:
+            self.runs += 1
+        self.on_run()
 
 
 def _after_rest(plan: RunPlan, rest: int) -> RunPlan:

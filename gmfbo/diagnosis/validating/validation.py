@@ -12,6 +12,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
 from gmfbo.diagnosis.comparison.held_out_fit import Part, gains_on, part_of, seen_on, squares_on
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
+from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
 from gmfbo.diagnosis.naming.decided_by_score import measured
@@ -157,7 +158,9 @@ def _without(decision: Decision) -> dict[str, Row]:
     rows = {}
     for name in names:
         row = ledger.rows.get(decision.row.elements - {name})
-        row = row or search.without(ledger, decision.row, name, _REFITTED)
+        row = row or RowFits(search.problem).without(
+            ledger.whitening, decision.row, name, _REFITTED
+        )
         if row is not None:
             rows[name] = row
     return rows

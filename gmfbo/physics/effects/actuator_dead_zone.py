@@ -29,7 +29,6 @@ actuator_dead_zone = Effect(
     size_name="width",
     size_unit="command",
     floor=lambda e: 2e-4 * e.command,
-    least_time=limits.LEAST_TIME,
     signal=_signal,
     feature=_feature,
     acts=lambda states, p: ~limits.beyond(states.command, 2.0 * p["width"]),

@@ -49,6 +49,5 @@ actuator_gain_loss = Effect(
         "load_inertia": "steady speed: an inertia asks for nothing there",
         "viscous_friction": "acceleration at low speed, where viscous friction is small",
     },
-    same_loop=("sensor_scale",),
     parameter_like=("gain",),
 )

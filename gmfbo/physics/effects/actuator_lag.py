@@ -25,7 +25,6 @@ actuator_lag = Effect(
     ),
     equation="T * d(u_out)/dt = u - u_out",
     source="Leonhard, 1985",
-    same_loop=("sensor_lag",),
     confused_with={
         "transport_delay": "high frequencies: a lag also lowers the amplitude",
         "sensor_lag": "the reading against the command that it causes in the controller",

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from gmfbo.physics import limits
 from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
@@ -67,7 +66,6 @@ actuator_rate_limit = Effect(
     size_name="lag",
     size_unit="s",
     floor=lambda e: _LEAST_LAG * e.sample,
-    least_time=limits.LEAST_TIME,
     signal=_signal,
     acts=_acts,
     region=lambda p, units: (

@@ -36,7 +36,6 @@ actuator_saturation = Effect(
     size_name="cut",
     size_unit="command",
     floor=limits.cut_floor,
-    least_time=limits.LEAST_TIME,
     signal=lambda states, p: limits.clipped(states.command, p["limit"]),
     feature=_feature,
     acts=lambda states, p: limits.beyond(states.command, p["limit"]),

@@ -57,6 +57,7 @@ asymmetric_friction = Effect(
     equation="tau = -F_p - d/2 * omega if omega > 0, +F_n + d/2 * omega if omega < 0",
     source="Armstrong-Hélouvry, 1991",
     contains=("coulomb_friction",),
+    as_limit={"level_positive": "level", "level_negative": "level"},
     confused_with={
         "coulomb_friction": "motion in both directions at equal speeds",
         "constant_torque_offset": "standstill: an offset is still there, friction only yields",

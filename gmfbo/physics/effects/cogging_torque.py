@@ -48,7 +48,6 @@ cogging_torque = Effect(
     size=lambda p, e: harmonic.largest_amplitude(p),
     size_name="amplitude",
     size_unit="torque",
-    is_itself=harmonic.strongest_repeats,
     floor=lambda e: 1.5e-4 * e.torque,
     not_excited=harmonic.too_short,
     signal=harmonic.lines,

@@ -35,7 +35,7 @@ elastic_return = Effect(
     equation="tau = -k * phi + tau_0",
     source="Hooke, 1678",
     contains=("constant_torque_offset",),
-    vanishing={"constant_torque_offset": ("stiffness",)},
+    as_limit={"preload": "level"},
     confused_with={
         "gravity_torque": "a large-angle sweep: gravity turns back, a spring goes on",
         "constant_torque_offset": "standstill at two positions: an offset stays",

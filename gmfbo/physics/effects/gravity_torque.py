@@ -46,7 +46,6 @@ gravity_torque = Effect(
     equation="tau = A * sin(phi) + B * cos(phi)",
     source="Newton, 1687",
     contains=("constant_torque_offset",),
-    flattens_to=("constant_torque_offset",),
     confused_with={
         "elastic_return": "a large-angle sweep: gravity turns back, a spring goes on",
         "constant_torque_offset": "a large-angle sweep: an offset stays",

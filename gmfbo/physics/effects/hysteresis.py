@@ -64,6 +64,7 @@ hysteresis = Effect(
     equation="tau = -F * z, dz/dphi = (1 - abs(z)^n * (sign(z * omega) + 1) / 2) / deflection",
     source="Wen, 1976",
     contains=("coulomb_friction",),
+    as_limit={"level": "level", "deflection": "deflection"},
     confused_with={
         "presliding_friction": "the way back: a bristle turns steeper, a cable unloads elastically",
         "backlash": "fast reversals: the load strikes after crossing a gap",

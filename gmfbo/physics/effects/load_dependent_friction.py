@@ -55,7 +55,7 @@ load_dependent_friction = Effect(
     equation="tau = -(F_c + mu * abs(tau_load)) * sign(omega)",
     source="Hamon, Gautier and Garrec, 2010",
     contains=("coulomb_friction",),
-    vanishing={"coulomb_friction": ("coefficient",)},
+    as_limit={"level": "level"},
     confused_with={
         "coulomb_friction": "two loads at one speed",
         "actuator_gain_loss": "a reversal: friction changes its sign there, a gain does not",

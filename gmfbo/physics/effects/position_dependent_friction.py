@@ -76,7 +76,7 @@ position_dependent_friction = Effect(
     equation="tau = -max(0, F_c + A * sin(n * phi) + B * cos(n * phi)) * sign(omega)",
     source="Popovic and Goldenberg, 1998",
     contains=("coulomb_friction",),
-    vanishing={"coulomb_friction": ("sine", "cosine")},
+    as_limit={"level": "level"},
     confused_with={
         "coulomb_friction": "slow passes over the whole stroke in both directions",
         "cogging_torque": "passes in both directions: friction changes its sign, cogging does not",

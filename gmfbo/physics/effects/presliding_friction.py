@@ -32,6 +32,7 @@ presliding_friction = Effect(
     equation="tau = -F_c * z, dz/dphi = (1 - z * sign(omega)) / deflection",
     source="Dahl, 1968",
     contains=("coulomb_friction",),
+    as_limit={"level": "level", "deflection": "deflection"},
     confused_with={
         "coulomb_friction": "micro-steps below breakaway, which plain sliding does not answer",
         "hysteresis": "the way back: a bristle turns steeper, a cable or gear unloads elastically",

@@ -79,7 +79,6 @@ pulse_disturbance = Effect(
     size_name="level",
     size_unit="torque",
     floor=lambda e: 3e-4 * e.torque,
-    least_time=5e-3,
     signal=_signal,
     acts=lambda states, p: _signal(states, {**p, "level": 1.0}) > 0.0,
     region=_region,

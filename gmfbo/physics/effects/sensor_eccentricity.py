@@ -68,7 +68,6 @@ sensor_eccentricity = Effect(
     equation="reading = phi + e(phi) - e(phi_start), e = A * sin(n * phi) + B * cos(n * phi)",
     source="Hanselman, 1990",
     contains=("sensor_offset",),
-    flattens_to=("sensor_offset",),
     confused_with={
         "gravity_torque": "standstill at several angles: gravity asks for a holding torque",
         "cogging_torque": "two speeds: an eccentric sensor gives torque as speed squared",

@@ -31,7 +31,6 @@ sensor_lag = Effect(
     ),
     equation="T * d(reading)/dt = phi - reading",
     source="Fraden, 1993",
-    same_loop=("actuator_lag",),
     confused_with={
         "actuator_lag": "the reading against the command that it causes in the controller",
         "transport_delay": "the reading against the command that it causes in the controller",

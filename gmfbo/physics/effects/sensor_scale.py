@@ -1,7 +1,6 @@
 """Sensor scale: the reading is wrong by a share of the position."""
 
 from gmfbo.physics.effect import Effect, EffectParameter, Units, Values
-from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 from gmfbo.units import percent
 
@@ -10,11 +9,6 @@ _MOST = 0.3  # largest relative error of a sensor
 
 def _signal(states: States, parameters: Values) -> Array:
     return parameters["share"] * states.position
-
-
-def _is_itself(parameters: Values, excitation: Excitation) -> bool:
-    """False at the end of the range: no sensor is that far off, and the slope is a curve's."""
-    return abs(parameters["share"]) < 0.99 * _MOST
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
@@ -41,7 +35,6 @@ sensor_scale = Effect(
     # In a loop, a scale error of a tenth shifts a resonance far, where derivatives are no guide:
     # both signs are tried.
     starts=lambda e: [{"share": 0.03}, {"share": 0.1}, {"share": -0.1}],
-    is_itself=_is_itself,
     size=lambda p, e: abs(p["share"]),
     size_name="share",
     size_unit="1",
@@ -60,6 +53,5 @@ sensor_scale = Effect(
         "sensor_eccentricity": "a whole turn: eccentricity comes back, a scale error does not",
         "elastic_return": "standstill away from zero: a spring asks for a holding torque",
     },
-    same_loop=("actuator_gain_loss",),
     parameter_like=("sensor_scale",),
 )

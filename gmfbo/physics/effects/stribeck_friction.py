@@ -8,10 +8,6 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 from gmfbo.units import quantity
 
-_LEAST_AT_REST = 0.4
-"""Of the sliding level. A real axis whose friction rises with speed has 0.51 (EMPS, Janot et al.
-2019); fits of this law to friction of another kind had 0.03 to 0.36."""
-
 
 def _signal(states: States, parameters: Values) -> Array:
     slow = np.exp(-((states.velocity / parameters["velocity"]) ** 2))
@@ -37,11 +33,6 @@ def _acts(states: States, parameters: Values) -> Mask:
         (np.abs(states.velocity) < 1.5 * parameters["velocity"])
         & (np.abs(states.velocity) > states.rest)
     )
-
-
-def _is_itself(parameters: Values, excitation: Excitation) -> bool:
-    """False where what is left at low speed is too little for dry friction: any curve fits then."""
-    return parameters["breakaway"] >= _LEAST_AT_REST * parameters["level"]
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
@@ -76,7 +67,6 @@ stribeck_friction = Effect(
             scale=lambda e: 0.05 * e.speed,
         ),
     ),
-    is_itself=_is_itself,
     fixed=friction.fixed_deflection,
     own_nuisances=(friction.own_deflection(),),
     starts=_starts,
@@ -94,6 +84,7 @@ stribeck_friction = Effect(
     equation="tau = -(F_c + (F_s - F_c) * exp(-(omega/omega_s)^2)) * sign(omega)",
     source="Stribeck, 1902; in this form Bo and Pavelescu, 1982",
     contains=("coulomb_friction",),
+    as_limit={"level": "level", "breakaway": "level"},
     confused_with={
         "coulomb_friction": "the friction at low speed: reversals at several speeds",
         "presliding_friction": "micro-steps below breakaway, which only presliding answers",

@@ -55,7 +55,6 @@ supply_voltage_limit = Effect(
     size_name="cut",
     size_unit="command",
     floor=limits.cut_floor,
-    least_time=limits.LEAST_TIME,
     signal=lambda states, p: limits.clipped(states.command, _limit(states, p)),
     acts=lambda states, p: limits.beyond(states.command, _limit(states, p)),
     region=lambda p, units: "where command and velocity are high",

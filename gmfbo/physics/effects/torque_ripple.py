@@ -49,7 +49,6 @@ torque_ripple = Effect(
     size=lambda p, e: harmonic.largest_amplitude(p),
     size_name="amplitude",
     size_unit="torque/current",
-    is_itself=harmonic.strongest_repeats,
     floor=lambda e: 1.5e-4 * e.torque / e.current,
     not_excited=harmonic.too_short,
     signal=lambda states, p: states.current * harmonic.lines(states, p),

@@ -42,7 +42,7 @@ def test_a_law_of_a_package_is_listed_last_and_marked(
     monkeypatch.setattr(CATALOGUE, "_loaded", True)
     assert main(["effects"]) == 0
     assert "added" not in capsys.readouterr().out  # control
-    own = replace(CATALOGUE["elastic_return"], name="bellows", contains=(), vanishing={})
+    own = replace(CATALOGUE["elastic_return"], name="bellows", contains=(), as_limit={})
     add_effect(own)
     assert main(["effects"]) == 0
     shown = capsys.readouterr().out

@@ -1,0 +1,190 @@
+"""Fits of one row of the ledger: where each begins, and what it may not leave."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gmfbo.diagnosis.comparison.ledger import Ledger
+from gmfbo.diagnosis.comparison.moves import Element, Move
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.priors import priors_of
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.physics import CATALOGUE
+
+Rows = Mapping[frozenset[str], Fitted]
+
+_SHARES = (1.0, 0.3, 0.05)  # of a start: a smaller size is nearer to the row without it
+_PART = 0.3  # of the linear start, of what a law has beside its limit
+_NO_WORSE = 20.0  # of chi2: what priors may ask for
+
+
+class RowFits:
+    """Fits through a problem's simulators.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+
+    def with_moves(
+        self, ledger: Ledger, about: Fitted, moves: Sequence[Move], best: Fitted | None = None
+    ) -> dict[frozenset[str], Fitted]:
+        """Rows of a ledger, with those that moves from one of them lead to.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            Rows, and the whitening under which they are fitted.
+        about : Fitted
+            Where the moves begin.
+        moves : sequence of Move
+            At their starts.
+        best : Fitted, optional
+            What a row shares with this one starts at the values there.
+        """
+        rows = dict(ledger.rows)
+        for move in moves:
+            limit, found = limit_of(move.element, about, rows), None
+            if limit is not None:
+                found = self._from_limit(ledger.whitening, about, move.element, limit, _PART)
+            if found is None:
+                near = about if best is None else _with_values_of(about, best)
+                left = chi(about, ledger.whitening)
+                found = self._no_worse(ledger.whitening, near, move.element, left)
+            if found is not None:
+                rows[found.elements] = found
+        return rows
+
+    def without(
+        self, whitening: Whitening, row: Fitted, name: str, iterations: int
+    ) -> Fitted | None:
+        """Fit a row without one of its elements.
+
+        Parameters
+        ----------
+        whitening : Whitening
+            Under which it is fitted.
+        row : Fitted
+            Where the fit begins.
+        name : str
+            The element.
+        iterations : int
+            Most steps.
+        """
+        less = _less(row, name)
+        search = ModeSearch(self._problem, whitening, less.hypothesis, less.freed)
+        return search.fitted(row.parameters, row.nuisances, iterations=iterations)
+
+    def again(self, whitening: Whitening, row: Fitted, fitted: Rows) -> Fitted:
+        """Fit a row again under a whitening, from its limit where that leaves less by now.
+
+        Parameters
+        ----------
+        whitening : Whitening
+            Under which it is fitted.
+        row : Fitted
+            As it was.
+        fitted : mapping of frozenset of str to Fitted
+            Rows that were fitted under it.
+        """
+        for candidate in row.hypothesis.effects:
+            element, about = Element(candidate=candidate), _less(row, candidate.effect)
+            limit = limit_of(element, about, fitted)
+            if limit is not None and chi(row, whitening) > chi(limit, whitening) + _NO_WORSE:
+                found = self._from_limit(whitening, about, element, limit, 1.0)
+                if found is not None:
+                    return found
+        return ModeSearch(self._problem, whitening, row.hypothesis, row.freed).again(row)
+
+    def _from_limit(
+        self, whitening: Whitening, about: Fitted, element: Element, limit: Fitted, share: float
+    ) -> Fitted | None:
+        """Fit of one element more that begins as a limit of its law; None where it ends worse.
+
+        A law that holds another as its limit is never worse than that one.
+        """
+        near = _with_values_of(about, limit)
+        started = element.beginning_as(limit.hypothesis.effects, near.hypothesis, share)
+        hypothesis = started.added_to(near.hypothesis)
+        search = ModeSearch(self._problem, whitening, hypothesis, about.freed)
+        found = search.fitted(near.parameters, near.nuisances)
+        if found is None or chi(found, whitening) > chi(limit, whitening) + _NO_WORSE:
+            return None
+        return found
+
+    def _no_worse(
+        self, whitening: Whitening, about: Fitted, element: Element, before: float
+    ) -> Fitted | None:
+        """Fit of one element more that leaves no more than the row without it; else None."""
+        freed = about.freed if element.freed is None else (*about.freed, element.freed.name)
+        for share in _SHARES:
+            tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
+            hypothesis = tried.added_to(about.hypothesis)
+            search = ModeSearch(self._problem, whitening, hypothesis, freed)
+            found = search.fitted(tried.start(about.parameters), about.nuisances)
+            if found is not None and chi(found, whitening) <= before + _NO_WORSE:
+                return found
+            if not element.sizes(about.hypothesis):
+                return None
+        return None
+
+
+def chi(row: Fitted, whitening: Whitening) -> float:
+    """Whitened square of what a row leaves."""
+    return sum(float(np.sum(z**2)) for z in whitening(row.residual))
+
+
+def limits_in(elements: frozenset[str]) -> int:
+    """Number of simpler laws that the laws of a row hold: those with fewer are fitted first."""
+    return sum(len(CATALOGUE[name].contains) for name in elements if name in CATALOGUE)
+
+
+def limit_of(element: Element, about: Fitted, rows: Rows) -> Fitted | None:
+    """Row with a limit of an element's law in its place, beside what another row holds.
+
+    Parameters
+    ----------
+    element : Element
+        The larger law; nothing else has a limit.
+    about : Fitted
+        The row that it is added to.
+    rows : mapping of frozenset of str to Fitted
+        Among which the limit is looked for.
+    """
+    if element.candidate is None or not element.candidate.law.as_limit:
+        return None
+    among = [rows.get(about.elements | {name}) for name in element.candidate.law.contains]
+    return next((row for row in among if row is not None), None)
+
+
+def _less(row: Fitted, name: str) -> Fitted:
+    """A row without one of its elements, not fitted."""
+    setting, gone = row.hypothesis.setting, name.removeprefix("parameter:")
+    freed = tuple(f for f in row.freed if f != gone)
+    if len(freed) < len(row.freed):
+        setting = replace(setting, uncertain=tuple(u for u in setting.uncertain if u.name != gone))
+    effects = tuple(c for c in row.hypothesis.effects if c.effect != name)
+    hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
+    priors, x = priors_of(hypothesis, freed), hypothesis.start(row.parameters)
+    u = np.array([p.to_u(float(v)) for p, v in zip(priors, x, strict=True)])
+    return replace(row, hypothesis=hypothesis, freed=freed, priors=priors, u=u)
+
+
+def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
+    """A row with its effects, parameters and nuisances at the values of a larger one."""
+    known = {c.effect: c for c in best.hypothesis.effects}
+    effects = tuple(known.get(c.effect, c) for c in row.hypothesis.effects)
+    hypothesis = replace(row.hypothesis, effects=effects)
+    x = hypothesis.start({**row.parameters, **best.parameters})
+    if not x.size:
+        return row
+    u = np.array([p.to_u(float(v)) for p, v in zip(row.priors, x, strict=True)])
+    return replace(row, hypothesis=hypothesis, u=u, nuisances=best.nuisances)

@@ -1,0 +1,137 @@
+"""What a simulated response owes to its step, and to noise that meets a nonlinearity.
+
+Both are known from further simulations and are no missing physics. A stretch in which they show
+counts for less: they join the covariance of noise there, whichever hypothesis is scored.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulations import Simulations
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationErrors:
+    """Errors of the signals of simulated recordings, each of one standard deviation.
+
+    Attributes
+    ----------
+    simulations : Simulations
+        Of the recordings.
+    columns : tuple of tuple of ndarray, shape (k, n)
+        [SI] By recording, then by signal at its own times.
+    """
+
+    simulations: Simulations
+    columns: tuple[tuple[Array, ...], ...]
+
+    def on(self, problem: Problem) -> list[Array]:
+        """On a problem's segments, shape (k, m, n); none where it has other recordings.
+
+        Parameters
+        ----------
+        problem : Problem
+            Of the same recordings, or of some windows of them.
+        """
+        if problem.simulations is not self.simulations:
+            return [np.zeros((0, len(s.names), s.time.size)) for s in problem.segments]
+        return [
+            np.stack([segment.read(one) for one in zip(*self.columns[segment.record], strict=True)])
+            if len(self.columns[segment.record][0])
+            else np.zeros((0, len(segment.names), segment.time.size))
+            for segment in problem.segments
+        ]
+
+
+def errors_of(
+    problem: Problem, fitted: Fitted, kernels: PortKernels, level: float
+) -> SimulationErrors:
+    """Measure what a finer step changes, and what noise makes beyond its linear answer.
+
+    Noise of a level that the controller reads lets an axis leave its friction, or a gap, at other
+    instants. Its linear answer is in the covariance of the noise already; the rest is played, a
+    few realisations of it standing for its covariance (Evensen 2003).
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    fitted : Fitted
+        About which they are measured.
+    kernels : PortKernels
+        Paths of noise.
+    level : float
+        [FMU's unit] Standard deviation of the white noise that the controller reads.
+    """
+    simulations = problem.simulations
+    point = problem.point(fitted.hypothesis, fitted.x)
+    found = [_half_step(simulations, point, fitted.runs)]
+    if "sensor" in kernels.simulated and level > 0.0:
+        rng = np.random.default_rng(0)
+        sizes = [record.plan.grid.size for record in simulations.records]
+        noises = [[rng.standard_normal(n) for n in sizes] for _ in range(PLAYED_NOISES)]
+        orders = [(own[k], k) for own in noises for k in range(len(sizes))]
+        played = simulations.map(
+            lambda order: _beyond_linear(
+                simulations, point, fitted.runs, kernels, level * order[0], order[1]
+            ),
+            orders,
+        )
+        found += [played[i : i + len(sizes)] for i in range(0, len(played), len(sizes))]
+    columns = []
+    for k, record in enumerate(simulations.records):
+        own = [error[k] for error in found if error[k] is not None]
+        shapes = [signal.time.size for signal in record.signals]
+        columns.append(
+            tuple(
+                np.array([error[i] for error in own if error is not None]).reshape(-1, n)
+                for i, n in enumerate(shapes)
+            )
+        )
+    return SimulationErrors(simulations, tuple(columns))
+
+
+def _half_step(
+    simulations: Simulations, point: Point, runs: list[Simulated]
+) -> list[list[Array] | None]:
+    """Change of the signals of each recording at half the step."""
+    finer = simulations.half_step
+    if finer is None:
+        return [None] * len(runs)
+    return [
+        [after - before for before, after in zip(coarse.signals, fine.signals, strict=True)]
+        if fine.finite
+        else None
+        for coarse, fine in zip(runs, finer.run([point])[0], strict=True)
+    ]
+
+
+def _beyond_linear(
+    simulations: Simulations,
+    point: Point,
+    runs: list[Simulated],
+    kernels: PortKernels,
+    noise: Array,
+    k: int,
+) -> list[Array] | None:
+    """Change of a recording's signals under noise, less its linear answer."""
+    noisy = simulations.run_one(point, k, excitation={"sensor": noise})
+    if not noisy.finite:
+        return None
+    record, found = simulations.records[k], []
+    for signal, before, after in zip(record.signals, runs[k].signals, noisy.signals, strict=True):
+        linear = through(noise, kernels.simulated["sensor"][signal.name])
+        linear = np.interp(signal.time, record.plan.grid, linear)
+        found.append((after - before - linear) / np.sqrt(PLAYED_NOISES))
+    return found
