@@ -92,14 +92,18 @@ class Search:
 
     def errors_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> SimulationErrors:
         """Errors of the simulation about a fit."""
-        return errors_of(self.problem, fitted, kernels, levels.ports.get("sensor", 0.0))
+        point = self.problem.point(fitted.hypothesis, fitted.x)
+        level = levels.ports.get("sensor", 0.0)
+        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
 
     def whitening_at(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors
     ) -> Whitening:
         """Whitening by these levels, and errors of the simulation beside them."""
         problem, rates = self.problem, self.problem.rates(fitted.values)
-        parts = zip(problem.segments, rates, errors.on(problem), problem.stretches(), strict=True)
+        parts = zip(
+            problem.segments, rates, errors.on(problem, fitted), problem.stretches(), strict=True
+        )
         return Whitening(
             tuple(
                 segment_whitener(segment, kernels, levels, rate).beside(error, stretches)

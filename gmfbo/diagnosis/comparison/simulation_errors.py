@@ -36,26 +36,35 @@ class SimulationErrors:
     simulations: Simulations
     columns: tuple[tuple[Array, ...], ...]
 
-    def on(self, problem: Problem) -> list[Array]:
-        """On a problem's segments, shape (k, m, n); none where it has other recordings.
+    def on(self, problem: Problem, fitted: Fitted) -> list[Array]:
+        """As the logger stores them, on a problem's segments, shape (k, m, n).
 
         Parameters
         ----------
         problem : Problem
-            Of the same recordings, or of some windows of them.
+            Of the same recordings, or of some windows of them; others have no errors.
+        fitted : Fitted
+            Signals and errors of the logger about which they are stored.
         """
-        if problem.simulations is not self.simulations:
-            return [np.zeros((0, len(s.names), s.time.size)) for s in problem.segments]
-        return [
-            np.stack([segment.read(one) for one in zip(*self.columns[segment.record], strict=True)])
-            if len(self.columns[segment.record][0])
-            else np.zeros((0, len(segment.names), segment.time.size))
-            for segment in problem.segments
-        ]
+        found = []
+        for segment, values in zip(problem.segments, fitted.values, strict=True):
+            own = self.columns[segment.record] if problem.simulations is self.simulations else ()
+            errors = [segment.read(one) for one in zip(*own, strict=True)]
+            seen = problem.logging.seen(segment, values, fitted.nuisances) if errors else values
+            stored = [
+                problem.logging.seen(segment, values + error, fitted.nuisances) - seen
+                for error in errors
+            ]
+            found.append(np.array(stored).reshape(-1, *values.shape))
+        return found
 
 
 def errors_of(
-    problem: Problem, fitted: Fitted, kernels: PortKernels, level: float
+    simulations: Simulations,
+    point: Point,
+    runs: list[Simulated],
+    kernels: PortKernels,
+    level: float,
 ) -> SimulationErrors:
     """Measure what a finer step changes, and what noise makes beyond its linear answer.
 
@@ -65,26 +74,26 @@ def errors_of(
 
     Parameters
     ----------
-    problem : Problem
-        Recordings and simulators.
-    fitted : Fitted
-        About which they are measured.
+    simulations : Simulations
+        Of the recordings.
+    point : Point
+        At which they are measured.
+    runs : list of Simulated
+        The recordings there.
     kernels : PortKernels
         Paths of noise.
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
-    simulations = problem.simulations
-    point = problem.point(fitted.hypothesis, fitted.x)
-    found = [_half_step(simulations, point, fitted.runs)]
+    found = [_half_step(simulations, point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
         sizes = [record.plan.grid.size for record in simulations.records]
-        noises = [[rng.standard_normal(n) for n in sizes] for _ in range(PLAYED_NOISES)]
+        noises = [[_from_rest(rng, n) for n in sizes] for _ in range(PLAYED_NOISES)]
         orders = [(own[k], k) for own in noises for k in range(len(sizes))]
         played = simulations.map(
             lambda order: _beyond_linear(
-                simulations, point, fitted.runs, kernels, level * order[0], order[1]
+                simulations, point, runs, kernels, level * order[0], order[1]
             ),
             orders,
         )
@@ -100,6 +109,13 @@ def errors_of(
             )
         )
     return SimulationErrors(simulations, tuple(columns))
+
+
+def _from_rest(rng: np.random.Generator, n: int) -> Array:
+    """White noise that begins at zero: its first row is held before the recording begins."""
+    noise = rng.standard_normal(n)
+    noise[0] = 0.0
+    return noise
 
 
 def _half_step(
