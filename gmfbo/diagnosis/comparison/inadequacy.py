@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import Grams, log_evidences
+from gmfbo.diagnosis.comparison.numbers import SMOOTH_BUMPS
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -19,7 +20,7 @@ _SIZES = np.exp(_STEP * np.arange(-5.0, 4.0))  # times the tolerance
 
 
 def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -> list[Array]:
-    """Signals that unit bumps of torque over velocity and over position cause, shape (c, m, n).
+    """Signals that unit curves of torque over velocity and over position cause, shape (c, m, n).
 
     Parameters
     ----------
@@ -60,9 +61,20 @@ def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -
 
 
 def _bumps(values: Array, low: float, high: float) -> list[Array]:
+    """Columns whose independent normal amplitudes make a smooth function of about that size.
+
+    Neighbouring bumps rise together (Rasmussen and Williams 2006, eq. 2.16): were they
+    independent, a step at standstill would be as likely as any curve, and that is friction.
+    """
     centres = np.linspace(low, high, _BUMPS)
     width = max(centres[1] - centres[0], 1e-300)
-    return [np.exp(-0.5 * ((values - c) / width) ** 2) for c in centres]
+    bumps = np.exp(-0.5 * ((values - centres[:, None]) / width) ** 2)
+    apart = np.arange(_BUMPS)
+    alike = np.exp(-0.5 * ((apart[:, None] - apart) / SMOOTH_BUMPS) ** 2)
+    middle = np.exp(-0.5 * (apart - 0.5 * (_BUMPS - 1)) ** 2)
+    size = np.sqrt(middle @ alike @ middle)
+    factor = np.linalg.cholesky(alike + 1e-6 * np.eye(_BUMPS)) / size
+    return list(factor.T @ bumps)
 
 
 def with_inadequacy(

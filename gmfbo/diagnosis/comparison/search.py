@@ -23,7 +23,7 @@ from gmfbo.diagnosis.comparison.numbers import (
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limits_in
+from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
 from gmfbo.physics import CATALOGUE
@@ -213,6 +213,30 @@ class Search:
                 chosen = [self._as_fitted_alone(ledger, m) for m in chosen]
             if chosen:
                 plans.append((about, chosen))
+        return plans + self._larger(ledger, best, found)
+
+    def _larger(
+        self, ledger: Ledger, best: Fitted, found: Sequence[Response]
+    ) -> list[tuple[Fitted, list[Move]]]:
+        """Laws in the place of a limit of theirs, where they gain beside it.
+
+        Those that were fitted under other levels, and now leave more than their limit, count as
+        not fitted.
+        """
+        left, plans = chi(best, ledger.whitening), []
+        moves = [m for m in ranked(ledger.whitening, best, found) if m.gain > LEAST_GAIN]
+        for name in best.elements:
+            about = ledger.rows.get(best.elements - {name})
+            if about is None:
+                continue
+            chosen = []
+            for move in moves:
+                row = ledger.rows.get(about.elements | {move.element.name})
+                stale = row is None or chi(row, ledger.whitening) > left
+                if stale and limit_of(move.element, about, {best.elements: best}) is best:
+                    chosen.append(move)
+            if chosen:
+                plans.append((about, chosen[:_LATER_FITS]))
         return plans
 
     def _as_fitted_alone(self, ledger: Ledger, move: Move) -> Move:
