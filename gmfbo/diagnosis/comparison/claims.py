@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,45 +85,65 @@ def shares_above_floor(fitted: Fitted, whitening: Whitening) -> dict[str, float]
 
 
 def claims_of(
-    scored: Scored, best: frozenset[str], above: Mapping[frozenset[str], Mapping[str, float]]
+    scored: Scored, above: Mapping[frozenset[str], Mapping[str, float]]
 ) -> tuple[Claim, ...]:
-    """For each place of the best row, the smallest set of elements that holds it.
+    """Sets of elements of which one is there, the surest first, until none is believed.
+
+    Each is the smallest set that meets what is believed to be there; of each row it then takes one
+    member away, and the next set is looked for among what is left.
 
     Parameters
     ----------
     scored : Scored
         Beliefs in rows.
-    best : frozenset of str
-        The best row.
     above : mapping of frozenset of str to mapping of str to float
         By row and element, the probability that its size is above its floor.
     """
-    told = []
-    for element in sorted(best):
-        masses: dict[str, float] = {}
-        for row, belief in zip(scored.elements, scored.beliefs, strict=True):
-            holder = element if element in row else _instead(row - best, above[row])
-            if holder is not None:
-                share = above[row].get(holder, 1.0)
-                masses[holder] = masses.get(holder, 0.0) + float(belief) * share
-        told.append(_smallest(masses))
+    left = [(set(row), float(belief), above[row]) for row, belief in _rows(scored)]
+    told: list[Claim] = []
+    while any(names for names, _, _ in left):
+        kept = _smallest(left)
+        claim = _collapsed(kept)
+        if told and claim.probability < NAMED:
+            break
+        told.append(claim)
+        for names, _, _ in left:
+            taken = next((name for name in kept if name in names), None)
+            names.discard(str(taken))
     return tuple(told)
 
 
-def _instead(others: frozenset[str], above: Mapping[str, float]) -> str | None:
-    """Element that a row holds in the place of one that it lacks."""
-    return max(sorted(others), key=lambda name: above.get(name, 1.0), default=None)
+def _rows(scored: Scored) -> list[tuple[frozenset[str], float]]:
+    return list(zip(scored.elements, scored.beliefs.tolist(), strict=True))
 
 
-def _smallest(masses: dict[str, float]) -> Claim:
-    total, kept = sum(masses.values()), dict[str, float]()
-    for name, mass in sorted(masses.items(), key=lambda item: -item[1]):
-        if sum(kept.values()) >= NAMED * total:
+_Left = Sequence[tuple[set[str], float, Mapping[str, float]]]
+
+
+def _smallest(left: _Left) -> dict[str, float]:
+    """Elements with the belief that each adds, those that add most first."""
+    whole = sum(
+        belief * max((shares.get(name, 1.0) for name in names), default=0.0)
+        for names, belief, shares in left
+    )
+    kept: dict[str, float] = {}
+    while sum(kept.values()) < NAMED * whole:
+        masses: dict[str, float] = {}
+        for names, belief, shares in left:
+            for name in names if not names & kept.keys() else ():
+                masses[name] = masses.get(name, 0.0) + belief * shares.get(name, 1.0)
+        most = max(sorted(masses), key=lambda name: masses[name], default=None)
+        if most is None:
             break
-        kept[name] = mass
-    for name in list(kept):
-        within = [n for n in kept if n in CATALOGUE and name in CATALOGUE[n].contains]
-        for larger in within:
-            kept[name] += kept.pop(larger)
-    order = sorted(kept, key=lambda name: -kept[name])
-    return Claim(tuple(order), tuple(kept[name] for name in order))
+        kept[most] = masses[most]
+    return kept
+
+
+def _collapsed(kept: Mapping[str, float]) -> Claim:
+    """A set in which a law stands for those that hold it as their limit."""
+    own = dict(kept)
+    for name in list(own):
+        for larger in [n for n in own if n in CATALOGUE and name in CATALOGUE[n].contains]:
+            own[name] += own.pop(larger)
+    order = sorted(own, key=lambda name: -own[name])
+    return Claim(tuple(order), tuple(own[name] for name in order))

@@ -103,7 +103,12 @@ def part_of(
 
 
 def seen_on(
-    case: Case, search: Search, ledger: Ledger, row: Fitted, windows: Sequence[int]
+    case: Case,
+    search: Search,
+    ledger: Ledger,
+    row: Fitted,
+    windows: Sequence[int],
+    inadequacy: float = 0.0,
 ) -> Part:
     """State a fit on other windows, at its values.
 
@@ -111,6 +116,8 @@ def seen_on(
     ----------
     case, search, ledger, row, windows
         As of `part_of`.
+    inadequacy : float
+        [FMU's unit of the torque port] Size of the smooth torque that may be left.
     """
     chosen = [case.budget.windows[i] for i in windows]
     problem = replace(
@@ -123,7 +130,7 @@ def seen_on(
     residual = problem.residual(values, row.nuisances)
     there = replace(row, values=values, residual=residual, columns=[])
     search = replace(search, problem=problem)
-    whitening = search.whitening_at(there, ledger.kernels, ledger.levels, ledger.errors)
+    whitening = search.whitening_at(there, ledger.kernels, ledger.levels, ledger.errors, inadequacy)
     return Part(problem, whitening, there)
 
 

@@ -79,8 +79,8 @@ def _bumps(values: Array, low: float, high: float) -> list[Array]:
 
 def with_inadequacy(
     fitted: Fitted, inner: Grams, weights: Array, extra: int, tolerance: float
-) -> tuple[Array, Array]:
-    """Log evidence with the size of an inadequacy integrated out, and that size's mean.
+) -> tuple[Array, Array, Array]:
+    """Log evidence with the size of an inadequacy integrated out, and what is believed of it.
 
     Its prior is exponential about the tolerance (Simpson et al. 2017).
 
@@ -100,13 +100,16 @@ def with_inadequacy(
     Returns
     -------
     tuple of ndarray, shape (n_weightings,)
-        [nats] and [FMU's unit of the torque port]
+        [nats], [FMU's unit of the torque port] its mean, and the probability that it is more than
+        twice the tolerance.
     """
     if not extra:
-        return log_evidences(fitted, inner, weights), np.zeros(len(weights))
+        nothing = np.zeros(len(weights))
+        return log_evidences(fitted, inner, weights), nothing, nothing
     sizes = tolerance * _SIZES
     logs = np.stack([log_evidences(fitted, inner, weights, extra, float(s)) for s in sizes])
     prior = np.log(_STEP * sizes / tolerance) - sizes / tolerance
     joint = logs + prior[:, None]
     total = logsumexp(joint, axis=0)
-    return total, np.exp(joint - total).T @ sizes
+    believed = np.exp(joint - total).T
+    return total, believed @ sizes, believed @ (sizes > 2.0 * tolerance).astype(float)

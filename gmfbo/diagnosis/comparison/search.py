@@ -97,13 +97,23 @@ class Search:
         return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
 
     def whitening_at(
-        self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors
+        self,
+        fitted: Fitted,
+        kernels: PortKernels,
+        levels: Levels,
+        errors: SimulationErrors,
+        inadequacy: float = 0.0,
     ) -> Whitening:
-        """Whitening by these levels, and errors of the simulation beside them."""
+        """Whitening by these levels, errors of the simulation and a smooth inadequacy of a size."""
         problem, rates = self.problem, self.problem.rates(fitted.values)
-        parts = zip(
-            problem.segments, rates, errors.on(problem, fitted), problem.stretches(), strict=True
-        )
+        beside = errors.on(problem, fitted)
+        if inadequacy:
+            curves = inadequacy_columns(problem, kernels, fitted)
+            beside = [
+                np.concatenate([error, inadequacy * curve])
+                for error, curve in zip(beside, curves, strict=True)
+            ]
+        parts = zip(problem.segments, rates, beside, problem.stretches(), strict=True)
         return Whitening(
             tuple(
                 segment_whitener(segment, kernels, levels, rate).beside(error, stretches)
@@ -326,18 +336,20 @@ class Search:
         bumps = ledger.whitening(
             inadequacy_columns(problem, ledger.kernels, next(iter(ledger.rows.values())))
         )
-        weights, logs, sizes = None, [], []
+        weights, logs, sizes, above = None, [], [], []
         for row in ledger.rows.values():
             inner = grams(problem, ledger.whitening, row, bumps)
             if weights is None:
                 n = len(inner.squares)
                 weights = weightings(n) if weighted else np.ones((1, n))
-            own, size = with_inadequacy(row, inner, weights, bumps[0].shape[0], self.tolerance)
+            extra = bumps[0].shape[0]
+            own, size, more = with_inadequacy(row, inner, weights, extra, self.tolerance)
             logs.append(own + self.log_prior(row.elements))
             sizes.append(float(size.mean()))
+            above.append(float(more.mean()))
         table = np.stack(logs)
         beliefs = softmax(table, axis=0).mean(1)
-        return Scored(tuple(ledger.rows), table, beliefs, np.array(sizes))
+        return Scored(tuple(ledger.rows), table, beliefs, np.array(sizes), np.array(above))
 
     def log_prior(self, elements: frozenset[str]) -> float:
         """[nats] Of a hypothesis, by what it adds to the twin."""

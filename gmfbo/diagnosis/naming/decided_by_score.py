@@ -59,7 +59,7 @@ def decide(
     ledger, scored = comparison.run()
     compared = Compared(comparison.search, ledger, scored)
     above = _above_floors(compared)
-    said, notes = _said(claims_of(scored, scored.best, above), silent)
+    said, notes = _said(claims_of(scored, above), silent)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
     row = _model(compared, said, above)
@@ -283,7 +283,7 @@ def _share(compared: Compared, base: Row, row: Row) -> float | None:
 
 
 def _is_outside(compared: Compared, share: float | None) -> bool:
-    """Whether the best row leaves an inadequacy above the tolerance, and most of it unexplained."""
+    """Whether the best row is believed to be inadequate, and most of it is unexplained."""
     scored = compared.scored
-    size = float(scored.sizes[int(np.argmax(scored.log_evidences.mean(1)))])
-    return size > compared.search.tolerance and share is not None and share < EXPLAINED
+    believed = float(scored.inadequate[int(np.argmax(scored.log_evidences.mean(1)))])
+    return believed >= NAMED and share is not None and share < EXPLAINED

@@ -96,7 +96,8 @@ def validate(
     if decision.row.elements:
         after = part_of(case, search, ledger, decision.row, chosen)
     scored = split.held_out or chosen
-    seen = [seen_on(case, search, ledger, part.fitted, scored) for part in (before, after)]
+    left = decision.compared.scored.size_beside(decision.row.elements)
+    seen = [seen_on(case, search, ledger, part.fitted, scored, left) for part in (before, after)]
     without = {}
     for name, row in _without(decision).items():
         lost = part_of(case, search, ledger, row, chosen).fitted
@@ -130,10 +131,11 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     search, ledger = decision.compared.search, decision.compared.ledger
     whole = part_of(case, search, ledger, decision.row, split.fitted)
-    there = []
+    there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
         runs = unseen.simulations.run([search.problem.point(row.hypothesis, row.x)])[0]
-        there.append(seen_on(unseen, search, ledger, replace(row, runs=runs), split.held_out))
+        run = replace(row, runs=runs)
+        there.append(seen_on(unseen, search, ledger, run, split.held_out, left))
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
