@@ -335,7 +335,8 @@ class _Opening:
 
     def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
         return [
-            replace(run, quiet=simulations.read(run.response, k)) for k, run in enumerate(simulated)
+            replace(run, signals=simulations.read(run.response, k))
+            for k, run in enumerate(simulated)
         ]
 
     def _excitation(

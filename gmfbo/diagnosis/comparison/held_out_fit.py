@@ -17,6 +17,7 @@ from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.runs.simulations import Simulations
 
 Array = NDArray[np.float64]
 
@@ -132,6 +133,20 @@ def seen_on(
     search = replace(search, problem=problem)
     whitening = search.whitening_at(there, ledger.kernels, ledger.levels, ledger.errors, inadequacy)
     return Part(problem, whitening, there)
+
+
+def quiet(simulations: Simulations, row: Fitted) -> Fitted:
+    """A fit without the noise that its recordings hold, as it foretells what is not known.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Of the recordings that are foretold.
+    row : Fitted
+        At its values.
+    """
+    hypothesis = row.hypothesis.quiet
+    return replace(row, hypothesis=hypothesis, runs=simulations.run([hypothesis.point(row.x)])[0])
 
 
 def squares_on(search: Search, ledger: Ledger, parts: Sequence[Part]) -> Array:

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.runs.simulated import PlayedNoise
 
 Array = NDArray[np.float64]
 
@@ -35,6 +36,8 @@ class Ledger:
         Those about the twin without any element.
     errors : SimulationErrors
         Of the simulation about the row whose levels they are.
+    noise : tuple of PlayedNoise, or None
+        That the controller read, as the best row tells it; rows are fitted under it.
     responses : tuple of Response
         Of all elements about the twin without them.
     """
@@ -45,6 +48,7 @@ class Ledger:
     whitening: Whitening
     opened: Levels
     errors: SimulationErrors
+    noise: tuple[PlayedNoise, ...] | None = None
     responses: tuple[Response, ...] = ()
 
 

@@ -154,7 +154,9 @@ class ModeSearch:
         return None if at is None else self._searched(at, self._columns(at), iterations)
 
     def again(self, row: Fitted, iterations: int = 10) -> Fitted:
-        """Search on from a fit under another whitening; nothing is simulated where it stays.
+        """Search on from a fit under another whitening, or other noise.
+
+        Nothing is simulated where noise and values stay.
 
         Parameters
         ----------
@@ -163,7 +165,12 @@ class ModeSearch:
         iterations : int
             Most points with a Jacobian.
         """
-        return self._searched(row, row.columns, iterations)
+        if row.hypothesis.noise is self._hypothesis.noise:
+            return self._searched(row, row.columns, iterations)
+        at = self._at(row.u, row.nuisances)
+        if at is None:
+            return replace(row, converged=False)
+        return self._searched(at, self._columns(at), iterations)
 
     def _searched(self, at: Fitted, columns: list[Array], iterations: int) -> Fitted:
         damping = 1e-3

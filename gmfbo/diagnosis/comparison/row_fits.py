@@ -13,6 +13,8 @@ from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.runs.simulated import PlayedNoise
 from gmfbo.physics import CATALOGUE
 
 Rows = Mapping[frozenset[str], Fitted]
@@ -29,10 +31,18 @@ class RowFits:
     ----------
     problem : Problem
         Recordings and simulators.
+    noise : tuple of PlayedNoise, or None
+        Under which rows are fitted.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
+    def __init__(self, problem: Problem, noise: tuple[PlayedNoise, ...] | None) -> None:
+        self._problem, self._noise = problem, noise
+
+    def _search(
+        self, whitening: Whitening, hypothesis: Hypothesis, freed: Sequence[str]
+    ) -> ModeSearch:
+        heard = replace(hypothesis, noise=self._noise)
+        return ModeSearch(self._problem, whitening, heard, freed)
 
     def with_moves(
         self, ledger: Ledger, about: Fitted, moves: Sequence[Move], best: Fitted | None = None
@@ -80,7 +90,7 @@ class RowFits:
             Most steps.
         """
         less = _less(row, name)
-        search = ModeSearch(self._problem, whitening, less.hypothesis, less.freed)
+        search = self._search(whitening, less.hypothesis, less.freed)
         return search.fitted(row.parameters, row.nuisances, iterations=iterations)
 
     def again(self, whitening: Whitening, row: Fitted, fitted: Rows) -> Fitted:
@@ -102,7 +112,7 @@ class RowFits:
                 found = self._from_limit(whitening, about, element, limit, 1.0)
                 if found is not None:
                     return found
-        return ModeSearch(self._problem, whitening, row.hypothesis, row.freed).again(row)
+        return self._search(whitening, row.hypothesis, row.freed).again(row)
 
     def _from_limit(
         self, whitening: Whitening, about: Fitted, element: Element, limit: Fitted, share: float
@@ -114,7 +124,7 @@ class RowFits:
         near = _with_values_of(about, limit)
         started = element.beginning_as(limit.hypothesis.effects, near.hypothesis, share)
         hypothesis = started.added_to(near.hypothesis)
-        search = ModeSearch(self._problem, whitening, hypothesis, about.freed)
+        search = self._search(whitening, hypothesis, about.freed)
         found = search.fitted(near.parameters, near.nuisances)
         if found is None or chi(found, whitening) > chi(limit, whitening) + _NO_WORSE:
             return None
@@ -128,7 +138,7 @@ class RowFits:
         for share in _SHARES:
             tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
             hypothesis = tried.added_to(about.hypothesis)
-            search = ModeSearch(self._problem, whitening, hypothesis, freed)
+            search = self._search(whitening, hypothesis, freed)
             found = search.fitted(tried.start(about.parameters), about.nuisances)
             if found is not None and chi(found, whitening) <= before + _NO_WORSE:
                 return found

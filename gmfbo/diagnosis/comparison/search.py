@@ -24,6 +24,7 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
+from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise, unsensed
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
 from gmfbo.physics import CATALOGUE
@@ -68,9 +69,8 @@ class Search:
     kernels_at: Callable[[Fitted], PortKernels]
     log: Callable[[str], None] = field(default=lambda line: None)
 
-    @property
-    def _fits(self) -> RowFits:
-        return RowFits(self.problem)
+    def _fits(self, ledger: Ledger) -> RowFits:
+        return RowFits(self.problem, ledger.noise)
 
     def levels_at(self, fitted: Fitted, kernels: PortKernels, near: Levels | None = None) -> Levels:
         """Levels of noise and inadequacy about a fit."""
@@ -92,9 +92,13 @@ class Search:
 
     def errors_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> SimulationErrors:
         """Errors of the simulation about a fit."""
-        point = self.problem.point(fitted.hypothesis, fitted.x)
-        level = levels.ports.get("sensor", 0.0)
-        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
+        simulations = self.problem.simulations
+        point, noise = self.problem.point(fitted.hypothesis, fitted.x), None
+        if "sensor" in kernels.simulated:
+            noise = unsensed(simulations, levels.ports.get("sensor", 0.0))
+            if fitted.hypothesis.noise is not None:
+                noise = sensed_noise(self.problem, fitted, kernels, levels)
+        return errors_of(simulations, point, fitted.runs, kernels, noise)
 
     def whitening_at(
         self,
@@ -155,10 +159,13 @@ class Search:
         effects = [m for m in moves if m.element.candidate is not None][:_FIRST_FITS]
         effects.sort(key=lambda m: limits_in(frozenset({m.element.name})))
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
-        ledger = replace(ledger, rows=self._fits.with_moves(ledger, base, [*effects, *freed]))
+        ledger = replace(
+            ledger, rows=self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
+        )
         ledger, scored = self._settled(ledger)
         if self._is_inadequate(ledger):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
+        ledger, scored = self._heard(ledger, scored)
         for _ in range(2 * len(PRIOR_OF_COUNT)):
             before = scored.best
             ledger = self._with_fewer(ledger, before)
@@ -167,11 +174,12 @@ class Search:
                 break
             best = ledger.rows[before]
             for about, chosen in plans:
-                rows = self._fits.with_moves(ledger, about, chosen, best)
+                rows = self._fits(ledger).with_moves(ledger, about, chosen, best)
                 ledger = replace(ledger, rows=rows)
             ledger, scored = self._settled(ledger)
             if scored.best == before:
                 break
+            ledger, scored = self._heard(ledger, scored)
         return ledger, self.scored(ledger)
 
     def _by_noise_alone(self, ledger: Ledger, base: Fitted, found: Sequence[Response]) -> Ledger:
@@ -188,7 +196,7 @@ class Search:
         )
         moves = moves[:_QUIET_FITS]
         rows = dict(ledger.rows)
-        for elements, row in self._fits.with_moves(alone, base, moves).items():
+        for elements, row in self._fits(alone).with_moves(alone, base, moves).items():
             if elements not in rows or chi(row, whitening) < chi(rows[elements], whitening):
                 rows[elements] = row
         return replace(ledger, rows=rows)
@@ -261,7 +269,7 @@ class Search:
         rows = dict(ledger.rows)
         for name in elements:
             if elements - {name} not in rows:
-                found = self._fits.without(ledger.whitening, rows[elements], name, _WITHOUT)
+                found = self._fits(ledger).without(ledger.whitening, rows[elements], name, _WITHOUT)
                 if found is not None:
                     rows[found.elements] = found
         return replace(ledger, rows=rows)
@@ -290,7 +298,7 @@ class Search:
             ledger = replace(
                 ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
             )
-            row = ModeSearch(self.problem, whitening, row.hypothesis, row.freed).again(row)
+            row = self._fits(ledger).again(whitening, row, {})
             ledger = replace(ledger, rows={**ledger.rows, leading: row})
             fallen = [before.ports[p] / levels.ports[p] for p in self.cared if p in levels.ports]
             if max(fallen, default=1.0) < _MUCH:
@@ -308,8 +316,17 @@ class Search:
                 return replace(ledger, rows=rows), scored
             for elements in sorted(stale, key=limits_in):
                 fitted = {e: rows[e] for e in done}
-                rows[elements] = self._fits.again(ledger.whitening, rows[elements], fitted)
+                rows[elements] = self._fits(ledger).again(ledger.whitening, rows[elements], fitted)
                 done.add(elements)
+
+    def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:
+        """Best rows fitted again under the noise that the best one says the controller read."""
+        if "sensor" not in ledger.kernels.simulated:
+            return ledger, scored
+        best = ledger.rows[scored.best]
+        noise = sensed_noise(self.problem, best, ledger.kernels, ledger.levels)
+        played = noise.played(self.problem.simulations, ledger.kernels)
+        return self._settled(replace(ledger, noise=played))
 
     def _leading(self, ledger: Ledger) -> frozenset[str]:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.sensed_noise import SensedNoise, linear_answer
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 
@@ -64,13 +65,13 @@ def errors_of(
     point: Point,
     runs: list[Simulated],
     kernels: PortKernels,
-    level: float,
+    noise: SensedNoise | None,
 ) -> SimulationErrors:
     """Measure what a finer step changes, and what noise makes beyond its linear answer.
 
-    Noise of a level that the controller reads lets an axis leave its friction, or a gap, at other
-    instants. Its linear answer is in the covariance of the noise already; the rest is played, a
-    few realisations of it standing for its covariance (Evensen 2003).
+    Noise that the controller reads lets an axis leave its friction, or a gap, at other instants.
+    Its linear answer is in the covariance of the noise already, and its mean is played; what is
+    still open of it is drawn, a few realisations standing for its covariance (Evensen 2003).
 
     Parameters
     ----------
@@ -82,22 +83,18 @@ def errors_of(
         The recordings there.
     kernels : PortKernels
         Paths of noise.
-    level : float
-        [FMU's unit] Standard deviation of the white noise that the controller reads.
+    noise : SensedNoise or None
+        That the controller reads, if any.
     """
     found = [_half_step(simulations, point, runs)]
-    if "sensor" in kernels.simulated and level > 0.0:
+    if noise is not None:
         rng = np.random.default_rng(0)
-        sizes = [record.plan.grid.size for record in simulations.records]
-        noises = [[_from_rest(rng, n) for n in sizes] for _ in range(PLAYED_NOISES)]
-        orders = [(own[k], k) for own in noises for k in range(len(sizes))]
+        drawn = [noise.drawn(rng) for _ in range(PLAYED_NOISES)]
+        orders = [(own[k], k) for own in drawn for k in range(len(runs))]
         played = simulations.map(
-            lambda order: _beyond_linear(
-                simulations, point, runs, kernels, level * order[0], order[1]
-            ),
-            orders,
+            lambda order: _beyond_linear(simulations, point, runs, kernels, *order), orders
         )
-        found += [played[i : i + len(sizes)] for i in range(0, len(played), len(sizes))]
+        found += [played[i : i + len(runs)] for i in range(0, len(played), len(runs))]
     columns = []
     for k, record in enumerate(simulations.records):
         own = [error[k] for error in found if error[k] is not None]
@@ -109,13 +106,6 @@ def errors_of(
             )
         )
     return SimulationErrors(simulations, tuple(columns))
-
-
-def _from_rest(rng: np.random.Generator, n: int) -> Array:
-    """White noise that begins at zero: its first row is held before the recording begins."""
-    noise = rng.standard_normal(n)
-    noise[0] = 0.0
-    return noise
 
 
 def _half_step(
@@ -145,9 +135,8 @@ def _beyond_linear(
     noisy = simulations.run_one(point, k, excitation={"sensor": noise})
     if not noisy.finite:
         return None
-    record, found = simulations.records[k], []
-    for signal, before, after in zip(record.signals, runs[k].signals, noisy.signals, strict=True):
-        linear = through(noise, kernels.simulated["sensor"][signal.name])
-        linear = np.interp(signal.time, record.plan.grid, linear)
-        found.append((after - before - linear) / np.sqrt(PLAYED_NOISES))
-    return found
+    linear = linear_answer(simulations, kernels, k, noise)
+    return [
+        (after - before - own) / np.sqrt(PLAYED_NOISES)
+        for before, after, own in zip(runs[k].signals, noisy.signals, linear, strict=True)
+    ]

@@ -13,7 +13,6 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.experiment.reference_menu import MenuEntry, RecordedLimits, reference_menu
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit
-from gmfbo.diagnosis.noise.replayed_noise import without_noise
 from gmfbo.diagnosis.runs.scored_record import Record, ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.scoring.noise_levels import tolerance_covariance, white_covariance
@@ -74,7 +73,7 @@ def recorded_limits(case: Case, base: Fitted, reference: str) -> RecordedLimits:
         Input that the controller follows.
     """
     speeds, accelerations, bands, columns = [], [], [], []
-    simulated = without_noise(case.simulations, base).simulated
+    simulated = base.simulated
     for record, run in zip(case.simulations.records, simulated, strict=True):
         grid = record.plan.grid
         velocity = np.gradient(run.response.held[case.rig.position or ""], grid)

@@ -113,13 +113,13 @@ class Hypothesis:
         Common to all hypotheses.
     effects : tuple of Candidate
         Effects that are on; their values are the start.
-    noise : tuple of PlayedNoise or None
+    noise : tuple of PlayedNoise, or None
         Noise that the controller saw in each recording, where it matters to this hypothesis.
     """
 
     setting: Setting
     effects: tuple[Candidate, ...] = ()
-    noise: tuple[PlayedNoise | None, ...] | None = None
+    noise: tuple[PlayedNoise, ...] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.noise.replayed_noise import above, corner_of_noise
+from gmfbo.diagnosis.noise.noise_corner import above, corner_of_noise
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,22 +28,22 @@ class Reading:
     to_si: float
 
 
-class PlayedNoise(Protocol):
-    """Noise that the controller saw in a recording."""
+@dataclass(frozen=True, eq=False)
+class PlayedNoise:
+    """Noise that the controller of a recording saw, played into the twin.
 
-    @property
-    def signal(self) -> str:
-        """Output that holds the reading."""
+    It overcomes small friction and bridges small dead zones: a twin without it behaves otherwise.
 
-    @property
-    def at_port(self) -> NDArray[np.float64]:
-        """[FMU's unit] Noise added at the sensor port, shape (rows,)."""
+    Attributes
+    ----------
+    at_port : ndarray, shape (rows,)
+        [FMU's unit] Added at the sensor port.
+    linear : tuple of ndarray, shape (n_rows of that signal,)
+        [SI] Its linear answer in each signal, which is taken out again.
+    """
 
-    def logged(self, response: Response) -> Response:
-        """Simulated readings with the noise in them."""
-
-    def slow_part(self, change: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-        """Part of a signal's change under the noise that is slower than the noise."""
+    at_port: NDArray[np.float64]
+    linear: tuple[NDArray[np.float64], ...]
 
 
 @dataclass(frozen=True)
@@ -60,14 +59,13 @@ class Point:
     only : mapping of str to int
         Recording of each effect that acts in only one.
     noise : sequence of PlayedNoise or None
-        Replayed noise of each recording; the slow change that it causes is added to the signals
-        of the quiet twin.
+        Of each recording.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     physics: Mapping[str, float] = field(default_factory=dict)
     only: Mapping[str, int] = field(default_factory=dict)
-    noise: Sequence[PlayedNoise | None] | None = None
+    noise: Sequence[PlayedNoise] | None = None
 
     def physics_in(self, record: int) -> dict[str, float]:
         """Physics that acts in one of the recordings."""
@@ -84,22 +82,14 @@ class Simulated:
 
     Attributes
     ----------
-    quiet : tuple of ndarray, shape (n_rows of that signal,)
-        [SI] Without noise; NaN after a run that ended early.
+    signals : tuple of ndarray, shape (n_rows of that signal,)
+        [SI] Without the linear answer to played noise; NaN after a run that ended early.
     response : Response
-        All simulated outputs and states, without noise.
-    under_noise : tuple of ndarray, optional
-        [SI] Signals with the slow change caused by noise, where noise is played.
+        All simulated outputs and states.
     """
 
-    quiet: tuple[NDArray[np.float64], ...]
+    signals: tuple[NDArray[np.float64], ...]
     response: Response
-    under_noise: tuple[NDArray[np.float64], ...] | None = None
-
-    @property
-    def signals(self) -> tuple[NDArray[np.float64], ...]:
-        """[SI] Signals that are compared with the recording."""
-        return self.quiet if self.under_noise is None else self.under_noise
 
     @property
     def finite(self) -> bool:

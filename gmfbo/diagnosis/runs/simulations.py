@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.scored_record import Record
-from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point, Reading, Simulated, Tracking
+from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, Tracking
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Columns, Response, RunPlan
 
@@ -144,24 +144,17 @@ class Simulations:
         record : int
             Index of the recording.
         excitation : mapping of str to ndarray, shape (rows,)
-            [FMU's unit] Added to a port.
+            [FMU's unit] Added to a port, in place of noise that the point plays.
         measured_noise : ndarray, shape (rows,)
             [FMU's unit] Added to the position that the tracking loop follows.
         """
-        quiet = self._run(point, record, excitation, measured_noise, self.tracking)
-        noise = None if point.noise is None else point.noise[record]
-        if noise is None or not quiet.finite:
-            return quiet
-        noisy = self.run_under(point, record, noise, excitation=excitation)
-        if not noisy.finite:
-            return noisy
-        signals = tuple(
-            before + noise.slow_part(after - before, signal.spacing)
-            for signal, before, after in zip(
-                self.records[record].signals, quiet.signals, noisy.signals, strict=True
-            )
-        )
-        return replace(quiet, under_noise=signals)
+        noise = None if point.noise is None or excitation is not None else point.noise[record]
+        if noise is None:
+            return self._run(point, record, excitation, measured_noise, self.tracking)
+        played = {"sensor": noise.at_port}
+        noisy = self._run(point, record, played, measured_noise, self.tracking)
+        signals = zip(noisy.signals, noise.linear, strict=True)
+        return replace(noisy, signals=tuple(column - linear for column, linear in signals))
 
     def run_freely(self, point: Point, record: int) -> Simulated:
         """Simulate one recording of an open-loop twin with nothing that keeps it near.
@@ -174,28 +167,6 @@ class Simulations:
             Index of the recording.
         """
         return self._run(point, record, None, None, None)
-
-    def run_under(
-        self, point: Point, record: int, noise: PlayedNoise, *, excitation: Columns | None = None
-    ) -> Simulated:
-        """Simulate one recording under noise, which its signals then contain entirely.
-
-        Parameters
-        ----------
-        point : Point
-            Values at which the twin runs.
-        record : int
-            Index of the recording.
-        noise : PlayedNoise
-            That of the recording.
-        excitation : mapping of str to ndarray, shape (rows,)
-            [FMU's unit] Added to a port.
-        """
-        more = dict(excitation or {})
-        more["sensor"] = more.get("sensor", 0.0) + noise.at_port
-        run = self._run(point, record, more, None, self.tracking)
-        response = run.response if self.reading is not None else noise.logged(run.response)
-        return Simulated(self.read(response, record), response)
 
     def _run(
         self,

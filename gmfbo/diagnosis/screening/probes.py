@@ -85,7 +85,7 @@ def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> lis
         for _ in variants:
             columns.append(
                 [
-                    tuple(a - b for a, b in zip(after.quiet, before.quiet, strict=True))
+                    tuple(a - b for a, b in zip(after.signals, before.signals, strict=True))
                     for after, before in zip(next(runs), base.simulated, strict=True)
                 ]
             )

@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
-from gmfbo.diagnosis.comparison.held_out_fit import Part, gains_on, part_of, seen_on, squares_on
+from gmfbo.diagnosis.comparison.held_out_fit import (
+    Part,
+    gains_on,
+    part_of,
+    quiet,
+    seen_on,
+    squares_on,
+)
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted
@@ -97,16 +104,17 @@ def validate(
         after = part_of(case, search, ledger, decision.row, chosen)
     scored = split.held_out or chosen
     left = decision.compared.scored.size_beside(decision.row.elements)
-    seen = [seen_on(case, search, ledger, part.fitted, scored, left) for part in (before, after)]
+    told = [quiet(case.simulations, part.fitted) for part in (before, after)]
+    seen = [seen_on(case, search, ledger, row, scored, left) for row in told]
     without = {}
     for name, row in _without(decision).items():
-        lost = part_of(case, search, ledger, row, chosen).fitted
+        lost = quiet(case.simulations, part_of(case, search, ledger, row, chosen).fitted)
         without[name] = seen_on(case, search, ledger, lost, scored)
     misfit = restricted(case.misfit, chosen)
-    plain = measured(misfit, before.fitted)
-    augmented = plain if after is before else measured(misfit, after.fitted)
-    told = _Told(case, misfit, scored, plain, augmented, split, unnamed)
-    return _scored(told, after, _Seen(decision, seen[0], seen[1], without))
+    plain = measured(misfit, told[0])
+    augmented = plain if after is before else measured(misfit, told[1])
+    models = _Told(case, misfit, scored, plain, augmented, split, unnamed)
+    return _scored(models, after, _Seen(decision, seen[0], seen[1], without))
 
 
 def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
@@ -133,15 +141,13 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     whole = part_of(case, search, ledger, decision.row, split.fitted)
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
-        runs = unseen.simulations.run([search.problem.point(row.hypothesis, row.x)])[0]
-        run = replace(row, runs=runs)
+        run = quiet(unseen.simulations, row)
         there.append(seen_on(unseen, search, ledger, run, split.held_out, left))
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
     for name, row in _without(decision).items():
-        runs = unseen.simulations.run([search.problem.point(row.hypothesis, row.x)])[0]
-        lost = replace(row, runs=runs)
+        lost = quiet(unseen.simulations, row)
         without[name] = seen_on(unseen, search, ledger, lost, split.held_out)
     found = _scored(told, whole, _Seen(decision, there[0], there[1], without))
     return replace(
@@ -160,7 +166,7 @@ def _without(decision: Decision) -> dict[str, Row]:
     rows = {}
     for name in names:
         row = ledger.rows.get(decision.row.elements - {name})
-        row = row or RowFits(search.problem).without(
+        row = row or RowFits(search.problem, ledger.noise).without(
             ledger.whitening, decision.row, name, _REFITTED
         )
         if row is not None:
