@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,20 +12,12 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO, Axis, Reference, moves, multisine, open_small
 
 Array = NDArray[np.float64]
 
 STEP = 1e-3
-SPLIT = Axis(
-    "drive_split",
-    "reference",
-    {"plant.load.inertia": 0.15},
-    {"controller.ctl.Kp": 100.0, "controller.ctl.Kd": 6.0},
-    {"torque_command": 0.02, "velocity": 1e-3},
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,23 +97,6 @@ def planted(
     return Planted(twin, recordings, columns)
 
 
-def ideal_drive(folder: Path, sensor: str = "controller.encoder_offset") -> FmuTwin:
-    """Drive as controller and plant with ideal encoders, its sensor port anywhere."""
-    models = models_folder()
-    text = (models / "drive_split.toml").read_text()
-    for old, new in {
-        '"drive_controller.fmu"': f'"{models / "drive_controller.fmu"}"',
-        '"drive_plant.fmu"': f'"{models / "drive_plant.fmu"}"',
-        'sensor = "controller.encoder_offset"': f'sensor = "{sensor}"',
-    }.items():
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "ideal_drive.toml"
-    path.write_text(text)
-    ideal = {"plant.enc.resolution": 0.0, "plant.enc.motor_resolution": 0.0}
-    return FmuTwin(path, parameters=ideal)
-
-
 @contextmanager
 def opened(found: Planted) -> Iterator[Case]:
     """Open the case of recordings with planted noise."""
@@ -131,12 +105,3 @@ def opened(found: Planted) -> Iterator[Case]:
         yield case
     finally:
         case.simulations.close()
-
-
-def with_added(found: Planted, column: Array) -> Planted:
-    """Add a column to each recorded position."""
-    recordings = [
-        recording.with_signals({"position": recording.signal("position") + column})
-        for recording in found.recordings
-    ]
-    return replace(found, recordings=recordings)

@@ -1,0 +1,67 @@
+"""Noise that a controller read is found in its recordings, and playing it mends a dead zone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.sensed_noise import SensedNoise, sensed_noise
+from tests.diagnosis.noise.planted_noise import Planted, opened, planted
+
+Array = NDArray[np.float64]
+SIGMA = 3e-4  # [rad]
+
+
+def sensed(case: Case) -> SensedNoise:
+    search = (stated := comparison_of(case, [])).search
+    ledger = search.opened(stated.first)
+    return sensed_noise(search.problem, ledger.rows[frozenset()], ledger.kernels, ledger.levels)
+
+
+def test_planted_noise_is_told_and_what_is_left_open_has_its_size() -> None:
+    found = planted(SIGMA)
+    with opened(found) as case:
+        noise = sensed(case)
+        drawn = [noise.drawn(np.random.default_rng(k)) for k in range(20)]
+    assert noise.level == pytest.approx(SIGMA, rel=0.1)
+    for k, truth in enumerate(found.noise):
+        inner = slice(50, -50)
+        error = float(np.std((noise.means[k] - truth)[inner]))
+        assert error < 0.4 * SIGMA
+        spread = float(np.std([(one[k] - noise.means[k])[inner] for one in drawn]))
+        assert spread == pytest.approx(error, rel=0.3)
+
+
+def test_noise_that_the_logger_alone_saw_is_not_played() -> None:
+    found = planted(SIGMA, is_felt=False)
+    with opened(found) as case:
+        noise = sensed(case)
+    assert max(float(np.std(mean)) for mean in noise.means) < 0.2 * SIGMA
+
+
+WIDTH = 0.06  # [N m] of the command
+DEAD_ZONE = {"actuator_dead_zone.width": WIDTH}
+
+
+@pytest.mark.slow
+def test_a_dead_zone_is_as_wide_as_it_is_where_noise_bridges_it() -> None:
+    """A quiet twin needs a narrower one to move as easily: the control."""
+    found: Planted = planted(SIGMA / 2.0, DEAD_ZONE)
+    with opened(found) as case:
+        stated = comparison_of(case, ["actuator_dead_zone"])
+        search = stated.search
+        ledger, scored = stated.run()
+        heard = ledger.rows[scored.best]
+        hushed = ModeSearch(search.problem, ledger.whitening, heard.hypothesis.quiet)
+        quiet = hushed.again(heard)
+    assert scored.best == {"actuator_dead_zone"}
+    assert width(heard) == pytest.approx(WIDTH, rel=0.05)
+    assert abs(width(quiet) - WIDTH) > 2.0 * abs(width(heard) - WIDTH)
+
+
+def width(row: Fitted) -> float:
+    return row.hypothesis.effects[0].values["width"]
