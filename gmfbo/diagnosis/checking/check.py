@@ -80,7 +80,7 @@ def check(
         notes = judge_motions(opened, given.recordings, given.doubts, seed=seed, jobs=jobs)
         counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
         nominal = open_nominal(opened, given.recordings, seed=seed, jobs=jobs, on_run=counted.one)
-        nominal.case.notes.extend((*given.notes, *notes))
+        nominal.case.notes[:0] = (*given.notes, *notes)
         try:
             refuse_columns(nominal.case, nominal.checked, given.doubts)
             return _seen(nominal, told, started, later)
