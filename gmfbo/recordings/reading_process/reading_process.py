@@ -25,12 +25,16 @@ PROCESSOR_LIMIT_S = 6.0
 """A library that loops in a damaged file is ended after so much computing, and 1 s a MB.
 
 The slowest of them needs 1 s to be loaded. The limit of time is longer, since it also runs while a
-slow disk loads the library itself.
+slow disk loads the library itself; on Linux, it is for a library that waits and computes nothing,
+so that a busy machine makes no file a damaged one.
 """
 SECOND_LIMIT_S = 2.0
 """The same for another way to read a file in which the library has looped before."""
 MEMORY_LIMIT_BYTES = 2**30 - 2**27  # with the process itself 1 GiB
 MEMORY_LIMIT_PER_BYTE = 20  # per byte of the file; text and compressed files need less
+
+_WAITS_BELOW = 0.01
+"""Share of one processor below which a process waits."""
 
 _PACKAGE_PARENT = Path(__file__).resolve().parents[3]
 # As for the FMU's worker, no module of the working folder may shadow ours.
@@ -98,7 +102,8 @@ def _ask(
         "function": function,
         "arguments": arguments,
         "memory_bytes": MEMORY_LIMIT_BYTES + MEMORY_LIMIT_PER_BYTE * size,
-        "seconds": 2.0 * limit_s,
+        # Only in case this process is gone by then: at least the share above was computed.
+        "seconds": limit_s + PROCESSOR_LIMIT_S / _WAITS_BELOW,
         "processor_s": SECOND_LIMIT_S
         if looped
         else PROCESSOR_LIMIT_S + TIME_LIMIT_S_PER_MB * size / 1e6,
@@ -153,15 +158,11 @@ class ReadingProcess:
         RecordingError
             The process crashed or was stopped at the time limit.
         """
-        late = threading.Event()
-
-        def stop() -> None:
-            late.set()
-            self._process.kill()
-
-        timer = threading.Timer(limit_s, stop)
-        timer.daemon = True
-        timer.start()
+        late, answered = threading.Event(), threading.Event()
+        watch = threading.Thread(
+            target=self._end_where_it_waits, args=(limit_s, answered, late), daemon=True
+        )
+        watch.start()
         done = False
         try:
             pickle.dump(order, self._orders)
@@ -178,10 +179,24 @@ class ReadingProcess:
                 "hostile, write or copy it again"
             ) from None
         finally:
-            timer.cancel()
+            answered.set()
+            watch.join()
             # After an interrupt an answer may be half read, so the process is ended too.
             if not done or late.is_set():
                 self.close()
+
+    def _end_where_it_waits(
+        self, limit_s: float, answered: threading.Event, late: threading.Event
+    ) -> None:
+        """End the process once it has computed next to nothing for so long."""
+        before = _computed_s(self.pid)
+        while not answered.wait(limit_s):
+            now = _computed_s(self.pid)
+            if now - before < _WAITS_BELOW * limit_s:
+                late.set()
+                self._process.kill()
+                return
+            before = now
 
     def _end_reason(self, processor_s: float) -> tuple[str, type[RecordingError]]:
         status = self._process.wait()
@@ -202,6 +217,16 @@ class ReadingProcess:
             except OSError:
                 continue  # buffered data can no longer be written
         self._process.wait()
+
+
+def _computed_s(pid: int) -> float:
+    """Processor time [s] of a process; zero where the system does not tell it in /proc."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return 0.0
+    user, system = text.rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
 _turn = threading.Lock()
