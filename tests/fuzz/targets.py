@@ -168,7 +168,7 @@ def _read_events(path: Path) -> None:
 
 
 # A library that loops in a foreign file, or fills the memory, is ended by the reading process
-# at 8 s of computing and some 1 GiB; most files take milliseconds.
+# at 6 s of computing and some 1 GiB; most files take milliseconds.
 def _apart(
     files: Callable[[], st.SearchStrategy[bytes]], read: Callable[[Path], None], name: str
 ) -> Target:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
+from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
 from gmfbo.diagnosis.checking.findings import all_findings
 from gmfbo.diagnosis.checking.nominal_case import NominalCase, open_nominal
@@ -76,9 +77,10 @@ def check(
     try:
         read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
         given = usable(opened, read)
+        notes = judge_motions(opened, given.recordings, given.doubts, seed=seed, jobs=jobs)
         counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
         nominal = open_nominal(opened, given.recordings, seed=seed, jobs=jobs, on_run=counted.one)
-        nominal.case.notes.extend(given.notes)
+        nominal.case.notes[:0] = (*given.notes, *notes)
         try:
             refuse_columns(nominal.case, nominal.checked, given.doubts)
             return _seen(nominal, told, started, later)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
+from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.contradiction import Doubts
@@ -41,7 +43,9 @@ def consistent(
         The twin as it is cannot follow the recordings.
     """
     given = usable(twin, recordings)
-    if given.doubts:
+    notes = judge_motions(twin, given.recordings, given.doubts, seed=seed, jobs=jobs)
+    given = replace(given, notes=(*given.notes, *notes))
+    if given.doubts.position or given.doubts.command:
         _ask_the_controller(twin, given.recordings, given.doubts, seed, jobs)
     return given
 

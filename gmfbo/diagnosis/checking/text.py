@@ -61,7 +61,6 @@ def check_lines(check: Check, *, every: bool = False) -> list[str]:
         *_responses(check),
         *_sizes(check, every),
         *_silent(check),
-        *(line for note in check.notes for line in wrapped(note, "note: ")),
         f"cost: {check.cost.simulations} simulations in {check.cost.seconds:.1f} s",
     ]
 
@@ -72,8 +71,9 @@ def _findings(check: Check, every: bool) -> list[str]:
     alike = _alike(check.findings)
     if not alike:
         which = "it" if files == 1 else "them"
-        return [f"{check.twin}: {runs}, nothing wrong with {which} was seen"]
-    lines = [f"{check.twin}: {runs}, {len(alike)} thing{'s' if len(alike) != 1 else ''} to look at"]
+        return [f"{check.twin}: {runs}, nothing wrong with {which} was seen", *_notes(check)]
+    count = f"{len(alike)} thing{'s' if len(alike) != 1 else ''}"
+    lines = [f"{check.twin}: {runs}, {count} to look at", *_notes(check)]
     shown = alike if every else alike[:_MOST_FINDINGS]
     for group in shown:
         lines += wrapped(f"{_title(group)}: {group[0].what}", "! ")
@@ -81,6 +81,11 @@ def _findings(check: Check, every: bool) -> list[str]:
     if len(alike) > len(shown):
         lines.append(f"  and {len(alike) - len(shown)} more: --all")
     return lines
+
+
+def _notes(check: Check) -> list[str]:
+    """What was changed in the recordings or taken for granted: all below rests on it."""
+    return [line for note in check.notes for line in wrapped(note, "note: ")]
 
 
 def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:

@@ -13,6 +13,7 @@ BLANKS = " "
 """The separator of a table whose cells are set apart by one or more blanks."""
 
 _QUOTED = re.compile(r'"[^"]*"')
+_ANY_MARK = re.compile(r"[;\s]")
 _LOOKED_AT = 20
 _WIDE_GAP = re.compile(r"\s{2,}|\t")
 
@@ -37,6 +38,9 @@ def separator_of_table(lines: list[str]) -> str:
         `;`, tab, comma or `BLANKS`.
     """
     tail = [_QUOTED.sub("", line) for line in lines[-_LOOKED_AT:]]
+    # Of a short file the first of them may be its header.
+    while len(tail) > 1 and not _begins_a_row(_ANY_MARK.split(tail[0].strip())[0]):
+        tail = tail[1:]
     for mark in (";", "\t"):
         if all(mark in line for line in tail):
             return mark
@@ -71,6 +75,11 @@ def cells_of(lines: list[str], separator: str, label: str) -> list[list[str]]:
         table = []
     if len(table) != len(lines):
         raise RecordingError(f"{label}: a quotation mark is not closed; correct the file")
+    width = len(table[-1]) if table else 0
+    if width > 1 and len(table[0]) == 1 and '"' not in lines[0]:
+        names = _blank_cells(lines[0], width)
+        if len(names) == width and not any(map(is_number, names)):
+            table[0] = names  # set apart by blanks, above rows that are not
     return table
 
 

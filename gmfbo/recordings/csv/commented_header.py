@@ -56,6 +56,8 @@ def with_bare_header(lines: list[str]) -> list[str]:
         cells = cells_of([text, lines[places[0]].strip()], separator, "")[0]
         while cells and not cells[-1].strip():
             cells = cells[:-1]
+        if len(cells) == 1:
+            cells = text.split()  # names set apart by blanks above rows that are not
         if len(cells) != len(first) or any(map(is_number, cells)):
             break
         bare[k] = text

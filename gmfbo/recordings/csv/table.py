@@ -32,6 +32,13 @@ from gmfbo.recordings.csv.layout import layout_of
 from gmfbo.recordings.csv.lvm import is_lvm, read_lvm
 from gmfbo.recordings.csv.oscilloscope import EvenClock
 from gmfbo.recordings.csv.preamble import stated_delimiter
+from gmfbo.recordings.csv.rohde_schwarz import (
+    Properties,
+    header_of,
+    layout_of_values,
+    refuse_header,
+    refuse_without_header,
+)
 from gmfbo.recordings.csv.rows import Rows
 from gmfbo.recordings.csv.twincat_scope import is_scope_export, read_scope
 
@@ -55,13 +62,19 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
     """
     label = path.name
     size = path.stat().st_size
-    if size > LARGE_BYTES:
+    waveform = header_of(path)
+    if size > LARGE_BYTES and waveform is None:
         try:
             return _read_large(path, label, dialect)
         except ValueError as error:  # not plain numbers: read cell by cell, if not too large
             if size > LARGEST_LENIENT_BYTES or _line_count(path) > LARGEST_LENIENT_LINES:
                 raise refuse_lenient(label, size, error) from None
+    if size > LARGEST_LENIENT_BYTES:
+        raise refuse_lenient(label, size, ValueError("its names stand in another file"))
     lines = re.split(r"\r\n|\n|\r", _text(path.read_bytes(), label))
+    if waveform is not None:
+        return _read_table(lines, label, dialect, waveform)
+    refuse_header(path, lines)
     top = next((line for line in lines if line.strip()), "")
     if dialect == "auto" and is_lvm(lines):
         return read_lvm(lines, label)
@@ -69,6 +82,7 @@ def read_csv(path: Path, dialect: str = "auto") -> RecordedColumns | RecordedCha
         dialect == "auto" and is_scope_export(lines, separator_of_header(top))
     ):
         return read_scope(lines, separator_of_header(top), label)
+    refuse_without_header(path, top.split(separator_of_header(top)))
     return _read_table(lines, label, dialect)
 
 
@@ -99,7 +113,9 @@ def _read_large(path: Path, label: str, dialect: str) -> RecordedColumns:
     return read_numbers(path, head, separator_of_table(rows), first)
 
 
-def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
+def _read_table(
+    lines: list[str], label: str, dialect: str, waveform: Properties | None = None
+) -> RecordedColumns:
     if not any(line.lstrip("# ").startswith("gmfbo") for line in lines[:1]):
         lines = with_bare_header(lines)
     comments, places = [], []
@@ -118,7 +134,10 @@ def _read_table(lines: list[str], label: str, dialect: str) -> RecordedColumns:
     places = places[1:] if stated and len(places) > 1 else places
     separator = stated or separator_of_table([lines[place - 1] for place in places])
     table = cells_of([lines[place - 1] for place in places], separator, label)
-    layout = layout_of(table, label, own=head.notes.own)
+    if waveform is None:
+        layout = layout_of(table, label, own=head.notes.own)
+    else:
+        layout = layout_of_values(table, waveform, label)
     rows = Rows(label, layout.rows, places[-len(layout.rows) :], separator, dialect)
     rows.check_width(len(layout.names))
     columns = [

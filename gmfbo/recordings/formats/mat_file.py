@@ -90,16 +90,22 @@ class _Version73:
     def __init__(self, file: Any) -> None:
         self._file = file
         self._left = _MOST_VALUES
+        self._within: list[Any] = []  # what holds the value that is read
 
     def value(self, item: Any, depth: int) -> Any:
         """Numbers, text, a list, a dict, or what MATLAB alone reads."""
         self._left -= 1
-        if self._left < 0:
+        if self._left < 0 or item in self._within:
             raise RecordingError(
                 f"{Path(self._file.filename).name}: expected at most {_MOST_VALUES} values in its "
                 "structures, got more, or one that holds itself; save signals as vectors"
             )
-        return None if depth == 0 else self._value(item, depth)
+        if depth == 0:
+            return None
+        self._within.append(item)
+        read = self._value(item, depth)
+        self._within.pop()
+        return read
 
     def _value(self, item: Any, depth: int) -> Any:
         kind = _text(item.attrs.get("MATLAB_class", b"double"))

@@ -80,7 +80,9 @@ def _limit_computing(seconds: float) -> None:
         import resource
 
         used = resource.getrusage(resource.RUSAGE_SELF)
-        limit = math.ceil(used.ru_utime + used.ru_stime + seconds)
+        computed = used.ru_utime + used.ru_stime
+        # The system counts whole seconds; one at least is left.
+        limit = max(math.floor(computed + seconds), math.ceil(computed) + 1)
         hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
         with contextlib.suppress(ValueError, OSError):
             soft = limit if hard == resource.RLIM_INFINITY else min(limit, hard)

@@ -20,6 +20,7 @@ from gmfbo.sources.first_twin.signals import Signals
 from gmfbo.sources.first_twin.twin_text import twin_text
 from gmfbo.sources.recorded.contradiction import contradiction
 from gmfbo.sources.recorded.missing_signals import missing_signals
+from gmfbo.sources.recorded.motion_unit import MUCH_BETTER
 from gmfbo.sources.recorded.wrapped_angle import unwrapped
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -28,11 +29,6 @@ _OTHER_UNITS = {
     "m": {"position": "mm", "velocity": "mm/s"},
 }
 """Units in which loggers leave out the unit, beside SI: those of drives' set points."""
-
-_MUCH_BETTER = 0.5
-"""Share of the error in SI below which another unit is believed. A right unit leaves what physics
-is missing; the nearest wrong one, degrees for radians, is off by a factor of 57."""
-
 
 _LONGEST_S = 8.0
 _SETTLED = 0.02
@@ -103,7 +99,7 @@ def with_likely_units(signals: Signals, log: LogColumns) -> LogColumns:
     unstated = [name for name in log.mapping.columns if _is_unstated_motion(signals, log, name)]
     if not unstated:
         return log
-    best, least = log, _MUCH_BETTER * _error(signals, log)
+    best, least = log, MUCH_BETTER * _error(signals, log)
     for base, units in _OTHER_UNITS.items():
         other, changed = log, False
         for name in unstated:

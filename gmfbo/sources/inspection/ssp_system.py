@@ -11,6 +11,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from gmfbo.errors import FmuFileError, in_short
+from gmfbo.sources.fmu_file.numbers import number_from
 from gmfbo.sources.fmu_file.unpacking import open_archive, read_member
 
 STRUCTURE = "SystemStructure.ssd"
@@ -253,8 +254,11 @@ def _parameters(element: Any, path: Path) -> Iterator[tuple[str, float]]:
                         "Integer or Boolean; make the value the FMU's own start value, and take "
                         "the parameter out of the package"
                     )
-                yield name, _number(parameter.value)
-
-
-def _number(text: str) -> float:
-    return {"true": 1.0, "false": 0.0}[text] if text in ("true", "false") else float(text)
+                value = number_from(parameter.value)
+                if value is None:
+                    raise FmuFileError(
+                        f"'{path.name}': parameter '{name}' of '{element.name}': expected a "
+                        f"number or truth value, got {in_short(str(parameter.value), 60)!r}; "
+                        "correct it in the package"
+                    )
+                yield name, value

@@ -10,19 +10,20 @@ recorded measurement, where no plant takes part.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
-from gmfbo.objective.fit import scored_rows
 from gmfbo.plain_words import number
 from gmfbo.recordings.columns.unit_in_name import note_on_header
-from gmfbo.recordings.recording import Recording
-from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness, likeness
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.recorded.controlled_signal import controlled, seen_signal, unit_of
+from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
+from gmfbo.sources.recorded.motion_unit import MotionUnit, motion_unit
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.units import parse_unit
 
@@ -37,13 +38,19 @@ class Doubts:
         Those in which the controlled signal hardly follows its reference.
     command : frozenset of int
         Those whose command is of opposite sign, or far in size, from the simulated one.
+    motion : mapping of int to MotionUnit
+        Those whose reference and controlled signal fit far better in another unit.
+    otherwise : mapping of int to str
+        Contradictions of these, in one line each, that hold if they are in no other unit.
     """
 
     position: frozenset[int]
     command: frozenset[int]
+    motion: Mapping[int, MotionUnit] = field(default_factory=dict)
+    otherwise: Mapping[int, str] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        return bool(self.position or self.command)
+        return bool(self.position or self.command or self.motion)
 
 
 def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Doubts:
@@ -59,7 +66,7 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
     Returns
     -------
     Doubts
-        Recordings for `refuse_columns`.
+        Recordings for `refuse_columns` and `judge_motions`.
 
     Raises
     ------
@@ -68,22 +75,31 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
     """
     signal = controlled(twin)
     position, command = set(), set()
+    motion, otherwise = {}, {}
     for k, recording in enumerate(recordings if signal else ()):
         if "reference" not in recording.signals:
             continue
         run = twin.run({}, recording)
+        moved = motion_unit(twin, recording, run)
+        if moved is not None:
+            motion[k] = moved
         if run.status != "ok":
             continue
-        _refuse_motions(twin, recording, run, signal)
-        seen = _seen(twin, recording, signal, run) if signal in recording.signals else None
+        try:
+            _refuse_motions(twin, recording, run, signal)
+        except RecordingError as error:
+            if moved is None:
+                raise
+            otherwise[k] = str(error)
+        seen = seen_signal(twin, recording, signal, run) if signal in recording.signals else None
         if seen is not None and seen.may_be_unrelated:
             position.add(k)
         if _is_doubtful(twin, recording, run):
             command.add(k)
-    return Doubts(frozenset(position), frozenset(command))
+    return Doubts(frozenset(position), frozenset(command), motion, otherwise)
 
 
-def contradiction(twin: FmuTwin, recording: Recording, run: Recording) -> str:
+def contradiction(twin: FmuTwin, recording: Recording, run: Trajectory) -> str:
     """Say how a recording contradicts the twin as it is, in one line; empty where it does not.
 
     Parameters
@@ -92,32 +108,21 @@ def contradiction(twin: FmuTwin, recording: Recording, run: Recording) -> str:
         The user's twin.
     recording : Recording
         Run of the real axis.
-    run : Recording
+    run : Trajectory
         The twin along it.
     """
     signal = controlled(twin)
     if not signal:
         return "; ".join(_off_scales(twin, recording, run))
+    moved = motion_unit(twin, recording, run)
+    if moved is not None and moved.is_beyond_physics:
+        return moved.told(recording.name or "recording")
     try:
         if "reference" in recording.signals:
             _refuse_motions(twin, recording, run, signal)
     except RecordingError as error:
         return str(error)
     return ""
-
-
-def controlled(twin: FmuTwin) -> str:
-    """Output that has to follow the reference: that in its unit; empty in open loop."""
-    file, variables = twin.file, twin.binding.variables
-    if "reference" not in file.inputs:
-        return ""
-    unit = variables[file.inputs["reference"].variable].variable.si_unit
-    alike = [
-        n
-        for n, e in file.outputs.items()
-        if unit and variables[e.variable].variable.si_unit == unit
-    ]
-    return alike[0] if alike else ""
 
 
 def scale_doubts(twin: FmuTwin, recording: Recording) -> list[str]:
@@ -168,7 +173,7 @@ def _refuse_other_motions(twin: FmuTwin, recording: Recording, run: Recording, s
 
     Forces are left out: they may be anything that the plant asks for.
     """
-    seen = _seen(twin, recording, signal, run) if signal in recording.signals else None
+    seen = seen_signal(twin, recording, signal, run) if signal in recording.signals else None
     if seen is not None and (seen.correlation < SAME_SHAPE or _wrong_unit(twin, signal, seen)):
         return
     way = parse_unit(unit_of(twin, signal))
@@ -186,7 +191,7 @@ def _refuse_other_motions(twin: FmuTwin, recording: Recording, run: Recording, s
 
 def _off_scale(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
     """Say that a signal has the simulation's shape in another unit or sign; empty otherwise."""
-    name, seen = recording.name or "recording", _seen(twin, recording, signal, run)
+    name, seen = recording.name or "recording", seen_signal(twin, recording, signal, run)
     if seen is None:
         return ""
     path = np.cumsum(np.abs(np.diff(run.signal(signal), prepend=run.signal(signal)[:1])))
@@ -215,7 +220,7 @@ def _two_units(
     note = note_on_header(recording.notes, signal)
     if not note or not _in_both_halves(twin, recording, run, signal, _is_off, path):
         return ""
-    seen = _seen(twin, recording, signal, run)
+    seen = seen_signal(twin, recording, signal, run)
     return f"{note}: it is {number(seen.gain)} times the simulation" if seen else ""
 
 
@@ -226,8 +231,8 @@ def _is_off(seen: Likeness) -> bool:
 def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
     """What is wrong with the controlled signal, in one line; empty where nothing is."""
     name, against = recording.name or "recording", "what the twin makes of reference"
-    seen = _seen(twin, recording, signal, run)
-    asked = _seen(twin, recording, signal, recording, "reference")
+    seen = seen_signal(twin, recording, signal, run)
+    asked = seen_signal(twin, recording, signal, recording, "reference")
     if seen is None or asked is None:
         return ""
     if seen.is_flipped and _in_both_halves(twin, recording, run, signal, lambda s: s.is_flipped):
@@ -277,7 +282,7 @@ def _in_both_halves(
     else:
         half = run.time[int(np.searchsorted(path, 0.5 * path[-1]))]
         halves = (recording.time < half, recording.time >= half)
-    seen = [_seen(twin, recording, signal, run, rows=half) for half in halves]
+    seen = [seen_signal(twin, recording, signal, run, rows=half) for half in halves]
     return all(one is not None and holds(one) for one in seen)
 
 
@@ -288,7 +293,7 @@ def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) ->
     run = twin.run({}, asked)
     if run.status != "ok":
         return False
-    seen = _seen(twin, asked, signal, run)
+    seen = seen_signal(twin, asked, signal, run)
     return (
         seen is not None
         and seen.correlation >= SAME_SHAPE
@@ -308,9 +313,9 @@ def _may_follow(twin: FmuTwin, recording: Recording, signal: str) -> bool:
 
 def _is_scaled_by_range(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> bool:
     """Whether an end of an uncertain range brings the size most of the way, or turns the sign."""
-    seen = _seen(twin, recording, signal, run)
+    seen = seen_signal(twin, recording, signal, run)
     for other in _at_range_ends(twin, recording) if seen is not None else ():
-        then = _seen(twin, recording, signal, other)
+        then = seen_signal(twin, recording, signal, other)
         if seen is None or then is None or not then.gain:
             continue
         if seen.gain * then.gain < 0.0:
@@ -337,35 +342,10 @@ def _is_doubtful(twin: FmuTwin, recording: Recording, run: Recording) -> bool:
     state = twin.file.states.get("command")
     for name, entry in twin.file.outputs.items():
         if entry.variable == state and name in recording.signals and controlled(twin):
-            seen = _seen(twin, recording, name, run)
+            seen = seen_signal(twin, recording, name, run)
             if seen is not None:
-                # From the root of 2 pi on, a size is nearer to that unit's than to the right one's.
-                far = abs(math.log(seen.motion)) > 0.5 * math.log(2.0 * math.pi)
-                return seen.correlation < 0.0 or far
+                return seen.correlation < 0.0 or seen.is_far_in_size
     return False
-
-
-def _seen(
-    twin: FmuTwin,
-    recording: Recording,
-    signal: str,
-    run: Recording,
-    expected: str = "",
-    *,
-    rows: NDArray[np.bool_] | None = None,
-) -> Likeness | None:
-    """Likeness of a recorded signal to that, or another, of a run, in rows that are scored."""
-    scored = scored_rows(recording, signal, warmup=twin.file.warmup or 0.0)
-    rows = scored if rows is None else scored & rows
-    known = np.isfinite(run.signal(expected or signal))
-    if rows.sum() < 3 or not known.any():
-        return None
-    other = np.interp(recording.time[rows], run.time[known], run.signal(expected or signal)[known])
-    return likeness(recording.signal(signal)[rows], other)
-
-
-def unit_of(twin: FmuTwin, signal: str) -> str:
-    return twin.binding.variables[twin.file.outputs[signal].variable].variable.si_unit
 
 
 def flipped(name: str, signal: str, against: str, gain: float) -> str:

@@ -46,6 +46,11 @@ class Likeness:
         return self.correlation <= -SAME_SHAPE and self.shifted < -self.correlation
 
     @property
+    def is_far_in_size(self) -> bool:
+        """Whether its size is nearer to the next unit's, 2 pi times as large, than to its own."""
+        return abs(math.log(self.motion)) > 0.5 * math.log(2.0 * math.pi)
+
+    @property
     def is_unrelated(self) -> bool:
         """Whether it moves, and has less than half of the expected motion in it at any shift."""
         return self.motion >= MIDWAY > max(self.shifted, self.shifted * self.motion)

@@ -30,7 +30,7 @@ def mistaken_unit(unit: str, gain: float) -> str | None:
     """
     if not gain or not math.isfinite(gain):
         return None
-    found = {name: times_si(name) for name in _candidates(unit)}
+    found = {name: times_si(name) for name in known_units(unit)}
     away = {name: abs(math.log(abs(gain) / ratio)) for name, ratio in found.items()}
     nearest = min(away, key=lambda name: away[name], default=None)
     if nearest is None or away[nearest] > math.log(AXIS_GAIN):
@@ -38,7 +38,14 @@ def mistaken_unit(unit: str, gain: float) -> str | None:
     return nearest if away[nearest] < abs(math.log(abs(gain))) else None
 
 
-def _candidates(unit: str) -> list[str]:
+def known_units(unit: str) -> list[str]:
+    """Usual units of the quantity of an SI unit, which they are not.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit; empty where it is not known.
+    """
     expected = parse_unit(unit) if unit else None
     if expected is None:
         return []

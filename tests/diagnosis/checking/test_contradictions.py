@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo import FmuTwin, check, diagnose
 from gmfbo.diagnosis.checking.consistent_recordings import consistent
+from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.errors import RecordingError
 from gmfbo.physics import CATALOGUE, Excitation
 from gmfbo.recordings.recording import Recording
@@ -70,7 +71,7 @@ WRONG: dict[str, tuple[Mapping[str, float], str]] = {
     "command in mN.m": ({"torque_command": 1e3}, "torque_command is .* in mN.m"),
     "motion in degrees": (
         {"reference": DEGREES, "position": DEGREES},
-        "as if reference and position were in deg",
+        "only as if reference and position were in deg",
     ),
 }
 
@@ -83,6 +84,45 @@ def test_a_wrong_column_is_refused_in_one_line(
     with pytest.raises(RecordingError, match=f"^rec0.csv: .*{said}") as refused:
         consistent(twin, [scaled(little, **factors)], seed=0, jobs=1)
     assert "\n" not in str(refused.value)
+
+
+def stops(t: Array) -> Array:
+    """Steps of 1 rad, at which the command meets its limit in rad as well."""
+    return 0.5 * np.sign(np.sin(2.0 * np.pi * 0.9 * t))
+
+
+@pytest.mark.parametrize(
+    ("unit", "reference"), [("deg", stops), ("deg", multisine), ("mrad", multisine)]
+)
+def test_motion_in_one_wrong_unit_is_told_where_it_drives_the_twin_into_its_limit(
+    unit: str, reference: Callable[[Array], Array], twin: FmuTwin
+) -> None:
+    """At its limit the twin follows nothing, and a push at it meets no controller."""
+    factor = {"deg": DEGREES, "mrad": 1000.0}[unit]
+    (moved,) = SERVO.recordings({}, [reference])
+    with pytest.raises(RecordingError, match=f"^rec0.csv: .*reference and position were in {unit}"):
+        consistent(twin, [scaled(moved, reference=factor, position=factor)], seed=0, jobs=1)
+
+
+def test_without_a_sensor_port_the_unit_of_the_motion_is_a_note(
+    tmp_path: Path, sound: list[Recording]
+) -> None:
+    """No controller can be asked; the axis may be another one."""
+    deaf = rewritten("servo_axis", tmp_path, {'sensor = "encoder_offset"': "#"})
+    wrong = scaled(sound[0], reference=DEGREES, position=DEGREES)
+    (note,) = consistent(deaf, [wrong], seed=0, jobs=1).notes
+    assert note.startswith("rec0.csv: reference and position seem to be in deg: read so, the twin")
+    turned = scaled(sound[0], reference=0.5 / np.pi, position=0.5 / np.pi)
+    assert consistent(deaf, [turned], seed=0, jobs=1).notes == ()  # an effect may do as much
+    assert consistent(deaf, sound, seed=0, jobs=1).notes == ()
+
+
+def test_a_command_that_another_unit_would_explain_is_the_controllers_to_judge(
+    twin: FmuTwin,
+) -> None:
+    """Negative control: an inertia six times as large asks for the command of a turn for a rad."""
+    heavy = Axis(truth={**SERVO.truth, "inertia": 2.0 * np.pi * 0.01}).recordings({}, [multisine])
+    consistent(twin, heavy, seed=0, jobs=1)
 
 
 def test_position_of_another_axis_is_refused(twin: FmuTwin, sound: list[Recording]) -> None:
@@ -160,7 +200,9 @@ def test_no_effect_of_the_library_is_refused_at_its_largest(axis: Axis) -> None:
                 f"{name}.{p.name}": share * p.high(case.setting.excitation)
                 for p in CATALOGUE[name].parameters
             }
-            refuse_contradictions(own, axis.recordings(physics, references))
+            recordings = axis.recordings(physics, references)
+            doubts = refuse_contradictions(own, recordings)
+            assert judge_motions(own, recordings, doubts, seed=0, jobs=1) == []
 
 
 def test_a_range_that_explains_the_gain_speaks_for_the_axis(

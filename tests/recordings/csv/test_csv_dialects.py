@@ -69,6 +69,17 @@ def test_each_dialect_holds_the_same_numbers(tmp_path: Path, text: str, ends: st
     assert recording.written_by == ""
 
 
+@pytest.mark.parametrize("sign", ["", "# ", "% "])
+@pytest.mark.parametrize("between", ["\t", ",", ";"])
+def test_names_set_apart_by_blanks_stand_above_rows_that_are_not(
+    tmp_path: Path, sign: str, between: str
+) -> None:
+    path = tmp_path / "run.txt"
+    rows = "".join(f"{k * 1e-3}{between}{0.5 * k}\n" for k in range(4))
+    path.write_text(f"{sign}time position\n{rows}")
+    np.testing.assert_array_equal(Recording.read(path).signal("position"), [0.0, 0.5, 1.0, 1.5])
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 def test_encodings_of_a_degree_sign(tmp_path: Path, encoding: str) -> None:
     text = "time [s];Winkel [°]\n0;0\n0,001;180\n"

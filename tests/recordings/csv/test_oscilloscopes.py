@@ -76,6 +76,83 @@ def test_start_alone_is_a_column_like_any_other(tmp_path: Path) -> None:
     np.testing.assert_array_equal(recording.signal("Start"), [5.0, 6.0])
 
 
+RTO = (  # R&S RTO6 User Manual, tables of the header file
+    "ResultType:Waveform:\nResolution:5e-4:\nSignalResolution:1e-3:\nSource:Ch1:\n"
+    "SignalFormat:FLOAT:\nXStart:-0.002:\nXStop:0.002:\nHardwareXStart:-0.002:\n"
+    "SignalHardwareRecordLength:4:\nInterleavedTraceCount:1:\nNumberOfAcquisitions:1:\n"
+    "VerticalOffset:0:V:\nTimestamp:2026-01-02 03:04:05:\n"
+)
+TWO = (
+    "MultiChannelExport:On:\nMultiChannelExportState:4:On:Off:On:Off:\n"
+    "MultiChannelSource:4:Ch1:None:Ch3:None:\nMultiChannelVerticalOffset:4:0:0:0:0:V:\n"
+)
+
+
+def rto(folder: Path, header: str, rows: list[str]) -> Path:
+    write(folder, header, "run.csv")
+    return write(folder, "".join(f"{row}\n" for row in rows), "run.Wfm.csv")
+
+
+def test_a_pair_of_rohde_and_schwarz_is_read_by_its_header(tmp_path: Path) -> None:
+    recording = Recording.read(rto(tmp_path, RTO, [f"{v:e}" for v in VOLTS]))
+    np.testing.assert_allclose(recording.time, TIMES, atol=1e-15)
+    np.testing.assert_array_equal(recording.signal("Ch1"), VOLTS)
+    assert recording.units["Ch1"] == "V"
+
+
+@pytest.mark.parametrize("between", [",", ";", "\t", " "])
+@pytest.mark.parametrize("timed", [False, True], ids=["even", "with times"])
+def test_a_pair_with_two_channels_names_those_that_were_exported(
+    tmp_path: Path, between: str, timed: bool
+) -> None:
+    cells = [([f"{t:e}"] if timed else []) + [f"{v:e}", f"{2 * v:e}"] for t, v in PAIRS]
+    recording = Recording.read(rto(tmp_path, RTO + TWO, [between.join(row) for row in cells]))
+    np.testing.assert_allclose(recording.time, TIMES, atol=1e-15)
+    np.testing.assert_array_equal(recording.signal("Ch1"), VOLTS)
+    np.testing.assert_array_equal(recording.signal("Ch3"), 2 * VOLTS)
+
+
+def test_samples_before_the_start_of_a_pair_are_placed_by_the_hardware_start(
+    tmp_path: Path,
+) -> None:
+    """They serve filters; a file without them begins at XStart."""
+    header = RTO.replace("\nXStart:-0.002", "\nXStart:0.0")
+    samples = [f"{v:e}" for v in VOLTS]
+    assert Recording.read(rto(tmp_path, header, samples)).time[0] == -0.002
+    assert Recording.read(rto(tmp_path, header, samples[1:])).time[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "words"),
+    [
+        (RTO, "0.1,0.2,0.3", "expected 1 values a line .Ch1., as its header states, got 3"),
+        (RTO.replace("Acquisitions:1", "Acquisitions:5"), "0.1", "expected one acquisition, got 5"),
+    ],
+)
+def test_a_pair_that_does_not_fit_together_is_refused(
+    tmp_path: Path, header: str, row: str, words: str
+) -> None:
+    with pytest.raises(RecordingError, match=words):
+        Recording.read(rto(tmp_path, header, [row] * 4))
+
+
+def test_half_a_pair_is_refused_with_the_name_of_the_other(tmp_path: Path) -> None:
+    values = rto(tmp_path, RTO, [f"{v:e}" for v in VOLTS])
+    with pytest.raises(RecordingError, match=r"the header of .* name its values, 'run.Wfm.csv'"):
+        Recording.read(tmp_path / "run.csv")
+    (tmp_path / "run.csv").unlink()
+    with pytest.raises(
+        RecordingError, match=r"expected its header 'run\.csv' beside it; copy both"
+    ):
+        Recording.read(values)
+
+
+def test_a_table_of_that_name_with_a_header_of_its_own_is_a_table(tmp_path: Path) -> None:
+    """Negative control."""
+    path = write(tmp_path, "time [s],CH1 [V]\n0,1\n1,2\n", "run.Wfm.csv")
+    np.testing.assert_array_equal(Recording.read(path).signal("CH1"), [1.0, 2.0])
+
+
 HEAD = (
     "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t{point}\n"
     "X_Columns\t{columns}\nDate\t2016/08/11\nTime\t14:37:48.2010002\n***End_of_Header***\t\n\t\n"

@@ -170,6 +170,23 @@ def test_a_cell_that_holds_itself_is_refused(tmp_path: Path) -> None:
         Recording.read(path)
 
 
+def test_cells_that_hold_each_other_are_refused_and_one_cell_in_two_places_is_read(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "run.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["t"], file["position"] = TIME.reshape(1, -1), ANGLE.reshape(1, -1)
+        for name in ("a", "b"):
+            cell = file.create_dataset(name, (1, 1), dtype=h5py.ref_dtype)
+            cell.attrs["MATLAB_class"] = np.bytes_("cell")
+            cell[0, 0] = file["position"].ref
+    assert list(Recording.read(path).signals) == ["a(1)", "b(1)", "position"]
+    with h5py.File(path, "a") as file:
+        file["a"][0, 0], file["b"][0, 0] = file["b"].ref, file["a"].ref
+    with pytest.raises(RecordingError, match="or one that holds itself"):
+        Recording.read(path)
+
+
 def test_an_object_of_a_v5_file_is_told_with_the_way_to_export_it() -> None:
     with pytest.raises(RecordingError, match=r"'logsout' is a MATLAB object \(timeseries\).*save"):
         Recording.read(OBJECT)

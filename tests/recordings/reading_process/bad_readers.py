@@ -48,3 +48,8 @@ def chatter(path: Path) -> None:
     """Print."""
     print("warning: " + "x" * 100_000)
     os.write(1, b"more\n")
+
+
+def loop_too(path: Path) -> NoReturn:
+    """Compute for ever on another way."""
+    loop(path)

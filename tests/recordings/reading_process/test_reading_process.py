@@ -27,6 +27,7 @@ from tests.recordings.reading_process.bad_readers import (
     hang,
     leave,
     loop,
+    loop_too,
     raise_,
 )
 
@@ -94,13 +95,32 @@ def test_a_reader_that_loops_is_ended_by_what_it_computed(
 ) -> None:
     """However busy the machine is; what waits and does not compute has the limit of time."""
     monkeypatch.setattr(reading_process, "PROCESSOR_LIMIT_S", 1.0)
-    for _ in range(2):  # the limit counts anew for each file
+    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 300.0)
+    for written in (1, 2):  # the limit counts anew for each file
+        os.utime(file, (written, written))
         with pytest.raises(RecordingError, match="did not end within 1 s of computing; the file"):
             read_apart(file, loop)
         assert len(Recording.read(file)) == 4
     monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 2.0)
     with pytest.raises(RecordingError, match="did not end within 2 s; the file"):
         read_apart(file, hang)  # control
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows limits no process's computing")
+def test_a_file_in_which_a_reader_looped_is_not_waited_for_again(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another way to read it, a repair's, still gets a short try."""
+    monkeypatch.setattr(reading_process, "PROCESSOR_LIMIT_S", 1.0)
+    monkeypatch.setattr(reading_process, "TIME_LIMIT_S", 300.0)
+    with pytest.raises(RecordingError, match="within 1 s of computing"):
+        read_apart(file, loop)
+    pid = pid_of_reader(file)
+    with pytest.raises(RecordingError, match="within 1 s of computing"):
+        read_apart(file, loop)
+    assert pid_of_reader(file) == pid  # nothing was ended
+    with pytest.raises(RecordingError, match="within 2 s of computing"):
+        try_apart(file, loop_too)
 
 
 def test_what_a_library_prints_does_not_reach_the_answer(file: Path) -> None:

@@ -193,6 +193,16 @@ FACTOR = wire("plant", "true_position", "", "position").removesuffix("/>") + ">"
             '<ssv:Enumeration value="fast"/>',
             r"parameter 'sample_time' of 'controller' is of type Enumeration \(fast\)",
         ),
+        (
+            '<ssv:Real value="1e-3"/>',
+            '<ssv:Real value="1 ms"/>',
+            "'sample_time' of 'controller': expected a number or truth value, got '1 ms'",
+        ),
+        (
+            '<ssv:Real value="99.0"/>',
+            "<ssv:Real/>",
+            "parameter 'kp' of 'controller': expected a number or truth value, got 'None'",
+        ),
         ("pd_filtered.fmu", "gone.fmu", "component 'controller': no FMU 'resources/gone.fmu' in"),
         ("pd_filtered.fmu", "../pd_filtered.fmu", r"no FMU 'resources/\.\./pd_filtered.fmu' in"),
         ("resources/pd_filtered.fmu", "inner.ssp", "is 'inner.ssp': expected an FMU in the packa"),
