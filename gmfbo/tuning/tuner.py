@@ -132,11 +132,10 @@ class Tuner:
 
     def _prepare(self, starts: NDArray[np.float64], recorded: RecordedChoice | None) -> None:
         """Set up what decides on queries, from the runs on disk."""
-        correction, is2 = self.method.correction, self._sources.is2
-        around_real = correction if correction and correction.around_real else None
+        options = terms.twin_options(self.study, self._store, self.method)
         self._watch = Watch(self.history)
         self._twin = TwinRuns(
-            is2, self.history, around_real, self._announce, lambda news: self._watch.say(news)
+            self._sources.is2, self.history, options, self._announce, lambda s: self._watch.say(s)
         )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
@@ -341,6 +340,7 @@ class Tuner:
             earlier=len(self._earlier),
             left_out=self._earlier.left_out,
             twin_versions=self._corrections.reasons,
+            learned=self._corrections.learned,
         )
 
     @property

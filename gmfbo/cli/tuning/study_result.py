@@ -46,6 +46,8 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
         console.print(f"plant changed      {drift.message}")
     for number, reason in enumerate(result.twin_versions, start=1):
         console.print(f"twin version {number:<6}{reason}", markup=False)
+    for line in result.learned:
+        console.print(f"                   {line}", markup=False)
     _print_gains(study, result)
     for remark in result.remarks:
         console.print(f"note               {remark}", markup=False)

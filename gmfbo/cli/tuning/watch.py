@@ -79,6 +79,7 @@ def _print_end(follower: StudyFollower) -> None:
         cost=review.runs[-1].cost if review.runs else 0.0,
         drifts=review.drifts,
         twin_versions=tuple(one.reason for one in review.twin_versions),
+        learned=review.twin_versions[-1].learned if review.twin_versions else (),
         earlier=earlier,
         left_out=taken[-1]["left_out"] if taken else 0,
         settled=review.settled,

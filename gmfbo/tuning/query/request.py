@@ -102,6 +102,9 @@ class TuningResult:
         Detected changes of the plant, in order; `best` is from after the last.
     twin_versions : tuple of str
         Reasons of the twin's corrections, in order.
+    learned : tuple of str
+        What the last of them has learned: parameters from -> to with interval, physics with
+        probability.
     settled : bool
         Whether a real run settled; True in studies that do not ask for it.
     remarks : tuple of str
@@ -119,6 +122,7 @@ class TuningResult:
     earlier: int = 0
     left_out: int = 0
     twin_versions: tuple[str, ...] = ()
+    learned: tuple[str, ...] = ()
     is2_runs: int = 0
     settled: bool = True
     remarks: tuple[str, ...] = ()
@@ -133,6 +137,7 @@ class TuningResult:
         earlier: int,
         left_out: int,
         twin_versions: tuple[str, ...],
+        learned: tuple[str, ...] = (),
     ) -> Self:
         """Result as of now.
 
@@ -146,6 +151,8 @@ class TuningResult:
             Real runs of an earlier study that were taken over, and that were not.
         twin_versions : tuple of str
             Reasons of the twin's corrections, in order.
+        learned : tuple of str
+            What the last of them has learned.
         """
         return cls(
             best=history.best,
@@ -158,6 +165,7 @@ class TuningResult:
             earlier=earlier,
             left_out=left_out,
             twin_versions=twin_versions,
+            learned=learned,
             settled=history.settled or not history.ranked,
             remarks=history.remarks,
             last_failure=last_failure(history.of("IS1")),
