@@ -14,6 +14,13 @@ from gmfbo.plain_words import words
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.history.worth import (
+    CONFIRMATIONS,
+    EVENT,
+    expected_gain,
+    noise_of_one_run,
+    not_worth,
+)
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
 from gmfbo.tuning.query.method import Method, Recommendation
@@ -50,6 +57,8 @@ class Proposals:
         Says which run is due to be repeated.
     corrections : TwinCorrections
         Versions of the twin.
+    confirms : bool
+        Whether the last runs may repeat the recommended gains.
     """
 
     method: Method
@@ -59,6 +68,7 @@ class Proposals:
     recorded: RecordedChoice | None
     drift: DriftWatch
     corrections: TwinCorrections
+    confirms: bool = False
 
     @property
     def played(self) -> list[Mapping[str, float]]:
@@ -149,7 +159,33 @@ class Proposals:
                 note = f"{note} moved to gains that may be run".lstrip()
             gains = self._not_run_yet(state, allowed)
         asked = TrialRequest(number, proposal.source, gains, proposal.mismatch, note, expected)
-        return self._within_margins(self._checked(asked))
+        return self._within_margins(self._checked(self._weighed(asked, state)))
+
+    def _weighed(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
+        """The request with a note where it hardly promises a gain; of the last runs a repetition.
+
+        It hardly promises one where the expected gain is below the noise of one run.
+        """
+        ranked = self.confirms and self.history.ranked
+        if not ranked or asked.source != "IS1" or asked.expected is None:
+            return asked
+        noise = noise_of_one_run(state)
+        # The luckiest run is no worse than the recommended gains, and needs no model.
+        if expected_gain(asked.expected, state.incumbent()) >= noise:
+            return asked
+        point, mean, std = self.method_in_force.recommend(state)
+        gain = expected_gain(asked.expected, mean)
+        if gain >= noise:
+            return asked
+        history, note = self.history, not_worth(gain, noise)
+        left = history.study.budget.queries_left(history.queries, history.made)
+        last = left - len(history.waiting) <= CONFIRMATIONS
+        confirms = last and self.recorded is None and not state.fixed
+        history.store.log(EVENT, number=asked.number, gain=gain, noise=noise, confirms=confirms)
+        if not confirms:
+            return replace(asked, note=f"{asked.note} {note}: you may stop here".lstrip())
+        gains, note = history.gains_at(point), f"{note}: repeats the recommended gains"
+        return replace(asked, gains=gains, note=note, expected=(mean, std))
 
     @property
     def method_in_force(self) -> Method:

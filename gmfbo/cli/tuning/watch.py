@@ -82,6 +82,10 @@ def _print_end(follower: StudyFollower) -> None:
         learned=review.twin_versions[-1].learned if review.twin_versions else (),
         earlier=earlier,
         left_out=taken[-1]["left_out"] if taken else 0,
+        why_left_out=tuple(
+            f"{count}: {why}"
+            for why, count in (taken[-1].get("reasons", {}) if taken else {}).items()
+        ),
         settled=review.settled,
         remarks=review.remarks,
     )

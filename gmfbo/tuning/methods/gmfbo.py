@@ -21,6 +21,7 @@ from gmfbo.objective.margins import MARGINS
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.experiment.run_values import at_times
 from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.history.worth import noise_of_one_run
 from gmfbo.tuning.methods.beliefs import (
     axis_and_twin,
     feasibility_of,
@@ -238,12 +239,14 @@ def sample_times(state: TuningState) -> NDArray[np.float64]:
     return state.experiment.scored_times(MOST_SAMPLES)
 
 
-def corrected_model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
-    """Fit the corrected twin to all real runs."""
+def corrected_model(
+    state: TuningState, times: NDArray[np.float64], noise: float = 0.0
+) -> CorrectedTwinModel:
+    """Fit the corrected twin to all real runs, whose cost has a noise [g] of its own."""
     from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
 
     runs, cost_of = axis_runs(state, times)
-    return CorrectedTwinModel.fit(runs, cost_of)
+    return CorrectedTwinModel.fit(runs, cost_of, noise)
 
 
 def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns, CostOf]:
@@ -327,7 +330,8 @@ def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, 
     points, simulated = twin_runs(state, times)
     if not len(points):
         return least_expected(single_source_model(state), state)
-    model = corrected_model(state, times)
+    # Without its noise the model believes each run, and the luckiest one would be recommended.
+    model = corrected_model(state, times, noise_of_one_run(state))
 
     def predict(
         at: NDArray[np.float64], source: SourceName
