@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.errors import ExhaustedError
 from gmfbo.objective.limits import Limits
 from gmfbo.plain_words import words
+from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
@@ -124,7 +125,17 @@ class Proposals:
         played = self.played
         if self.recorded is not None:
             return RealAxis(self.recorded.grid.after(played))
-        return RealAxis(next_axis(sources, self.history.study, len(played)))
+        plant = next_axis(sources, self.history.study, len(played))
+        if isinstance(plant, CommandPlant):
+            plant = replace(plant, envelope=self.history.envelope, safe_gains=self._safe_gains())
+        return RealAxis(plant)
+
+    def _safe_gains(self) -> Mapping[str, float]:
+        """Gains of the last run inside the envelope, or those in force; empty without either."""
+        inside = [trial.gains for trial in self.history.of("IS1") if trial.status == "ok"]
+        if inside:
+            return inside[-1]
+        return self.history.gains_at(self.starts[0]) if len(self.starts) else {}
 
     def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
         state, number = self._state(held), self.history.next_number

@@ -59,6 +59,7 @@ def _print_end(follower: StudyFollower) -> None:
     from gmfbo.cli.tuning.study_result import print_result
     from gmfbo.tuning.query.method import Recommendation
     from gmfbo.tuning.query.request import TuningResult
+    from gmfbo.tuning.told.earlier_runs import reasons_told
 
     review = follower.review
     if follower.state == "interrupted":
@@ -82,10 +83,7 @@ def _print_end(follower: StudyFollower) -> None:
         learned=review.twin_versions[-1].learned if review.twin_versions else (),
         earlier=earlier,
         left_out=taken[-1]["left_out"] if taken else 0,
-        why_left_out=tuple(
-            f"{count}: {why}"
-            for why, count in (taken[-1].get("reasons", {}) if taken else {}).items()
-        ),
+        why_left_out=reasons_told(taken[-1].get("reasons", {}) if taken else {}),
         settled=review.settled,
         remarks=review.remarks,
     )

@@ -82,11 +82,12 @@ class EarlierRuns:
         if logged is not None:
             # Former versions logged no reasons.
             reasons = logged.get("reasons", {"not within [gains]": logged["left_out"]})
-            found = {"numbers": tuple(logged["trials"]), "files": tuple(logged.get("files", ()))}
-            return replace(nothing, location=path, reasons=reasons, **found)
+            files = tuple(logged.get("files", ()))
+            numbers = () if files else tuple(logged["trials"])
+            return replace(nothing, location=path, reasons=reasons, numbers=numbers, files=files)
         if path.is_dir() and not any((path / name).exists() for name in _OF_A_STUDY):
-            files, reasons = choose_recordings(label, path, gains, experiment, reading)
-            return replace(nothing, location=path, files=tuple(files), reasons=reasons)._any(label)
+            names, reasons = choose_recordings(label, path, gains, experiment, reading)
+            return replace(nothing, location=path, files=tuple(names), reasons=reasons)._any(label)
         return nothing._of_study(label, Study.read(path), study)._any(label)
 
     def __len__(self) -> int:
@@ -100,7 +101,7 @@ class EarlierRuns:
     @property
     def why_left_out(self) -> tuple[str, ...]:
         """Reasons with their numbers, one a line."""
-        return tuple(f"{count}: {why}" for why, count in self.reasons.items() if count)
+        return reasons_told(self.reasons)
 
     def log_once(self, study: Study, store: StandingStore) -> None:
         """Log the choice before its first run is written.
@@ -192,6 +193,17 @@ class EarlierRuns:
             f"{label}: expected real runs that this study could have asked for, {self.left_out} "
             f"were made, none of them is{why}; change [gains] or name another place"
         )
+
+
+def reasons_told(reasons: Mapping[str, int]) -> tuple[str, ...]:
+    """Reasons why runs were not taken over, each with its number in front.
+
+    Parameters
+    ----------
+    reasons : mapping of str to int
+        Number of runs by reason.
+    """
+    return tuple(f"{count}: {why}" for why, count in reasons.items() if count)
 
 
 _BEGUN = ", but this study began to take it; bring it back, or give another 'out'"
