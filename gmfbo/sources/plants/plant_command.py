@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gmfbo.errors import NotTheGainsError, RecordingError
@@ -18,6 +19,7 @@ from gmfbo.recordings.writing.writer import write_recording
 from gmfbo.sources.plants.child_program import find_program, run_program
 from gmfbo.sources.plants.failed_run import failed_run
 from gmfbo.sources.plants.heartbeat import LOST_AFTER_S, beating
+from gmfbo.sources.plants.run_guard import LATENCY
 
 RECORDING = "recording"
 NOT_THE_GAINS = 75
@@ -183,9 +185,21 @@ class CommandPlant:
             names = ", ".join(path.name for path in found)
             return None, f"expected one recording, --out FILE, got {names or 'none'}"
         try:
-            return read_recording(found[0], self.reading), ""
+            return _with_latency(read_recording(found[0], self.reading), found[0]), ""
         except RecordingError as error:
             return None, str(error)
+
+
+def _with_latency(run: Recording, path: Path) -> Recording:
+    """The run with the latency of its abort; by a twin file only its parameters are read."""
+    if path.suffix != ".csv":
+        return run
+    said = re.search(rf"^# *{LATENCY} *= *(\S+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    try:
+        latency = {} if said is None else {LATENCY: float(said[1])}
+    except ValueError:
+        return run
+    return replace(run, parameters={**run.parameters, **latency})
 
 
 def _is_failed(result: Recording) -> bool:
