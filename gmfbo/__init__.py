@@ -2,10 +2,10 @@
 
 The loop::
 
-    real axis (IS1) ----> trajectories ----> correction GP ----> corrected twin (IS3)
-        ^                                        ^                     |
-        | next gains                             |                     v
-    acquisition <--- surrogate over gains and source <--- digital twin (IS2)
+    real axis (IS1) ----> trajectories ----> error of the twin over the gains
+        ^                                               |
+        | next gains                                    v
+    acquisition <--- surrogate <--- cost of the corrected twin <--- digital twin (IS2)
 
 Public names load when first used, so that inspecting files needs no torch.
 """

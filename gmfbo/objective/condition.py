@@ -52,7 +52,7 @@ class Condition:
     text : str
         As given, such as `abs(position - reference) < 0.5`.
     tree : ast.expr
-        Its formula: numbers, signals, `time`, + - * / **, comparisons, and, or, not, and the
+        Its formula: numbers, signals, `time`, ``+ - * / **``, comparisons, and, or, not, and the
         functions of `FUNCTIONS`.
     """
 

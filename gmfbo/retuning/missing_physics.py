@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from gmfbo.errors import GmfboError
 from gmfbo.recordings.recording import Recording
@@ -31,6 +32,8 @@ class Completion:
         Uncertain parameters [FMU's unit] refitted together with the physics.
     sentence : str
         The verdict in plain words.
+    named : tuple of mapping
+        `name`, `statement` and `probability` of each effect, as the diagnosis says them.
     """
 
     twin: FmuTwin
@@ -38,6 +41,7 @@ class Completion:
     names: tuple[str, ...]
     parameters: Mapping[str, float]
     sentence: str
+    named: tuple[Mapping[str, Any], ...] = ()
 
 
 def complete(
@@ -86,7 +90,11 @@ def complete(
     augmented = FmuTwin(exported.twin_file, driven_ports=twin.driven_ports)
     scalars = tuple(_about(augmented, f"physics.{one.name}", one.value) for one in physics)
     names = tuple(effect.name for effect in found.effects)
-    return Completion(augmented, scalars, names, parameters, found.sentence)
+    named = tuple(
+        {"name": one.name, "statement": one.statement, "probability": one.set_probability}
+        for one in found.effects
+    )
+    return Completion(augmented, scalars, names, parameters, found.sentence, named)
 
 
 def _about(twin: FmuTwin, name: str, value: float) -> Scalar:

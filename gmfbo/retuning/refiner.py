@@ -15,6 +15,7 @@ from gmfbo.recordings.store.trial import Trial
 from gmfbo.retuning.believed_values import drawn_values
 from gmfbo.retuning.calibration import Calibration, Estimate, RealRun, floors
 from gmfbo.retuning.kept_estimate import keep_estimate, read_estimate
+from gmfbo.retuning.learned_values import learned_values
 from gmfbo.retuning.missing_physics import Completion, complete
 from gmfbo.retuning.real_runs import (
     compared_signals,
@@ -69,6 +70,8 @@ class _Version:
         Number of the last real run before the newest known change of the plant.
     effects : tuple of str
         Effects named by the diagnosis.
+    named : tuple of mapping
+        Their names, statements and probabilities.
     """
 
     number: int
@@ -79,6 +82,7 @@ class _Version:
     last: int = 0
     since: int = 0
     effects: tuple[str, ...] = ()
+    named: tuple[Mapping[str, Any], ...] = ()
 
     @property
     def given_up(self) -> bool:
@@ -192,6 +196,7 @@ class PhysicsRefiner:
             last=event["after"],
             since=event.get("since", 0),  # an older log lacks it: any change then counts as new
             effects=tuple(event["effects"]),
+            named=tuple(event.get("named", ())),  # an older log lacks it
         )
         return self._as_version(event["reason"], {})
 
@@ -246,6 +251,7 @@ class PhysicsRefiner:
             model=found.twin,
             unknowns=self._uncertain.with_physics(found.scalars),
             effects=found.names,
+            named=found.named,
         )
         runs = [real_run(t, signals, found.twin, history.experiment) for t in trials]
         begun = _carried_over(estimate, version.unknowns, found)
@@ -259,6 +265,7 @@ class PhysicsRefiner:
             unknowns=self._uncertain,
             estimate=None,
             effects=(),
+            named=(),
         )
         return self._told(
             "taken back: the corrected twin predicted the last real runs worse than the twin "
@@ -272,6 +279,7 @@ class PhysicsRefiner:
             "first": version.first,
             "since": version.since,
             "effects": list(version.effects),
+            "named": [dict(one) for one in version.named],
             "given_up": version.given_up,
             "augmented": None,
             "physics": [],
@@ -282,6 +290,8 @@ class PhysicsRefiner:
             details["parameters"] = version.unknowns.settings(estimate.x)
             details["errors"] = dict(zip(signals, map(float, estimate.errors), strict=True))
             details["simulations"] = estimate.simulations
+            units, given = version.model.parameter_units(), len(self._uncertain.scalars)
+            details |= learned_values(version.unknowns, estimate, units, given)
         if version.model is not self._given:
             place = version.model.path.resolve().relative_to(self._folder.resolve())
             details["augmented"] = place.as_posix()

@@ -112,7 +112,7 @@ class Unknowns:
         """FMU parameters [FMU's unit] at x, shape (size,)."""
         values = {one.name: one.value(x[k]) for k, one in enumerate(self.scalars)}
         for table, prior, before, change in zip(
-            self.tables, self.priors, self.before, self._changes(x), strict=True
+            self.tables, self.priors, self.before, self.changes(x), strict=True
         ):
             values |= table.settings(prior.nodes, change, before)
         return values
@@ -120,7 +120,7 @@ class Unknowns:
     def prior_rows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Residuals of the prior; their squares add up to minus twice its logarithm."""
         rows = [x[: len(self.scalars)]]
-        rows += [p.rows(change) for p, change in zip(self.priors, self._changes(x), strict=True)]
+        rows += [p.rows(change) for p, change in zip(self.priors, self.changes(x), strict=True)]
         return np.concatenate(rows)
 
     def prior_slope(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -128,11 +128,12 @@ class Unknowns:
         from scipy.linalg import block_diag
 
         blocks = [np.eye(len(self.scalars))]
-        for prior, change in zip(self.priors, self._changes(x), strict=True):
+        for prior, change in zip(self.priors, self.changes(x), strict=True):
             blocks.append(prior.slope_of_rows(change) * (prior.scale * prior.noise))
         return np.asarray(block_diag(*blocks))
 
-    def _changes(self, x: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    def changes(self, x: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """Change of the nodes of each table at x [unit of the nodes]."""
         changes, first = [], len(self.scalars)
         for prior in self.priors:
             last = first + prior.nodes.size

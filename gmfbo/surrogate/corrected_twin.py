@@ -125,7 +125,7 @@ class CorrectedTwinModel:
     _white: NDArray[np.float64]
 
     @classmethod
-    def fit(cls, runs: AxisRuns, cost_of: CostOf) -> Self:
+    def fit(cls, runs: AxisRuns, cost_of: CostOf, noise: float = 0.0) -> Self:
         """Fit the residual, measure its error by leaving runs out, and condition on all runs.
 
         Parameters
@@ -134,6 +134,8 @@ class CorrectedTwinModel:
             At least one.
         cost_of : callable
             From trajectories, shape (q, m), to g, shape (q,).
+        noise : float
+            [g] Standard deviation of the cost of repeated runs, beyond the nugget.
         """
         paired = runs.paired
         points, residuals = runs.points[paired], (runs.measured - runs.simulated)[paired]
@@ -146,7 +148,8 @@ class CorrectedTwinModel:
             float(np.median(np.abs(errors))) if len(errors) else spread, LEAST_SCALE * spread
         )
         everything = np.arange(len(runs.values))
-        factor = cholesky(_covariance(runs.points, runs.extra_of(everything)), lower=True)
+        extra = runs.extra_of(everything) + (noise / scale) ** 2
+        factor = cholesky(_covariance(runs.points, extra), lower=True)
         departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
         white = solve_triangular(factor, departures / scale, lower=True)
         return cls(runs, cost_of, residual, scale, factor, white)

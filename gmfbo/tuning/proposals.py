@@ -11,9 +11,17 @@ from numpy.typing import NDArray
 from gmfbo.errors import ExhaustedError
 from gmfbo.objective.limits import Limits
 from gmfbo.plain_words import words
+from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
+from gmfbo.tuning.history.worth import (
+    CONFIRMATIONS,
+    EVENT,
+    expected_gain,
+    noise_of_one_run,
+    not_worth,
+)
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
 from gmfbo.tuning.query.method import Method, Recommendation
@@ -50,6 +58,8 @@ class Proposals:
         Says which run is due to be repeated.
     corrections : TwinCorrections
         Versions of the twin.
+    confirms : bool
+        Whether the last runs may repeat the recommended gains.
     """
 
     method: Method
@@ -59,6 +69,7 @@ class Proposals:
     recorded: RecordedChoice | None
     drift: DriftWatch
     corrections: TwinCorrections
+    confirms: bool = False
 
     @property
     def played(self) -> list[Mapping[str, float]]:
@@ -114,7 +125,17 @@ class Proposals:
         played = self.played
         if self.recorded is not None:
             return RealAxis(self.recorded.grid.after(played))
-        return RealAxis(next_axis(sources, self.history.study, len(played)))
+        plant = next_axis(sources, self.history.study, len(played))
+        if isinstance(plant, CommandPlant):
+            plant = replace(plant, envelope=self.history.envelope, safe_gains=self._safe_gains())
+        return RealAxis(plant)
+
+    def _safe_gains(self) -> Mapping[str, float]:
+        """Gains of the last run inside the envelope, or those in force; empty without either."""
+        inside = [trial.gains for trial in self.history.of("IS1") if trial.status == "ok"]
+        if inside:
+            return inside[-1]
+        return self.history.gains_at(self.starts[0]) if len(self.starts) else {}
 
     def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
         state, number = self._state(held), self.history.next_number
@@ -149,7 +170,33 @@ class Proposals:
                 note = f"{note} moved to gains that may be run".lstrip()
             gains = self._not_run_yet(state, allowed)
         asked = TrialRequest(number, proposal.source, gains, proposal.mismatch, note, expected)
-        return self._within_margins(self._checked(asked))
+        return self._within_margins(self._checked(self._weighed(asked, state)))
+
+    def _weighed(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
+        """The request with a note where it hardly promises a gain; of the last runs a repetition.
+
+        It hardly promises one where the expected gain is below the noise of one run.
+        """
+        ranked = self.confirms and self.history.ranked
+        if not ranked or asked.source != "IS1" or asked.expected is None:
+            return asked
+        noise = noise_of_one_run(state)
+        # The luckiest run is no worse than the recommended gains, and needs no model.
+        if expected_gain(asked.expected, state.incumbent()) >= noise:
+            return asked
+        point, mean, std = self.method_in_force.recommend(state)
+        gain = expected_gain(asked.expected, mean)
+        if gain >= noise:
+            return asked
+        history, note = self.history, not_worth(gain, noise)
+        left = history.study.budget.queries_left(history.queries, history.made)
+        last = left - len(history.waiting) <= CONFIRMATIONS
+        confirms = last and self.recorded is None and not state.fixed
+        history.store.log(EVENT, number=asked.number, gain=gain, noise=noise, confirms=confirms)
+        if not confirms:
+            return replace(asked, note=f"{asked.note} {note}: you may stop here".lstrip())
+        gains, note = history.gains_at(point), f"{note}: repeats the recommended gains"
+        return replace(asked, gains=gains, note=note, expected=(mean, std))
 
     @property
     def method_in_force(self) -> Method:

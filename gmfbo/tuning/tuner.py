@@ -107,7 +107,8 @@ class Tuner:
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
             meter = terms.margin_meter(study, self._sources, self.experiment)
-            self._earlier = EarlierRuns.find(study, self.gains, self.experiment)
+            files = (self.gains, self.experiment, self._sources.reading)
+            self._earlier = EarlierRuns.find(study, *files)
             opened = store or closing.enter_context(study.open_for_writing(resume=resume))
             self._store = StandingStore(opened)
             correction = self.method.correction
@@ -125,18 +126,16 @@ class Tuner:
             )
             hashes = self._sources.content_hashes | ({"metrics": own.content_hash} if own else {})
             study.log_begin(self._store, hashes, self._sources.units_of(self.gains))
-            if len(self._earlier) and study.earlier_logged is None:
-                self._store.log("earlier", **self._earlier.event)
+            self._earlier.log_once(study, self._store)
             self._closing = closing.pop_all()
         self._prepare(starts, recorded)
 
     def _prepare(self, starts: NDArray[np.float64], recorded: RecordedChoice | None) -> None:
         """Set up what decides on queries, from the runs on disk."""
-        correction, is2 = self.method.correction, self._sources.is2
-        around_real = correction if correction and correction.around_real else None
+        options = terms.twin_options(self.study, self._store, self.method)
         self._watch = Watch(self.history)
         self._twin = TwinRuns(
-            is2, self.history, around_real, self._announce, lambda news: self._watch.say(news)
+            self._sources.is2, self.history, options, self._announce, lambda s: self._watch.say(s)
         )
         self._corrections = TwinCorrections.begin(self.method, self._twin)
         self._twin = self._corrections.runs
@@ -144,7 +143,8 @@ class Tuner:
         self._waiting = Waiting(self.history)
         self._drift = DriftWatch(self.history, self.study.file.drift)
         self._proposals = Proposals(
-            self.method, self.history, self.gains, starts, recorded, self._drift, self._corrections
+            *(self.method, self.history, self.gains, starts, recorded, self._drift),
+            *(self._corrections, self.study.objective_version(self._store) >= 3),
         )
 
     @overload
@@ -315,9 +315,8 @@ class Tuner:
         except KeyboardInterrupt:
             self._store.log("interrupt", trials=len(self.history.trials))
             raise
-        result = self.result()
         self._announce("done", self.history.trials[-1])
-        return result
+        return self.result()
 
     def watch(self, progress: ProgressCallback | None) -> None:
         """Report each finished run from now on.
@@ -339,8 +338,9 @@ class Tuner:
             self.history,
             recommendation,
             earlier=len(self._earlier),
-            left_out=self._earlier.left_out,
+            why_left_out=self._earlier.why_left_out,
             twin_versions=self._corrections.reasons,
+            learned=self._corrections.learned,
         )
 
     @property

@@ -9,6 +9,7 @@ from typing import Any, Self
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.twin_budget import EVENT as TIME_EVENT
 from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.twin.learned import learned_lines
 from gmfbo.tuning.twin.twin_runs import TwinRuns
 from gmfbo.tuning.twin.twin_version import RefiningMethod, TwinRefiner, TwinVersion
 from gmfbo.tuning.watch import Watch
@@ -64,6 +65,12 @@ class TwinCorrections:
         return tuple(event["reason"] for event in self._logged())
 
     @property
+    def learned(self) -> tuple[str, ...]:
+        """What the latest version has learned, in lines; none before the first."""
+        logged = self._logged()
+        return learned_lines(logged[-1]) if logged else ()
+
+    @property
     def just_made(self) -> bool:
         """Whether the newest real run led to a new version of the twin."""
         logged, real = self._logged(), self.runs.history.of("IS1")
@@ -92,7 +99,9 @@ class TwinCorrections:
                     **version.details,
                 )
                 self._use(version)
-                watch.tell("twin", real[-1], None, f"the twin was corrected: {version.reason}")
+                news = f"the twin was corrected: {version.reason}"
+                told = (news, *learned_lines(version.details))
+                watch.tell("twin", real[-1], None, "\n      ".join(told))
         if history.twin is not None:
             self.runs.renew()
         return self.runs

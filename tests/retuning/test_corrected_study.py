@@ -24,9 +24,11 @@ from gmfbo.retuning.twin_guard import misleads
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.twin_at import TwinAt
+from gmfbo.sources.twin.uncertain import uncertain_of
 from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.query.method import CorrectionOptions
+from gmfbo.tuning.twin.learned import learned_lines
 from gmfbo.tuning.twin.twin_version import TwinVersion
 from tests.retuning.smoothed_once import SMOOTHED_ONCE
 
@@ -109,6 +111,29 @@ def test_each_version_is_logged_with_its_reason_and_what_it_is(whole: Study) -> 
     assert len(first["parameters"]) == 52
     assert 0.07 <= first["parameters"]["load.inertia"] <= 0.28
     assert set(first["errors"]) == {"position", "torque_command", "velocity"}
+
+
+def test_what_the_twin_learned_is_told_with_intervals(whole: Study) -> None:
+    last = events(whole, "twin_version")[-1]
+    learned = {one["name"]: one for one in last["learned"]}
+    assert set(learned) == set(uncertain_of_drive())
+    for name, one in learned.items():
+        # The plant is the twin as shipped, apart from its table.
+        assert one["before"] == pytest.approx(uncertain_of_drive()[name])
+        assert one["low"] <= one["after"] <= one["high"]
+        assert one["after"] == last["parameters"][name]
+    inertia = learned["load.inertia"]
+    assert inertia["low"] <= inertia["before"] <= inertia["high"]
+    assert inertia["high"] - inertia["low"] < 0.5 * (0.28 - 0.07)  # narrower than was believed
+    assert abs(inertia["after"] - inertia["before"]) > 1e-3  # so that the interval has a say
+    lines = learned_lines(last)
+    assert any(line.startswith("load.inertia: 0.14 -> ") for line in lines)
+    assert any(line.startswith("table flux_q: its nodes moved by ") for line in lines)
+
+
+def uncertain_of_drive() -> dict[str, float]:
+    with FmuTwin(models_folder() / "drive_twin.toml") as twin:
+        return {one.name: one.nominal for one in uncertain_of(twin)}
 
 
 def test_the_twin_runs_again_wherever_it_was_run(whole: Study) -> None:

@@ -67,7 +67,7 @@ class StudyDisplay:
         if told := real_run_text(step):
             self._bar.console.print(told)
         if step.note:
-            self._bar.console.print(f"note: {step.note}")
+            self._bar.console.print(f"note: {step.note}", markup=False)
 
     def _done(self, step: progress.Progress) -> tuple[str, int, int]:
         """Counted unit, number done, and number at which this part of the study ends."""

@@ -39,13 +39,16 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
         f"cost {result.cost:.1f} (a twin run counts 0.1)"
     )
     if result.earlier:
-        left = f", {result.left_out} at other gains left out" if result.left_out else ""
-        runs = f"{result.earlier} real runs of {study.file.earlier}{left}"
+        runs = f"{result.earlier} real runs of {study.file.earlier}"
         console.print(f"taken over         {runs}", markup=False)
+    for why in result.why_left_out:
+        console.print(f"not taken over     {why}", markup=False)
     for drift in result.drifts:
         console.print(f"plant changed      {drift.message}")
     for number, reason in enumerate(result.twin_versions, start=1):
         console.print(f"twin version {number:<6}{reason}", markup=False)
+    for line in result.learned:
+        console.print(f"                   {line}", markup=False)
     _print_gains(study, result)
     for remark in result.remarks:
         console.print(f"note               {remark}", markup=False)

@@ -59,6 +59,7 @@ def _print_end(follower: StudyFollower) -> None:
     from gmfbo.cli.tuning.study_result import print_result
     from gmfbo.tuning.query.method import Recommendation
     from gmfbo.tuning.query.request import TuningResult
+    from gmfbo.tuning.told.earlier_runs import reasons_told
 
     review = follower.review
     if follower.state == "interrupted":
@@ -79,8 +80,10 @@ def _print_end(follower: StudyFollower) -> None:
         cost=review.runs[-1].cost if review.runs else 0.0,
         drifts=review.drifts,
         twin_versions=tuple(one.reason for one in review.twin_versions),
+        learned=review.twin_versions[-1].learned if review.twin_versions else (),
         earlier=earlier,
         left_out=taken[-1]["left_out"] if taken else 0,
+        why_left_out=reasons_told(taken[-1].get("reasons", {}) if taken else {}),
         settled=review.settled,
         remarks=review.remarks,
     )

@@ -235,11 +235,16 @@ def _new_twins(review: StudyReview, x_axis: Axis) -> list[str]:
     return drawn
 
 
+def _lines(learned: Sequence[str]) -> str:
+    entries = "".join(f"<li>{escape(line)}</li>" for line in learned)
+    return f"<ul>{entries}</ul>" if entries else ""
+
+
 def version_list(review: StudyReview) -> str:
     """List the twins that replaced another, and the changes of the plant, with reasons."""
     entries = [
         f"<li><b>Twin {escape(one.version)}</b>, after run {one.after} (dotted line in the charts "
-        f"above): {escape(one.reason)}</li>"
+        f"above): {escape(one.reason)}{_lines(one.learned)}</li>"
         for one in review.twin_versions
     ]
     entries += [f"<li><b>Plant</b>: {escape(one.message)}</li>" for one in review.drifts]

@@ -134,7 +134,7 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
         mean = marked_number(("recommendation", "mean"), advised["mean"], digits=4)
         std = marked_number(("recommendation", "std"), advised["std"], digits=2)
         facts.append(
-            f"<b>The model recommends</b> {gains}<br><span class=small>{made}; expected "
+            f"<b>Recommended</b> {gains}<br><span class=small>{made}; expected "
             f"objective {mean} ± {std}</span>"
         )
     if content["earlier"]:

@@ -85,7 +85,12 @@ def _on_the_way(review: StudyReview) -> dict[str, Any]:
             for d in review.drifts
         ],
         "twin_versions": [
-            {"version": one.version, "reason": one.reason, "after": one.after}
+            {
+                "version": one.version,
+                "reason": one.reason,
+                "after": one.after,
+                "learned": list(one.learned),
+            }
             for one in review.twin_versions
         ],
     }

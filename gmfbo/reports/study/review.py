@@ -24,6 +24,7 @@ from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
+from gmfbo.tuning.twin.learned import learned_lines
 
 if TYPE_CHECKING:
     from gmfbo.tuning.drift.drift import Drift
@@ -65,11 +66,14 @@ class TwinVersion:
         Reason of the change.
     after : int
         Trial number of the real run that led to it.
+    learned : tuple of str
+        What it has learned, in lines.
     """
 
     version: str
     reason: str
     after: int
+    learned: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,7 +295,9 @@ class StudyReview:
     def twin_versions(self) -> tuple[TwinVersion, ...]:
         """Twins that replaced another during the study, in order."""
         return tuple(
-            TwinVersion(str(event["version"]), str(event["reason"]), event["after"])
+            TwinVersion(
+                str(event["version"]), str(event["reason"]), event["after"], learned_lines(event)
+            )
             for event in self.logged("twin_version")
         )
 

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gmfbo.errors import NotTheGainsError, RecordingError
+from gmfbo.objective.envelope import Envelope
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, Trajectory, read_recording
 from gmfbo.recordings.writing.writer import write_recording
 from gmfbo.sources.plants.child_program import find_program, run_program
 from gmfbo.sources.plants.failed_run import failed_run
+from gmfbo.sources.plants.heartbeat import LOST_AFTER_S, beating
+from gmfbo.sources.plants.run_guard import LATENCY
 
 RECORDING = "recording"
 NOT_THE_GAINS = 75
 """Exit status by which a program says that its run failed for another reason than its gains:
 `EX_TEMPFAIL` of sysexits.h, to be tried again."""
 
-_REQUEST, _REFERENCE = "request.json", "reference.csv"
+_REQUEST, _REFERENCE, _HEARTBEAT = "request.json", "reference.csv", "heartbeat"
 
 
 @dataclass(frozen=True)
@@ -32,8 +36,9 @@ class CommandPlant:
     The program is called as ``COMMAND --set NAME=VALUE ... --request FILE.json --reference
     FILE.csv --out FOLDER/recording.csv``. It writes a recording there, or with another readable
     ending, and ends with status 0. The request file holds the same arguments:
-    ``{"gains": {NAME: VALUE}, "reference": FILE, "out": FILE}``. Status 75 says that the run failed
-    for another reason than its gains, as a drive that is not ready does.
+    ``{"gains": {NAME: VALUE}, "reference": FILE, "out": FILE}``, and for an abort in the program
+    `safety`, `safe_gains` and `heartbeat`, which `RunGuard` reads. Status 75 says that the run
+    failed for another reason than its gains, as a drive that is not ready does.
 
     Parameters
     ----------
@@ -47,6 +52,10 @@ class CommandPlant:
         How often a failed run is repeated before it counts.
     reading : SignalReading or None
         Tells which columns of the recording are signals, as a twin file does.
+    envelope : Envelope
+        Safety envelope, told to the program.
+    safe_gains : mapping of str to float
+        Gains of the last run that stayed inside it, told to the program.
     """
 
     command: tuple[str, ...]
@@ -54,6 +63,8 @@ class CommandPlant:
     time_limit_s: float = 600.0
     retries: int = 0
     reading: SignalReading | None = None
+    envelope: Envelope = field(default_factory=Envelope)
+    safe_gains: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -112,10 +123,11 @@ class CommandPlant:
         out = folder / f"{RECORDING}.csv"
         try:
             words = [find_program(self.command[0], self.folder), *self.command[1:]]
-            words += _arguments(folder, gains, reference, out)
-            ended = run_program(
-                words, folder=self.folder, logs=folder, time_limit_s=self.time_limit_s
-            )
+            words += self._arguments(folder, gains, reference, out)
+            with beating(folder / _HEARTBEAT):
+                ended = run_program(
+                    words, folder=self.folder, logs=folder, time_limit_s=self.time_limit_s
+                )
         except OSError as error:
             return failed_run(
                 reference, f"{self.name}: cannot be started: {error.strerror}", name=self.name
@@ -142,6 +154,30 @@ class CommandPlant:
             left=left,
         )
 
+    def _arguments(
+        self, folder: Path, gains: Mapping[str, float], reference: Recording, out: Path
+    ) -> Sequence[str]:
+        request, followed = folder / _REQUEST, folder / _REFERENCE
+        write_recording(reference, followed)
+        condition = self.envelope.condition
+        content = {
+            "gains": dict(gains),
+            "reference": str(followed),
+            "out": str(out),
+            "safety": {
+                "ranges": {name: list(pair) for name, pair in self.envelope.ranges.items()},
+                "expression": None if condition is None else condition.text,
+            },
+            "safe_gains": dict(self.safe_gains),
+            "heartbeat": {"file": str(folder / _HEARTBEAT), "lost_after_s": LOST_AFTER_S},
+        }
+        request.write_text(json.dumps(content, indent=1), encoding="utf-8")
+        settings = [
+            word for name, value in gains.items() for word in ("--set", f"{name}={value!r}")
+        ]
+        files = ["--request", str(request), "--reference", str(followed), "--out", str(out)]
+        return [*settings, *files]
+
     def _left_in(self, folder: Path) -> tuple[Recording | None, str]:
         """Recording that a program left, or the reason why there is none."""
         found = sorted(folder.glob(f"{RECORDING}.*"))
@@ -149,25 +185,25 @@ class CommandPlant:
             names = ", ".join(path.name for path in found)
             return None, f"expected one recording, --out FILE, got {names or 'none'}"
         try:
-            return read_recording(found[0], self.reading), ""
+            return _with_latency(read_recording(found[0], self.reading), found[0]), ""
         except RecordingError as error:
             return None, str(error)
 
 
+def _with_latency(run: Recording, path: Path) -> Recording:
+    """The run with the latency of its abort; by a twin file only its parameters are read."""
+    if path.suffix != ".csv":
+        return run
+    said = re.search(rf"^# *{LATENCY} *= *(\S+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    try:
+        latency = {} if said is None else {LATENCY: float(said[1])}
+    except ValueError:
+        return run
+    return replace(run, parameters={**run.parameters, **latency})
+
+
 def _is_failed(result: Recording) -> bool:
     return isinstance(result, Trajectory) and result.status in ("failed", "timeout")
-
-
-def _arguments(
-    folder: Path, gains: Mapping[str, float], reference: Recording, out: Path
-) -> Sequence[str]:
-    request, followed = folder / _REQUEST, folder / _REFERENCE
-    write_recording(reference, followed)
-    content = {"gains": dict(gains), "reference": str(followed), "out": str(out)}
-    request.write_text(json.dumps(content, indent=1), encoding="utf-8")
-    settings = [part for name, value in gains.items() for part in ("--set", f"{name}={value!r}")]
-    files = ["--request", str(request), "--reference", str(followed), "--out", str(out)]
-    return [*settings, *files]
 
 
 def _where(folder: Path) -> str:
@@ -175,5 +211,5 @@ def _where(folder: Path) -> str:
 
 
 def _left(folder: Path) -> list[Path]:
-    ours = {_REQUEST, _REFERENCE, "stdout.txt", "stderr.txt"}
+    ours = {_REQUEST, _REFERENCE, _HEARTBEAT, "stdout.txt", "stderr.txt"}
     return [path for path in folder.iterdir() if path.name not in ours]

@@ -31,6 +31,7 @@ from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import StandingStore, real_runs_at_ask
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.history.twin_budget import EVENT, TwinBudget
+from gmfbo.tuning.history.worth import worth_remarks
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -215,9 +216,10 @@ class History:
     def remarks(self) -> tuple[str, ...]:
         """What the best gains alone do not tell; see `remarks_on`."""
         weights = self.study.objective.weights
-        return remarks_on(
+        remarks = remarks_on(
             self.of("IS1"), self.best, weights=weights, limits=self.limits, space=self.gains.space
         )
+        return (*remarks, *worth_remarks(self.store.events()))
 
     @property
     def changed_after(self) -> int:

@@ -13,6 +13,7 @@ from gmfbo.objective.margins import MARGINS
 from gmfbo.recordings.store.trial import SourceName
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.query.method import Proposal
+from gmfbo.tuning.twin.runs_beside import runs_beside
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -76,6 +77,28 @@ def corrected_and_twin(
     ]
     corrected, twin = np.array(pairs, dtype=float).reshape(-1, 2).T
     return corrected, twin
+
+
+def axis_and_twin(state: TuningState) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """G of the axis, or of the twin corrected by it, and of the twin at equal gains, each (n,).
+
+    Without corrected runs these are the real runs and the twin's runs beside them. Failed runs,
+    and those from before a change of the plant, are left out.
+    """
+    if state.of("IS3"):
+        return corrected_and_twin(state, scaled=True)
+    beside = {number: trial.number for number, trial in runs_beside(state.trials).items()}
+    seen = {one.number: one for one in state.observations}
+    compared = [
+        (real, seen[beside[real.number]]) for real in state.of("IS1") if real.number in beside
+    ]
+    pairs = [
+        (real.scaled, twin.scaled)
+        for real, twin in compared
+        if not (real.outdated or real.failed or twin.failed)
+    ]
+    axis, twin = np.array(pairs, dtype=float).reshape(-1, 2).T
+    return axis, twin
 
 
 def search_of(state: TuningState) -> Search:

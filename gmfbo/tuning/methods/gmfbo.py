@@ -4,7 +4,8 @@ The real trajectory is the twin's plus a residual that changes smoothly with the
 the twin was run, that gives an expected cost of the real axis; a Gaussian process on what the
 real runs say beyond it carries the rest, on a scale that is measured by leaving real runs out.
 The real axis is asked where the expected improvement is largest. The twin is cheap, so it is run
-over the whole box once, and around each real run for the corrected runs (IS3).
+over the whole box once, and around each real run. These runs are candidates, and are not corrected
+one by one (IS3): the residual process corrects all of them at once.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ from gmfbo.objective.margins import MARGINS
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.experiment.run_values import at_times
 from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.history.worth import noise_of_one_run
 from gmfbo.tuning.methods.beliefs import (
-    corrected_and_twin,
+    axis_and_twin,
     feasibility_of,
     least_expected,
     least_expected_tried,
@@ -45,7 +47,9 @@ MOST_SAMPLES = 400
 REPEAT_RADIUS, FAILED_RADIUS = 0.002, 0.05
 """Distances in the unit cube that are kept from real runs, and from those that failed."""
 
-CORRECTION = CorrectionOptions(memory="latest", at_border="reflect", survey=SURVEY, closer=CLOSER)
+CORRECTION = CorrectionOptions(
+    memory="latest", at_border="reflect", corrected=False, survey=SURVEY, closer=CLOSER
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class Gmfbo:
         """Ask the real axis where the corrected twin promises most."""
         from gmfbo.objective.mismatch import scaled_mismatch
 
-        mismatch = scaled_mismatch(*corrected_and_twin(state, scaled=True))
+        mismatch = scaled_mismatch(*axis_and_twin(state))
         belief = _Belief.of(state)
         point = belief.most_promising(state)
         if point is None:
@@ -235,12 +239,14 @@ def sample_times(state: TuningState) -> NDArray[np.float64]:
     return state.experiment.scored_times(MOST_SAMPLES)
 
 
-def corrected_model(state: TuningState, times: NDArray[np.float64]) -> CorrectedTwinModel:
-    """Fit the corrected twin to all real runs."""
+def corrected_model(
+    state: TuningState, times: NDArray[np.float64], noise: float = 0.0
+) -> CorrectedTwinModel:
+    """Fit the corrected twin to all real runs, whose cost has a noise [g] of its own."""
     from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
 
     runs, cost_of = axis_runs(state, times)
-    return CorrectedTwinModel.fit(runs, cost_of)
+    return CorrectedTwinModel.fit(runs, cost_of, noise)
 
 
 def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns, CostOf]:
@@ -324,7 +330,8 @@ def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, 
     points, simulated = twin_runs(state, times)
     if not len(points):
         return least_expected(single_source_model(state), state)
-    model = corrected_model(state, times)
+    # Without its noise the model believes each run, and the luckiest one would be recommended.
+    model = corrected_model(state, times, noise_of_one_run(state))
 
     def predict(
         at: NDArray[np.float64], source: SourceName

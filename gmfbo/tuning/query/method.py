@@ -56,7 +56,7 @@ class Recommendation:
 
 @dataclass(frozen=True)
 class CorrectionOptions:
-    """Options of the corrected twin runs (IS3) after each real run.
+    """Options of the twin runs around each real run, and of their correction (IS3).
 
     Attributes
     ----------
@@ -68,7 +68,10 @@ class CorrectionOptions:
     survey : int
         Runs of the twin over the box, made once before the first query.
     around_real : bool
-        Whether to make corrected runs; otherwise only the survey is made.
+        Whether to run the twin beside and around each real run; otherwise only the survey is made.
+    corrected : bool
+        Whether the runs around a real run are corrected by it (IS3); otherwise they stay runs of
+        the twin (IS2), and no correction is fitted.
     closer : int
         Runs of the twin around the promising gains before each query, in each of two stages.
     """
@@ -77,6 +80,7 @@ class CorrectionOptions:
     at_border: Literal["project", "reflect"] = "project"
     survey: int = 0
     around_real: bool = True
+    corrected: bool = True
     closer: int = 0
 
 

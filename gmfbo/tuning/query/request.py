@@ -92,6 +92,8 @@ class TuningResult:
         Number of real runs, initial ones included.
     earlier, left_out : int
         Number of real runs of an earlier study that were taken over, and that were not.
+    why_left_out : tuple of str
+        Reasons for which they were not, each with its number.
     is2_runs : int
         Number of runs of the twin, initial ones and those beside real runs included.
     queries : int
@@ -102,6 +104,9 @@ class TuningResult:
         Detected changes of the plant, in order; `best` is from after the last.
     twin_versions : tuple of str
         Reasons of the twin's corrections, in order.
+    learned : tuple of str
+        What the last of them has learned: parameters from -> to with interval, physics with
+        probability.
     settled : bool
         Whether a real run settled; True in studies that do not ask for it.
     remarks : tuple of str
@@ -118,7 +123,9 @@ class TuningResult:
     drifts: tuple[Drift, ...] = ()
     earlier: int = 0
     left_out: int = 0
+    why_left_out: tuple[str, ...] = ()
     twin_versions: tuple[str, ...] = ()
+    learned: tuple[str, ...] = ()
     is2_runs: int = 0
     settled: bool = True
     remarks: tuple[str, ...] = ()
@@ -131,8 +138,9 @@ class TuningResult:
         recommendation: Recommendation | None,
         *,
         earlier: int,
-        left_out: int,
+        why_left_out: tuple[str, ...],
         twin_versions: tuple[str, ...],
+        learned: tuple[str, ...] = (),
     ) -> Self:
         """Result as of now.
 
@@ -142,10 +150,14 @@ class TuningResult:
             Of the study.
         recommendation : Recommendation or None
             Gains to take.
-        earlier, left_out : int
-            Real runs of an earlier study that were taken over, and that were not.
+        earlier : int
+            Real runs of an earlier study that were taken over.
+        why_left_out : tuple of str
+            How many were not, and why.
         twin_versions : tuple of str
             Reasons of the twin's corrections, in order.
+        learned : tuple of str
+            What the last of them has learned.
         """
         return cls(
             best=history.best,
@@ -156,8 +168,10 @@ class TuningResult:
             cost=history.cost,
             drifts=tuple(history.drifts),
             earlier=earlier,
-            left_out=left_out,
+            left_out=sum(int(why.partition(":")[0]) for why in why_left_out),
+            why_left_out=why_left_out,
             twin_versions=twin_versions,
+            learned=learned,
             settled=history.settled or not history.ranked,
             remarks=history.remarks,
             last_failure=last_failure(history.of("IS1")),

@@ -25,9 +25,13 @@ if TYPE_CHECKING:
     from gmfbo.recordings.store.study_folder import StudyStore
 
 
-OBJECTIVE_VERSION = 2
-"""Runs are ranked before their cost counts. In version 1, which states none, a failed run has a
-price."""
+OBJECTIVE_VERSION = 3
+"""Version that a new study begins with; a study begun before goes on as it was.
+
+In version 1, which states none, a failed run has a price. Since version 2 runs are ranked before
+their cost counts. Since version 3 runs of the twin around a real one are corrected only by methods
+that use the correction, and the last runs may confirm the recommended gains.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.experiment.loop_margins import MarginMeter
 from gmfbo.tuning.experiment.scoring_terms import ScoringTerms
-from gmfbo.tuning.query.method import Method, PublishedMethod
+from gmfbo.tuning.query.method import CorrectionOptions, Method, PublishedMethod
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
@@ -154,6 +155,28 @@ def ranked(study: Study, store: TrialStore, method: Method) -> bool:
     """
     published = study.file.objective.as_published or isinstance(method, PublishedMethod)
     return not published and study.objective_version(store) >= 2
+
+
+def twin_options(study: Study, store: TrialStore, method: Method) -> CorrectionOptions | None:
+    """Options of the twin's runs around real ones; None where the method makes none.
+
+    In studies begun before version 3 these runs are corrected, whether the method uses it or not.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    store : TrialStore
+        Says by which version of the objective the study was begun.
+    method : Method
+        The method.
+    """
+    options = method.correction
+    if options is None or not options.around_real:
+        return None
+    if study.objective_version(store) < 3:
+        return replace(options, corrected=True)
+    return options
 
 
 def in_force(study: Mapping[str, GainRange], gains: GainChoice) -> NDArray[np.float64]:

@@ -1,84 +1,131 @@
-"""Real runs of an earlier study that a new one takes over."""
+"""Real runs made before a study that it takes over: of another study, or a folder of recordings."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Self
 
-import numpy as np
-
-from gmfbo.errors import StoreError, StudyFileError
+from gmfbo.errors import InputError, StoreError, StudyFileError
+from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study_file.gain_choice import GainChoice
-from gmfbo.tuning.told.told_gains import same_gain
+from gmfbo.tuning.told.earlier_fit import cut_to, refuse_other_experiment, why_not
+from gmfbo.tuning.told.earlier_recordings import choose_recordings, read_run
+
+if TYPE_CHECKING:
+    from gmfbo.tuning.history.standing import StandingStore
+
+_OF_A_STUDY = ("study.toml", "events.jsonl")
+"""Either file shows that a folder is a study."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EarlierRuns:
     """Real runs that a study takes over before its own first query.
 
-    The runs are copied, and scored by the objective of the new study. The choice is logged
-    before the first run is written, so that a study killed meanwhile takes the same runs.
+    The runs are copied, cut to the horizon of the new study and scored by its objective. The choice
+    is logged before the first run is written, so that a study killed meanwhile takes the same runs.
 
     Attributes
     ----------
+    gains : GainChoice
+        Tuned and held gains of the new study.
+    experiment : ExperimentSeries
+        Its experiment.
     location : Path or None
-        Folder of the earlier study, or its packed file; None where the study file names none.
+        Folder of the earlier study, its packed file, or a folder of recordings; None where the
+        study file names none.
     numbers : tuple of int
-        Numbers of its trials that are taken, in order.
-    left_out : int
-        Number of its real runs at gains that this study could not ask for.
+        Numbers of the trials that are taken, in order; empty for a folder of recordings.
+    files : tuple of str
+        Names of the recordings that are taken, in order.
+    reasons : mapping of str to int
+        Why runs are not taken, and how many.
+    reading : SignalReading or None
+        Meaning of the columns of a recording.
     """
 
+    gains: GainChoice
+    experiment: ExperimentSeries
     location: Path | None = None
     numbers: tuple[int, ...] = ()
-    left_out: int = 0
+    files: tuple[str, ...] = ()
+    reasons: Mapping[str, int] = field(default_factory=dict)
+    reading: SignalReading | None = None
 
     @classmethod
-    def find(cls, study: Study, gains: GainChoice, experiment: ExperimentSeries) -> Self:
+    def find(
+        cls,
+        study: Study,
+        gains: GainChoice,
+        experiment: ExperimentSeries,
+        reading: SignalReading | None = None,
+    ) -> Self:
         """Choose the runs, or read the choice from the log of a begun study.
 
         Raises
         ------
         StudyFileError
-            The earlier study tuned other gains, played another reference, used another unit, or
-            has no run that can be taken.
+            The earlier runs followed another reference, used another unit, or none can be taken.
         StoreError
-            There is no earlier study at this place.
+            There is nothing at this place.
         """
+        nothing = cls(gains, experiment, reading=reading)
         if study.file.earlier is None:
-            return cls()
-        path = study.origin / study.file.earlier
+            return nothing
+        path, label = study.origin / study.file.earlier, f"earlier = '{study.file.earlier}'"
         logged = study.earlier_logged
         if logged is not None:
-            return cls(path, tuple(logged["trials"]), logged["left_out"])
-        earlier = Study.read(path)
-        label = f"earlier = '{study.file.earlier}'"
-        if earlier.location.resolve() == study.location.resolve():
-            raise StudyFileError(f"{label}: is this study itself; name another one")
-        _check_reference(label, earlier, experiment)
-        undone = earlier.taken_back
-        counted = [trial for trial in earlier.trials if trial.number not in undone]
-        real = [trial for trial in counted if trial.source == "IS1"]
-        for trial in real:
-            _check_names(label, trial, gains)
-            _check_signal(label, trial, experiment)
-        taken = tuple(trial.number for trial in real if _within(trial, gains))
-        if not taken:
-            raise StudyFileError(
-                f"{label}: expected real runs within [gains], {len(real)} were made, none there; "
-                "widen [gains] or name another study"
-            )
-        return cls(earlier.location, taken, len(real) - len(taken))
+            # Former versions logged no reasons.
+            reasons = logged.get("reasons", {"not within [gains]": logged["left_out"]})
+            files = tuple(logged.get("files", ()))
+            numbers = () if files else tuple(logged["trials"])
+            return replace(nothing, location=path, reasons=reasons, numbers=numbers, files=files)
+        if path.is_dir() and not any((path / name).exists() for name in _OF_A_STUDY):
+            names, reasons = choose_recordings(label, path, gains, experiment, reading)
+            return replace(nothing, location=path, files=tuple(names), reasons=reasons)._any(label)
+        return nothing._of_study(label, Study.read(path), study)._any(label)
 
     def __len__(self) -> int:
-        return len(self.numbers)
+        return len(self.numbers) or len(self.files)
+
+    @property
+    def left_out(self) -> int:
+        """Number of real runs that are not taken."""
+        return sum(self.reasons.values())
+
+    @property
+    def why_left_out(self) -> tuple[str, ...]:
+        """Reasons with their numbers, one a line."""
+        return reasons_told(self.reasons)
+
+    def log_once(self, study: Study, store: StandingStore) -> None:
+        """Log the choice before its first run is written.
+
+        Parameters
+        ----------
+        study : Study
+            The new study.
+        store : StandingStore
+            Its store.
+        """
+        if len(self) and study.earlier_logged is None:
+            files = {"files": list(self.files)} if self.files else {}
+            store.log(
+                "earlier",
+                study=str(self.location),
+                trials=list(self.numbers or range(1, len(self.files) + 1)),
+                left_out=self.left_out,
+                reasons=dict(self.reasons),
+                **files,
+            )
 
     def read(self, position: int) -> Trial:
-        """Read one of the runs from the earlier study.
+        """Read one of the runs, with the gains and the length that this study has.
 
         Parameters
         ----------
@@ -90,63 +137,87 @@ class EarlierRuns:
         StoreError
             The run no longer exists.
         """
+        assert self.location is not None
+        if self.files:
+            path = self.location / self.files[position]
+            if not path.is_file():
+                raise StoreError(f"{path}: is not there any more{_BEGUN}")
+            return read_run(path, self.gains, self.experiment, self.reading)
+        return self._trial(self.numbers[position])
+
+    def _trial(self, number: int) -> Trial:
         from gmfbo.recordings.store.study_folder import StudyStore
 
         assert self.location is not None
-        folder = Study.read(self.location).location
-        with StudyStore.open(folder) as store:
-            if self.numbers[position] not in store.numbers():
+        earlier = Study.read(self.location)
+        with StudyStore.open(earlier.location) as store:
+            if number not in store.numbers():
                 raise StoreError(
-                    f"{folder}: trial {self.numbers[position]} is not there any more, but this "
-                    "study began to take it; bring it back, or give another 'out'"
+                    f"{earlier.location}: trial {number} is not there any more{_BEGUN}"
                 )
-            return store.read_trial(self.numbers[position])
+            trial = store.read_trial(number)
+        played = _played(earlier, self.experiment)
+        known = _known(trial)
+        wanted = (*self.gains.space.names, *self.gains.fixed)
+        return replace(
+            trial,
+            gains={name: known[name] for name in wanted},
+            recording=cut_to(trial.recording, played, self.experiment),
+        )
 
-    @property
-    def event(self) -> dict[str, Any]:
-        """Log entry of the choice."""
-        return {
-            "study": str(self.location),
-            "trials": list(self.numbers),
-            "left_out": self.left_out,
-        }
+    def _of_study(self, label: str, earlier: Study, study: Study) -> Self:
+        if earlier.location.resolve() == study.location.resolve():
+            raise StudyFileError(f"{label}: is this study itself; name another one")
+        try:
+            refuse_other_experiment(label, _played(earlier, self.experiment), self.experiment)
+        except InputError as error:
+            raise StudyFileError(str(error)) from None
+        taken, reasons = [], dict[str, int]()
+        undone = earlier.taken_back
+        for trial in earlier.trials:
+            if trial.source != "IS1" or trial.number in undone:
+                continue
+            _check_signal(label, trial, self.experiment)
+            if why := why_not(trial.gains, _known(trial), self.gains):
+                reasons[why] = reasons.get(why, 0) + 1
+            else:
+                taken.append(trial.number)
+        return replace(self, location=earlier.location, numbers=tuple(taken), reasons=reasons)
+
+    def _any(self, label: str) -> Self:
+        """Itself; raises where no run can be taken."""
+        if len(self):
+            return self
+        why = f" ({'; '.join(self.why_left_out)})" if self.reasons else ""
+        raise StudyFileError(
+            f"{label}: expected real runs that this study could have asked for, {self.left_out} "
+            f"were made, none of them is{why}; change [gains] or name another place"
+        )
 
 
-def _check_reference(label: str, earlier: Study, experiment: ExperimentSeries) -> None:
-    played = ExperimentSeries.from_sections(
+def reasons_told(reasons: Mapping[str, int]) -> tuple[str, ...]:
+    """Reasons why runs were not taken over, each with its number in front.
+
+    Parameters
+    ----------
+    reasons : mapping of str to int
+        Number of runs by reason.
+    """
+    return tuple(f"{count}: {why}" for why, count in reasons.items() if count)
+
+
+_BEGUN = ", but this study began to take it; bring it back, or give another 'out'"
+
+
+def _played(earlier: Study, experiment: ExperimentSeries) -> ExperimentSeries:
+    return ExperimentSeries.from_sections(
         earlier.file.references, experiment.signal, folder=earlier.origin
     )
-    same = len(played.parts) == len(experiment.parts) and all(
-        np.array_equal(one.reference.time, other.reference.time)
-        and one.reference.signals.keys() == other.reference.signals.keys()
-        and all(
-            np.array_equal(values, other.reference.signals[name])
-            for name, values in one.reference.signals.items()
-        )
-        and one.horizon == other.horizon
-        for one, other in zip(played.parts, experiment.parts, strict=True)
-    )
-    if not same:
-        raise StudyFileError(
-            f"{label}: expected the same [reference] as here ({_steps(experiment)}), it played "
-            f"{_steps(played)}; runs of another one cannot be compared"
-        )
 
 
-def _steps(experiment: ExperimentSeries) -> str:
-    return ", ".join(
-        f"{part.described}, scored for {part.horizon:g} s" for part in experiment.parts
-    )
-
-
-def _check_names(label: str, trial: Trial, gains: GainChoice) -> None:
-    wanted = {*gains.space.names, *gains.fixed}
-    if set(trial.gains) != wanted:
-        raise StudyFileError(
-            f"{label}: expected the gains {', '.join(sorted(wanted))}, its trial {trial.number} "
-            f"has {', '.join(sorted(trial.gains))}; name the same ones in [gains], a number holds "
-            "one"
-        )
+def _known(trial: Trial) -> dict[str, float]:
+    """Gains of a run, and further parameters that its recording states."""
+    return {**trial.recording.parameters, **trial.gains}
 
 
 def _check_signal(label: str, trial: Trial, experiment: ExperimentSeries) -> None:
@@ -166,10 +237,3 @@ def _check_signal(label: str, trial: Trial, experiment: ExperimentSeries) -> Non
                 f"{label}: expected '{name}' in {here}, its trial {trial.number} has it in "
                 f"{there}; this is another axis"
             )
-
-
-def _within(trial: Trial, gains: GainChoice) -> bool:
-    """Whether this study could have asked for the run."""
-    if not all(same_gain(trial.gains[name], value) for name, value in gains.fixed.items()):
-        return False
-    return all(gain.low <= trial.gains[gain.name] <= gain.high for gain in gains.space.gains)

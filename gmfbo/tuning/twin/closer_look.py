@@ -17,6 +17,7 @@ from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.query.initial_design import Stream, stream
 from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.twin.points_around import points_around
 from gmfbo.tuning.twin.twin_runs import TwinRuns
 
 RADII = (0.03, 0.01)
@@ -45,7 +46,7 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
     runs : TwinRuns
         Runs of the present twin.
     """
-    options, history = method.correction, runs.history
+    options, history = runs.correction, runs.history
     real = history.of("IS1")
     if options is None or not options.closer or not isinstance(method, LookingMethod):
         return
@@ -53,6 +54,8 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
         return
     seed, count = history.study.seed, options.closer
     beside = 1  # the first twin run of a real run is made at its gains
+    if not options.corrected:
+        beside += len(points_around(history, real[-1]))
     for stage, radius in enumerate(RADII):
         known = beside + stage * count
         made = len(history.children(real[-1], "IS2"))

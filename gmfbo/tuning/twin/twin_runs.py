@@ -13,6 +13,7 @@ from gmfbo.tuning.query.method import CorrectionOptions
 from gmfbo.tuning.query.progress import Phase
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.twin.corrected_runs import CorrectedRuns
+from gmfbo.tuning.twin.points_around import points_around
 
 Announce = Callable[[Phase, Trial], None]
 
@@ -110,8 +111,8 @@ class TwinRuns:
     def renew(self) -> None:
         """Repeat the twin's runs on the corrected twin; after a kill, make the rest.
 
-        IS3 runs are made around the last real run only: earlier ones showed the mismatch of the
-        twin before its correction.
+        Runs around a real one are made for the last real run only: earlier ones served the
+        queries before the correction.
         """
         history = self.history
         again = [t for t in history.of("IS2") if t.parent is None and history.is_current(t)]
@@ -126,7 +127,7 @@ class TwinRuns:
         return self.history.write(self._run(gains, with_margins=True))
 
     def follow_up(self) -> None:
-        """Run the twin beside the newest real runs, and make corrected runs around them.
+        """Run the twin beside and around the newest real runs; some methods correct the latter.
 
         After a kill, only the missing runs are made.
         """
@@ -135,6 +136,11 @@ class TwinRuns:
         corrected = CorrectedRuns(self.source, self.history, self.correction)
         for real in self.history.fresh:
             self._beside(real)
+            if not self.correction.corrected:
+                made = len(self.history.children(real, "IS2")) - 1  # the first lies beside
+                for point in points_around(self.history, real)[made:]:
+                    self.beside_again(real, self.history.gains_at(point))
+                continue
             for trial in corrected.around(real):
                 self.announce("correction", trial)
 

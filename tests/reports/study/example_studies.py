@@ -170,7 +170,9 @@ def write_example_study(folder: Path, *, gains: int = 2, name: str = "example") 
         made.trial("IS2", slow)
         made.twin = "twin 1"
         store.log("twin_version", version=1, after=made.number - 4, twin=made.twin,
-                  reason="friction of 0.4 N m <found> by diagnosis")  # fmt: skip
+                  reason="friction of 0.4 N m <found> by diagnosis",
+                  learned=[{"name": "mech.J", "unit": "kg.m2", "before": 0.12, "after": 0.148,
+                            "low": 0.142, "high": 0.155}])  # fmt: skip
         for _ in range(5):
             made.trial("IS2", made.gains())
         made.real({**made.gains(), "ctl.Kp": 840.0}, 0.5, "unsafe")

@@ -207,9 +207,11 @@ def test_a_new_twin_is_told_with_its_reason_escaped(
 ) -> None:
     (version,) = content["twin_versions"]
     assert version == {
-        "version": "1", "reason": "friction of 0.4 N m <found> by diagnosis", "after": 17
+        "version": "1", "reason": "friction of 0.4 N m <found> by diagnosis", "after": 17,
+        "learned": ["mech.J: 0.12 -> 0.148 [0.142, 0.155] kg m2"],
     }  # fmt: skip
     assert any("<found>" in text for text in read.text)
+    assert any("0.148 [0.142, 0.155]" in text for text in read.text)
     # Among the sources, and in the three charts of the trust.
     page = study_page(StudyReview.read(folder))
     assert page.count('class="new-twin"') == 4

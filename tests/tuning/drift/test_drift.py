@@ -168,7 +168,7 @@ def test_every_third_run_repeats_the_best_of_the_first_two_where_the_study_wants
 
 def state_after(folder: Path, drifts: list[Drift]) -> TuningState:
     """State of a study of four real runs, whose plant changed or not."""
-    study = study_at(folder, 4, "is1_runs = {runs}\n", "gmfbo")
+    study = study_at(folder, 4, "is1_runs = {runs}\n", "gmfbo_paper")
     tuned(study, 1.0)
     with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis()) as tuner:
         tuner.history.drifts.extend(drifts)

@@ -13,7 +13,6 @@ from gmfbo.recordings.recording import Trajectory
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
-from tests.tuning.methods.quick_methods import QUICK
 
 TWO = """
 [[reference]]
@@ -81,8 +80,8 @@ def test_a_limit_holds_for_each_reference_not_for_their_mean(tmp_path: Path) -> 
 
 
 def test_corrected_runs_cover_all_references(tmp_path: Path) -> None:
-    study = linear_study(tmp_path, reference=TWO, method="gmfbo", iterations=1)
-    with Tuner(study, method=QUICK["gmfbo"]) as tuner:
+    study = linear_study(tmp_path, reference=TWO, method="gmfbo_paper", iterations=1)
+    with Tuner(study) as tuner:
         tuner.run()
         times = tuner.experiment.scored_times(40)
     assert len(times) == 40

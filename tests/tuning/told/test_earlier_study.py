@@ -143,13 +143,110 @@ def test_runs_outside_the_box_or_at_other_held_gains_are_left_out(
     assert all(trial.gains["ctl.Kp"] <= middle for trial in real(study))
 
 
+def test_a_longer_horizon_is_cut_and_scored_as_if_it_had_been_as_short(
+    tmp_path: Path, monday: Study
+) -> None:
+    study = tuesday(tmp_path, ("horizon = 0.5", "horizon = 0.3"))
+    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis()) as tuner:
+        assert tuner.run().earlier == 6
+        short = tuner.experiment
+    for before, after in zip(real(monday), real(study), strict=False):
+        again = AnalyticAxis().run(before.gains, short.reference)
+        assert after.recording.time[-1] == pytest.approx(0.35)
+        np.testing.assert_allclose(
+            after.recording.signal("position"), again.signal("position"), rtol=0, atol=1e-12
+        )
+        assert dict(after.metrics) == pytest.approx(short.metrics(again))
+
+
+def test_a_fixed_gain_may_become_free_and_a_free_one_fixed(tmp_path: Path) -> None:
+    held = ('"ctl.Kd" = [2.0, 10.0]', '"ctl.Kd" = 4.0')
+    monday = edited(write_study(tmp_path / "monday", seed=1, budget=OLD_BUDGET), held)
+    tuned(monday)
+    assert {trial.gains["ctl.Kd"] for trial in real(monday)} == {4.0}
+    freed = tuned(tuesday(tmp_path))
+    assert (freed.earlier, freed.left_out) == (6, 0)
+    # The reverse: of runs at any stiffness those count that were made at the one now held.
+    stiffness = real(monday)[2].gains["ctl.Kp"]
+    fixed = edited(
+        write_study(tmp_path / "wednesday", seed=3, budget="is1_runs = 2"),
+        FROM,
+        ("[30.0, 200.0]", repr(stiffness)),
+    )
+    result = tuned(fixed)
+    assert (result.earlier, result.left_out) == (1, 5)
+    assert result.why_left_out == (f"5: ctl.Kp is not {stiffness:g}, at which it is held",)
+
+
+def test_a_box_that_grew_takes_all_runs(tmp_path: Path, monday: Study) -> None:
+    result = tuned(tuesday(tmp_path, ("[30.0, 200.0]", "[10.0, 400.0]")))
+    assert (result.earlier, result.left_out) == (len(real(monday)), 0)
+
+
+FOLDER = "[is1]", 'earlier = "../logs"\n[is1]'
+
+
+def logged(folder: Path, study: Study) -> list[dict[str, float]]:
+    """Six recordings by hand, of which three can be taken; the gains of these."""
+    folder.mkdir()
+    with Tuner(study, is1=AnalyticAxis(), is2=AnalyticAxis()) as tuner:
+        asked = tuner.experiment.reference
+    half = replace(asked, signals={"reference": 0.5 * asked.signal("reference")})
+    gains = [{"ctl.Kp": 60.0 + 20.0 * k, "ctl.Kd": 4.0 + k} for k in range(3)]
+    runs = {f"run{k}.csv": AnalyticAxis().run(one, asked) for k, one in enumerate(gains)}
+    runs |= {
+        "soft.csv": AnalyticAxis().run({"ctl.Kp": 20.0, "ctl.Kd": 4.0}, asked),
+        "half.csv": AnalyticAxis().run(gains[0], half),
+        "unsaid.csv": replace(runs["run0.csv"], parameters={"ctl.Kp": 60.0}),
+    }
+    for name, run in runs.items():
+        # A logger's clock begins anywhere.
+        write_recording(replace(run, time=run.time + 100.0), folder / name)
+    (folder / "README.md").write_text("what was measured\n")
+    return gains
+
+
+def test_a_folder_of_recordings_is_taken_over_and_what_is_not_is_listed(tmp_path: Path) -> None:
+    study = write_study(tmp_path / "tuesday", seed=7, budget="is1_runs = 2")
+    gains = logged(tmp_path / "logs", write_study(tmp_path / "other"))
+    study = edited(study, FOLDER)
+    result = tuned(study)
+    assert (result.earlier, result.left_out, result.is1_runs) == (3, 3, 2)
+    assert [dict(trial.gains) for trial in real(study)][:3] == gains
+    reference = real(study)[0].recording
+    for trial, made in zip(real(study), gains, strict=False):
+        again = AnalyticAxis().run(made, reference)
+        np.testing.assert_allclose(
+            trial.recording.signal("position"), again.signal("position"), atol=1e-9
+        )
+    reasons = " ".join(result.why_left_out)
+    assert "1: ctl.Kp lies outside [30, 200]" in reasons
+    assert "1: ctl.Kd is not said" in reasons
+    assert "its 'reference' goes from 0 to 0.5, but 0 to 1" in reasons
+    # The choice stands in the log: the folder is no longer needed.
+    (tmp_path / "logs").rename(tmp_path / "gone")
+    assert tuned(edited(study, ("is1_runs = 2", "is1_runs = 3"))).earlier == 3
+
+
+def test_a_folder_without_a_usable_recording_is_refused_in_one_line(tmp_path: Path) -> None:
+    study = write_study(tmp_path / "tuesday", budget="is1_runs = 2")
+    (tmp_path / "logs").mkdir()
+    study = edited(study, FOLDER)
+    with pytest.raises(StudyFileError, match="0 were made, none of them is; change"):
+        tuned(study)
+    assert not study.begun
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("[2.0, 10.0]", "[10.5, 12.0]"), r"expected real runs within \[gains\], 6 were made"),
-        (('"ctl.Kd"', '"ctl.Ki" = [1.0, 2.0]\n"ctl.Kd"'), "expected the gains ctl.Kd, ctl.Ki, ctl"),
+        (("[2.0, 10.0]", "[10.5, 12.0]"), r"6 were made, none of them is \(6: ctl.Kd lies outside"),
+        (
+            ('"ctl.Kd"', '"ctl.Ki" = [1.0, 2.0]\n"ctl.Kd"'),
+            r"none of them is \(6: ctl.Ki is not said\)",
+        ),
         (("step = 1.0", "step = 0.5"), "reference from 0 to 0.5 .*at 0.05 s, scored for 0.5 s"),
-        (("horizon = 0.5", "horizon = 0.4"), "it played reference from 0 to 1 at 0.05 s, scored"),
+        (("horizon = 0.5", "horizon = 0.6"), "it played reference from 0 to 1 at 0.05 s, scored"),
         (("[budget]", '[objective]\nsignal = "speed"\n[budget]'), "expected the signal 'speed'"),
         (("../monday/axis.study", "axis.study"), "axis.study"),
         (("../monday/axis.study", "../sunday.study"), "sunday.study"),
