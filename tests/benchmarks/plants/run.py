@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -47,8 +48,10 @@ class Line:
     recommended, true : list
         After each real run from the last initial one on: gains, or None; their noise-free cost g,
         None where it is infinite.
-    seconds, recommend_seconds : float
-        [s] Of the study without and of the recommendations with which it is judged.
+    seconds, processor_s : float
+        [s] Wall clock and processor time of the study, its workers' included.
+    recommend_seconds : float
+        [s] Processor time of judging recommendations, which is in neither.
     """
 
     plant: str
@@ -66,6 +69,7 @@ class Line:
     motion_s: float = 0.0
     twin_runs: int = 0
     seconds: float = 0.0
+    processor_s: float = 0.0
     recommend_seconds: float = 0.0
     stopped: str = ""
 
@@ -105,23 +109,47 @@ def make(judge: Judge, method: str, seed: int, line: Line, *, judged: bool = Tru
         study = seeded(judge.study, seed, method, Path(place))
         axis = PlantAxis(judge.plant, seed)
         store = MemoryStore(study.location, study.text)
-        began = time.perf_counter()
+        began, used, aside = time.perf_counter(), processor_s(), _Aside()
         chosen = method_of(method, judge.plant, line.initial)
         with Tuner(study, is1=axis, method=chosen, store=store) as tuner:
 
             def judge_run(step: Progress) -> None:
                 if step.phase not in ("initial", "query") or step.source != "IS1":
                     return
-                _note(tuner, judge, line, judged)
+                with aside:
+                    _note(tuner, judge, line, judged)
 
             try:
                 tuner.run(judge_run)
             except Exception as error:
                 line.stopped = " ".join(f"{type(error).__name__}: {error}".split())
             line.twin_runs = len(tuner.history.of("IS2"))
-        line.seconds = time.perf_counter() - began - line.recommend_seconds
         axis.close()
+    line.seconds = time.perf_counter() - began - aside.seconds
+    line.processor_s = processor_s() - used - aside.processor_s
+    line.recommend_seconds = aside.processor_s
     return line
+
+
+def processor_s() -> float:
+    """[s] Processor time of this process, and of workers that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+@dataclass(eq=False)
+class _Aside:
+    """Time spent on judging, which is no part of a study."""
+
+    seconds: float = 0.0
+    processor_s: float = 0.0
+
+    def __enter__(self) -> None:
+        self._began = time.perf_counter(), processor_s()
+
+    def __exit__(self, *error: object) -> None:
+        self.seconds += time.perf_counter() - self._began[0]
+        self.processor_s += processor_s() - self._began[1]
 
 
 def _note(tuner: Tuner, judge: Judge, line: Line, judged: bool) -> None:
@@ -135,7 +163,6 @@ def _note(tuner: Tuner, judge: Judge, line: Line, judged: bool) -> None:
     line.motion_s += float(time_of[-1] - time_of[0])
     if not judged or len(line.gains) < line.initial:
         return
-    began = time.perf_counter()
     found = tuner.result().recommendation
     if found is None:
         line.recommended.append(None)
@@ -145,7 +172,6 @@ def _note(tuner: Tuner, judge: Judge, line: Line, judged: bool) -> None:
         true = judge.true_cost(point)
         line.recommended.append([float(f"{v:.6g}") for v in point])
         line.true.append(float(f"{true:.6g}") if abs(true) < float("inf") else None)
-    line.recommend_seconds += time.perf_counter() - began
 
 
 def finished(path: Path) -> set[int]:
@@ -195,9 +221,8 @@ def run_all(plants: Sequence[str], methods: Sequence[str], seeds: range, out: Pa
 
 def _keep(path: Path, line: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    line["seconds"] = round(line["seconds"], 2)
-    line["recommend_seconds"] = round(line["recommend_seconds"], 2)
-    line["motion_s"] = round(line["motion_s"], 3)
+    for name in ("seconds", "processor_s", "recommend_seconds", "motion_s"):
+        line[name] = round(line[name], 2)
     with path.open("a", encoding="utf-8") as file:
         file.write(json.dumps(line) + "\n")
 

@@ -9,7 +9,7 @@ controller of the axis and runs without noise, which makes that problem exact.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 from typing import Self
 
@@ -28,10 +28,14 @@ MOST_ERROR = 0.02
 """Error of the command over its size at which the controller counts as read: a fiftieth is less
 than what a change of a gain by the finest step of a grid of 41 does."""
 
+MOST_DELAY = 8
+"""Samples of a bus between controller and drive that are tried."""
+
 FEATURES = 2 * LAGS + 2
+"""Features of a command: of reference and measurement, and two of its own past."""
 
 _AT_LIMIT = 1.0 - 1e-6
-_HELD_ROWS = 5  # equal largest commands in a run that show a limit
+_HELD_ROWS = 3  # equal largest commands that show a limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,16 +50,22 @@ class ControlLaw:
         Of each product in the coefficient of each feature.
     low, high : float
         Limits of the command; infinite where none was met.
+    delay : int
+        Samples by which it is late beside the one that it is held.
+    anti_windup : float
+        Share of what the limits cut off that an integral loses a sample.
     error : float
-        RMS error of the command in runs that were not fitted, computed from its own past, over the
-        RMS of the command.
+        Median over runs that were not fitted: RMS error of the command, computed from its own past,
+        over the RMS of the command.
     """
 
     exponents: NDArray[np.int_]
     weights: NDArray[np.float64]
     low: float
     high: float
-    error: float
+    delay: int = 0
+    anti_windup: float = 0.0
+    error: float = np.inf
 
     @property
     def is_read(self) -> bool:
@@ -72,21 +82,31 @@ class ControlLaw:
             Of the twin, at different gains; every fifth is kept back to judge by.
         """
         kept = np.arange(len(runs)) % 5 == 4
-        if not kept.any():
-            kept[-1] = len(runs) > 1
         fitted = runs.only(np.flatnonzero(~kept))
         judged = runs.only(np.flatnonzero(kept)) if kept.any() else runs
-        low, high = _limits(runs)
-        best: Self | None = None
+        limits = _limits(runs)
+        best, least = cls(_exponents(runs.gains.shape[1], 0), np.zeros((FEATURES, 1)), *limits), np.inf
         for degree in range(1, MOST_DEGREE + 1):
             exponents = _exponents(runs.gains.shape[1], degree)
             if len(exponents) > len(fitted):
                 break
-            law = cls(exponents, _weights(fitted, exponents, low, high), low, high, np.inf)
-            error = law._error_of(judged)
-            if best is None or error < 0.5 * best.error:
-                best = cls(exponents, law.weights, low, high, error)
-        return best or cls(_exponents(runs.gains.shape[1], 0), np.zeros((FEATURES, 1)), low, high, np.inf)
+            late = [_weights(fitted, exponents, limits, delay) for delay in range(MOST_DELAY + 1)]
+            delay = int(np.argmin([residual for _, residual in late]))
+            weights, residual = late[delay]
+            if residual < 0.5 * least:
+                least = residual
+                best = cls(exponents, weights, *limits, delay=delay)
+        return best._wound_up(judged)
+
+    def _wound_up(self, judged: SampledRuns) -> Self:
+        """The same with the rate at which an integral gives way that explains limited runs best.
+
+        No row in which nothing was limited tells of it.
+        """
+        tried = [replace(self, anti_windup=rate) for rate in (0.0, *np.geomspace(0.01, 1.0, 9))]
+        errors = [law._error_of(judged) for law in tried]
+        best = int(np.argmin(errors))
+        return replace(tried[best], error=errors[best])
 
     def coefficients(self, gains: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coefficient of each feature, shape (L, FEATURES), at gains of shape (L, d).
@@ -98,53 +118,74 @@ class ControlLaw:
         """
         return _products(gains, self.exponents) @ self.weights.T
 
+    def commands(
+        self,
+        coefficients: NDArray[np.float64],
+        lagged: NDArray[np.float64],
+        wanted: NDArray[np.float64],
+        command: NDArray[np.float64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Wanted and limited command of one sample, shape (L,) each.
+
+        Parameters
+        ----------
+        coefficients : ndarray, shape (L, FEATURES)
+            See `coefficients`.
+        lagged : ndarray, shape (L, 2 LAGS)
+            Features of reference and measurement.
+        wanted : ndarray, shape (2, L)
+            Command before the limits, one and two samples ago.
+        command : ndarray, shape (L,)
+            Limited command, one sample ago.
+        """
+        found = np.einsum("lf,lf->l", coefficients[:, : 2 * LAGS], lagged)
+        found = found + coefficients[:, -2] * wanted[0] + coefficients[:, -1] * (wanted[0] - wanted[1])
+        found = found - self.anti_windup * (wanted[0] - command)
+        return found, np.clip(found, self.low, self.high)
+
     def _error_of(self, runs: SampledRuns) -> float:
         """Error of the command in its own past, given the measurements."""
-        coefficients, count = self.coefficients(runs.gains), runs.time.size
+        coefficients = self.coefficients(runs.gains)
+        lagged = features_of(runs.reference, runs.measured, self.delay)
         found = np.array(runs.command)
+        wanted = found[:, :2].T.copy()
         with np.errstate(over="ignore", invalid="ignore"):
-            for k in range(LAGS, count):
-                features = features_at(runs.reference, runs.measured, found, k)
-                found[:, k] = np.clip((coefficients * features).sum(axis=1), self.low, self.high)
-            size = float(np.sqrt(np.mean(runs.command**2)))
-            error = float(np.sqrt(np.mean((found - runs.command) ** 2)))
-        if not np.isfinite(error):
-            return np.inf
-        return error / size if size > 0.0 else 0.0
+            for k in range(1, runs.time.size):
+                one, found[:, k] = self.commands(coefficients, lagged[k], wanted, found[:, k - 1])
+                wanted = np.stack([one, wanted[0]])
+            size = np.sqrt(np.mean(runs.command**2, axis=1))
+            error = np.sqrt(np.mean((found - runs.command) ** 2, axis=1))
+        # A loop that swings between its limits follows no law for long: most runs do not.
+        return float(np.median(np.nan_to_num(error, nan=np.inf) / np.maximum(size, 1e-300)))
 
 
-def features_at(
-    reference: NDArray[np.float64],
-    measured: NDArray[np.float64],
-    command: NDArray[np.float64],
-    k: int,
+def features_of(
+    reference: NDArray[np.float64], measured: NDArray[np.float64], delay: int
 ) -> NDArray[np.float64]:
-    """What the command in force just before instant k was computed from, shape (L, FEATURES).
+    """What each command was computed from, but for earlier commands, shape (n, L, 2 LAGS).
 
-    Values, first and second differences of reference and measurement, value and difference of the
-    command: neighbouring samples as they are would be nearly the same feature.
+    Values, first and second differences of reference and measurement: neighbouring samples as they
+    are would be nearly the same feature. Row k holds those of k - 1 - delay; before the first
+    sample everything is at rest.
 
     Parameters
     ----------
-    reference, measured, command : ndarray, shape (L, n)
-        Up to instant k - 1.
-    k : int
-        At least `LAGS`.
+    reference, measured : ndarray, shape (L, n)
+        Of each run.
+    delay : int
+        Samples by which a command is late beside the one that it is held.
     """
-    r, y, u = reference, measured, command
-    return np.stack(
-        [
-            r[:, k - 1],
-            r[:, k - 1] - r[:, k - 2],
-            r[:, k - 1] - 2.0 * r[:, k - 2] + r[:, k - 3],
-            y[:, k - 1],
-            y[:, k - 1] - y[:, k - 2],
-            y[:, k - 1] - 2.0 * y[:, k - 2] + y[:, k - 3],
-            u[:, k - 1],
-            u[:, k - 1] - u[:, k - 2],
-        ],
-        axis=1,
-    )
+    columns = []
+    for values in (reference, measured):
+        late = _later(values, 1 + delay)
+        slope = late - _later(values, 2 + delay)
+        columns += [late, slope, slope - (_later(values, 2 + delay) - _later(values, 3 + delay))]
+    return np.stack(columns, axis=-1).transpose(1, 0, 2)
+
+
+def _later(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:
+    first = np.repeat(values[:, :1], samples, axis=1)
+    return np.concatenate([first, values[:, :-samples]], axis=1)
 
 
 def _exponents(gains: int, degree: int) -> NDArray[np.int_]:
@@ -161,41 +202,52 @@ def _products(gains: NDArray[np.float64], exponents: NDArray[np.int_]) -> NDArra
 
 
 def _limits(runs: SampledRuns) -> tuple[float, float]:
-    """Largest commands, where several samples in a row have the same."""
+    """Largest commands, where several samples after the first move have exactly the same."""
+    moved = np.maximum.accumulate(runs.reference != runs.reference[:, :1], axis=1)
     ends = []
     for sign in (-1.0, 1.0):
         values = sign * runs.command
         most = float(values.max())
-        near = values >= most - (1.0 - _AT_LIMIT) * abs(most)
-        moved = float(np.ptp(runs.command)) > 0.0 and most != sign * float(runs.command[0, 0])
-        held = bool(moved and near.sum(axis=1).max() >= _HELD_ROWS)
-        ends.append(sign * most if held else sign * np.inf)
+        near = moved & (values >= most - (1.0 - _AT_LIMIT) * abs(most))
+        ends.append(sign * most if near.sum() >= _HELD_ROWS else sign * np.inf)
     return ends[0], ends[1]
 
 
 def _weights(
-    runs: SampledRuns, exponents: NDArray[np.int_], low: float, high: float
-) -> NDArray[np.float64]:
-    """Least squares over all rows in which nothing was limited, run by run compressed by QR."""
-    products, blocks, targets = _products(runs.gains, exponents), [], []
-    size = float(np.sqrt(np.mean(runs.command**2))) or 1.0
-    margin = (1.0 - _AT_LIMIT) * size
+    runs: SampledRuns,
+    exponents: NDArray[np.int_],
+    limits: tuple[float, float],
+    delay: int,
+) -> tuple[NDArray[np.float64], float]:
+    """Least squares over all rows in which nothing was limited, run by run compressed by QR.
+
+    Returns
+    -------
+    weights : ndarray, shape (FEATURES, m)
+    residual : float
+        RMS error of one sample.
+    """
+    products, blocks, targets, rest, count = _products(runs.gains, exponents), [], [], 0.0, 0
+    margin = (1.0 - _AT_LIMIT) * (float(np.sqrt(np.mean(runs.command**2))) or 1.0)
+    free = (runs.command > limits[0] + margin) & (runs.command < limits[1] - margin)
+    seen = features_of(runs.reference, runs.measured, delay)
     for row in range(len(runs)):
-        one = runs.only(np.array([row]))
-        u = one.command[0]
-        free = (u > low + margin) & (u < high - margin)
-        rows = np.flatnonzero(free[LAGS:] & free[LAGS - 1 : -1] & free[LAGS - 2 : -2]) + LAGS
-        if not rows.size:
+        u, open_ = runs.command[row], free[row]
+        rows = np.flatnonzero(open_[2:] & open_[1:-1] & open_[:-2]) + 2
+        if rows.size <= FEATURES:
             continue
-        lagged = [features_at(one.reference, one.measured, one.command, k)[0] for k in rows]
-        table = np.column_stack([np.array(lagged), u[rows]])
+        past = np.column_stack([u[rows - 1], u[rows - 1] - u[rows - 2]])
+        table = np.column_stack([seen[rows, row], past, u[rows]])
         triangle = np.linalg.qr(table, mode="r")
-        blocks.append(np.kron(triangle[:, :FEATURES], products[row]))
-        targets.append(triangle[:, FEATURES])
+        blocks.append(np.kron(triangle[:-1, :FEATURES], products[row]))
+        targets.append(triangle[:-1, FEATURES])
+        rest, count = rest + float(triangle[-1, -1] ** 2), count + rows.size
     if not blocks:
-        return np.zeros((FEATURES, len(exponents)))
+        return np.zeros((FEATURES, len(exponents))), np.inf
     matrix, target = np.vstack(blocks), np.concatenate(targets)
     scale = np.linalg.norm(matrix, axis=0)
     scale[scale == 0.0] = 1.0
-    found, *_ = np.linalg.lstsq(matrix / scale, target, rcond=1e-11)
-    return np.asarray((found / scale).reshape(FEATURES, len(exponents)))
+    found, *_ = np.linalg.lstsq(matrix / scale, target, rcond=1e-10)
+    rest += float(np.sum((matrix / scale @ found - target) ** 2))
+    weights = np.asarray((found / scale).reshape(FEATURES, len(exponents)))
+    return weights, float(np.sqrt(rest / count))
