@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import seek_finished
-from gmfbo.tuning.query.method import Proposal
+from gmfbo.tuning.methods.identify_then_optimise import READING
+from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 
 Vector = NDArray[np.float64]
 
@@ -104,7 +105,7 @@ class TextbookRule:
     name: str = "textbook_rule"
     summary: str = "SIMC gains from a model of the first runs"
     reference: str = "Skogestad 2003, Simple analytic rules; see rules.py"
-    correction: None = None
+    correction: CorrectionOptions = READING
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
         """Ask the axis at the gains of the rule, unless it ran there."""

@@ -10,8 +10,8 @@ controller of the axis and runs without noise, which makes that problem exact.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import combinations_with_replacement
-from typing import Self
+from itertools import combinations_with_replacement, product
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,12 @@ MOST_DELAY = 8
 
 FEATURES = 2 * LAGS + 2
 """Features of a command: of reference and measurement, and two of its own past."""
+
+Past = Literal["none", "filter", "integral"]
+PASTS: tuple[Past, ...] = ("none", "filter", "integral")
+"""What a law may know of its own past, simplest first: nothing, the last command (a filter), or the
+last command in full and its change (an integral beside a filter). More freedom would let the plant
+of the twin, whose measurement follows from its commands as exactly, pass for the controller."""
 
 _AT_LIMIT = 1.0 - 1e-6
 _HELD_ROWS = 3  # equal largest commands that show a limit
@@ -86,14 +92,14 @@ class ControlLaw:
         judged = runs.only(np.flatnonzero(kept)) if kept.any() else runs
         limits = _limits(runs)
         best, least = cls(_exponents(runs.gains.shape[1], 0), np.zeros((FEATURES, 1)), *limits), np.inf
-        for degree in range(1, MOST_DEGREE + 1):
+        for past, degree in product(PASTS, range(1, MOST_DEGREE + 1)):
             exponents = _exponents(runs.gains.shape[1], degree)
             if len(exponents) > len(fitted):
-                break
-            late = [_weights(fitted, exponents, limits, delay) for delay in range(MOST_DELAY + 1)]
+                continue
+            late = [_weights(fitted, exponents, limits, d, past) for d in range(MOST_DELAY + 1)]
             delay = int(np.argmin([residual for _, residual in late]))
             weights, residual = late[delay]
-            if residual < 0.5 * least:
+            if residual < 0.1 * least:
                 least = residual
                 best = cls(exponents, weights, *limits, delay=delay)
         return best._wound_up(judged)
@@ -204,13 +210,16 @@ def _products(gains: NDArray[np.float64], exponents: NDArray[np.int_]) -> NDArra
 def _limits(runs: SampledRuns) -> tuple[float, float]:
     """Largest commands, where several samples after the first move have exactly the same."""
     moved = np.maximum.accumulate(runs.reference != runs.reference[:, :1], axis=1)
-    ends = []
+    ends, held = [], []
     for sign in (-1.0, 1.0):
         values = sign * runs.command
-        most = float(values.max())
-        near = moved & (values >= most - (1.0 - _AT_LIMIT) * abs(most))
-        ends.append(sign * most if near.sum() >= _HELD_ROWS else sign * np.inf)
-    return ends[0], ends[1]
+        ends.append(float(values.max()))
+        near = moved & (values >= ends[-1] - (1.0 - _AT_LIMIT) * abs(ends[-1]))
+        held.append(int(near.sum()) >= _HELD_ROWS)
+    if any(held) and np.isclose(*ends, rtol=1e-6):
+        held = [True, True]  # limits that are alike: the rarer one may be met for a sample only
+    low, high = (end if is_held else np.inf for end, is_held in zip(ends, held, strict=True))
+    return -low, high
 
 
 def _weights(
@@ -218,6 +227,7 @@ def _weights(
     exponents: NDArray[np.int_],
     limits: tuple[float, float],
     delay: int,
+    past: Past,
 ) -> tuple[NDArray[np.float64], float]:
     """Least squares over all rows in which nothing was limited, run by run compressed by QR.
 
@@ -236,11 +246,12 @@ def _weights(
         rows = np.flatnonzero(open_[2:] & open_[1:-1] & open_[:-2]) + 2
         if rows.size <= FEATURES:
             continue
-        past = np.column_stack([u[rows - 1], u[rows - 1] - u[rows - 2]])
-        table = np.column_stack([seen[rows, row], past, u[rows]])
-        triangle = np.linalg.qr(table, mode="r")
-        blocks.append(np.kron(triangle[:-1, :FEATURES], products[row]))
-        targets.append(triangle[:-1, FEATURES])
+        before, change = u[rows - 1], u[rows - 1] - u[rows - 2]
+        own = {"none": [], "filter": [before], "integral": [change]}[past]
+        left = u[rows] - before if past == "integral" else u[rows]
+        triangle = np.linalg.qr(np.column_stack([seen[rows, row], *own, left]), mode="r")
+        blocks.append(np.kron(triangle[:-1, :-1], products[row]))
+        targets.append(triangle[:-1, -1])
         rest, count = rest + float(triangle[-1, -1] ** 2), count + rows.size
     if not blocks:
         return np.zeros((FEATURES, len(exponents))), np.inf
@@ -249,5 +260,12 @@ def _weights(
     scale[scale == 0.0] = 1.0
     found, *_ = np.linalg.lstsq(matrix / scale, target, rcond=1e-10)
     rest += float(np.sum((matrix / scale @ found - target) ** 2))
-    weights = np.asarray((found / scale).reshape(FEATURES, len(exponents)))
+    weights = np.zeros((FEATURES, len(exponents)))
+    found = (found / scale).reshape(-1, len(exponents))
+    weights[: 2 * LAGS] = found[: 2 * LAGS]
+    if past == "filter":
+        weights[-2] = found[-1]
+    elif past == "integral":
+        weights[-1] = found[-1]
+        weights[-2, np.flatnonzero(exponents.sum(axis=1) == 0)] = 1.0
     return weights, float(np.sqrt(rest / count))
