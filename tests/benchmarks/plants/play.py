@@ -14,10 +14,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
-from gmfbo.recordings.recording import Recording, Trajectory  # noqa: E402
-from gmfbo.recordings.writing.writer import write_recording  # noqa: E402
-from tests.benchmarks.plants.axis import PlantAxis  # noqa: E402
-from tests.benchmarks.plants.catalogue import PLANTS  # noqa: E402
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.recordings.writing.writer import write_recording
+from tests.benchmarks.plants.axis import PlantAxis
+from tests.benchmarks.plants.catalogue import PLANTS
 
 
 def main(arguments: list[str]) -> int:

@@ -216,7 +216,9 @@ def run_all(plants: Sequence[str], methods: Sequence[str], seeds: range, out: Pa
                 for method in missing:
                     line = Line(name, method, seed, initial, command, known)
                     _keep(out / name / f"{method}.jsonl", asdict(make(judge, method, seed, line)))
-                    print(f"{name} {method} {seed}: {line.seconds:.0f} s {line.stopped}", flush=True)
+                    print(
+                        f"{name} {method} {seed}: {line.seconds:.0f} s {line.stopped}", flush=True
+                    )
 
 
 def _keep(path: Path, line: dict[str, Any]) -> None:

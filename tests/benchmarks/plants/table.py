@@ -1,6 +1,6 @@
 """Prints the tables of the benchmark from what is there.
 
-    python -m tests.benchmarks.plants.table [FOLDER]
+python -m tests.benchmarks.plants.table [FOLDER]
 """
 
 from __future__ import annotations
@@ -77,7 +77,9 @@ def _at(
     known = [name for name in RIVALS if name in methods]
     if DEFAULT in methods and known:
         ratio, low, high = ratio_of_means(arrivals, counted, DEFAULT, known)
-        rows.append(f"{DEFAULT} over the better of {', '.join(known)}: {ratio:.2f} [{low:.2f}, {high:.2f}]")
+        rows.append(
+            f"{DEFAULT} over the better of {', '.join(known)}: {ratio:.2f} [{low:.2f}, {high:.2f}]"
+        )
     return "\n".join(rows)
 
 
@@ -91,7 +93,9 @@ def _cell(arrivals: Arrivals, plant: str, method: str) -> str:
 
 
 def _costs(lines: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
-    rows = ["a study       processor [s]  wall [s]  motion [s]  twin runs  failed  unsafe  unsettled"]
+    rows = [
+        "a study       processor [s]  wall [s]  motion [s]  twin runs  failed  unsafe  unsettled"
+    ]
     for method in methods:
         own = [line for line in lines if line["method"] == method]
         count = {

@@ -44,7 +44,12 @@ class PlantModel:
 
 
 def simulate(
-    law: ControlLaw, plants: PlantModel, gains: Vector, reference: Vector, start: Vector, step: float
+    law: ControlLaw,
+    plants: PlantModel,
+    gains: Vector,
+    reference: Vector,
+    start: Vector,
+    step: float,
 ) -> tuple[Vector, Vector]:
     """Measurement and command of L loops from rest, shape (L, n) each.
 

@@ -91,7 +91,10 @@ class ControlLaw:
         fitted = runs.only(np.flatnonzero(~kept))
         judged = runs.only(np.flatnonzero(kept)) if kept.any() else runs
         limits = _limits(runs)
-        best, least = cls(_exponents(runs.gains.shape[1], 0), np.zeros((FEATURES, 1)), *limits), np.inf
+        best, least = (
+            cls(_exponents(runs.gains.shape[1], 0), np.zeros((FEATURES, 1)), *limits),
+            np.inf,
+        )
         for past, degree in product(PASTS, range(1, MOST_DEGREE + 1)):
             exponents = _exponents(runs.gains.shape[1], degree)
             if len(exponents) > len(fitted):
@@ -99,6 +102,8 @@ class ControlLaw:
             late = [_weights(fitted, exponents, limits, d, past) for d in range(MOST_DELAY + 1)]
             delay = int(np.argmin([residual for _, residual in late]))
             weights, residual = late[delay]
+            # Below a billionth of the command is rounding, which tells no law from another.
+            residual = max(residual, 1e-9 * float(np.sqrt(np.mean(runs.command**2))))
             if residual < 0.1 * least:
                 least = residual
                 best = cls(exponents, weights, *limits, delay=delay)
@@ -145,7 +150,9 @@ class ControlLaw:
             Limited command, one sample ago.
         """
         found = np.einsum("lf,lf->l", coefficients[:, : 2 * LAGS], lagged)
-        found = found + coefficients[:, -2] * wanted[0] + coefficients[:, -1] * (wanted[0] - wanted[1])
+        found = (
+            found + coefficients[:, -2] * wanted[0] + coefficients[:, -1] * (wanted[0] - wanted[1])
+        )
         found = found - self.anti_windup * (wanted[0] - command)
         return found, np.clip(found, self.low, self.high)
 

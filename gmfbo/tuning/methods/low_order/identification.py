@@ -82,7 +82,9 @@ def _plant(table: Vector, start: Vector) -> tuple[PlantModel, int]:
     unit = abs(start[0]) * start[3]  # acceleration by the commands of a run
     stiffness = start[1] ** 2 * np.maximum(rows[:, 2], 0.0)
     coulomb, offset = unit * np.maximum(rows[:, 3], 0.0), unit * rows[:, 4]
-    return PlantModel(gain, damping, stiffness, coulomb, offset, np.clip(rows[:, 5], 0.0, 1.0) * start[4]), len(rows)
+    return PlantModel(
+        gain, damping, stiffness, coulomb, offset, np.clip(rows[:, 5], 0.0, 1.0) * start[4]
+    ), len(rows)
 
 
 def _errors(law: ControlLaw, runs: SampledRuns, table: Vector, start: Vector) -> Vector:

@@ -106,7 +106,10 @@ class Cascade:
         anti_windup: float = 0.0,
     ) -> None:
         self._kp, self._kv = gains["kp"], gains["kv"]
-        self._forward = gains.get("velocity_feedforward_gain", 0.0), gains.get("feedforward_gain", 0.0)
+        self._forward = (
+            gains.get("velocity_feedforward_gain", 0.0),
+            gains.get("feedforward_gain", 0.0),
+        )
         self._velocity, self._slope = Rate(filter_time, sample), Rate(0.0, sample)
         self._integral = Integral(gains.get("ki", 0.0), sample, anti_windup)
         self._limits = limits

@@ -58,7 +58,13 @@ def _model(text: str) -> Any:
 
 
 def _play(
-    text: str, law: Pid, reference: Recording, conditions: Conditions, *, delay: int, deviation: float
+    text: str,
+    law: Pid,
+    reference: Recording,
+    conditions: Conditions,
+    *,
+    delay: int,
+    deviation: float,
 ) -> dict[str, Vector]:
     import mujoco
 
