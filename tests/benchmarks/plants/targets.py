@@ -1,4 +1,4 @@
-"""What counts as arrived on each plant: the optimum, and the way to it from the gains of the textbook.
+"""What counts as arrived on each plant: the optimum, and the way to it from the textbook.
 
     python -m tests.benchmarks.plants.targets [PLANT...]
 

@@ -1,1 +1,1 @@
-"""What the plants are: simulators written apart from gmfbo's FMUs, except those of the two drives."""
+"""What the plants are: simulators apart from gmfbo's FMUs, but for the two drives."""

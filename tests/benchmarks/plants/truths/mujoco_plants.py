@@ -21,7 +21,8 @@ ARM = """<mujoco>
   <option timestep="2.5e-4" integrator="implicitfast" gravity="0 0 -9.80665"/>
   <worldbody>
     <body>
-      <joint name="motor" type="hinge" axis="0 1 0" damping="0.16" frictionloss="0.9" armature="0.02"/>
+      <joint name="motor" type="hinge" axis="0 1 0" damping="0.16" frictionloss="0.9"
+             armature="0.02"/>
       <inertial pos="0.16 0 0" mass="1.6" diaginertia="0.004 0.004 0.004"/>
     </body>
   </worldbody>
