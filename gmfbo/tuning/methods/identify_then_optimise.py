@@ -32,7 +32,7 @@ three of two gains are ten numbers, of three gains twenty."""
 READING = CorrectionOptions(survey=SURVEY, around_real=False)
 
 COVER, NEARER, ROUNDS = 512, 128, 3
-"""Gains at which the model is simulated: over the box, then around the best so far, so many times."""
+"""Gains at which the model is simulated: over the box, then around the best, so many times."""
 
 RUN_RADIUS = 0.02
 """Distance in the unit cube within which gains count as run; a grid of 41 has steps of 0.025."""

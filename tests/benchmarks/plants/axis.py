@@ -1,4 +1,4 @@
-"""The real axis of a benchmark study: a plant under friction and noise that differ from run to run."""
+"""The real axis of a benchmark study: a plant under friction and noise that differ by run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How good gains really are: noise-free runs of a plant, and the cost by the study's own constants."""
+"""How good gains really are: noise-free runs of a plant, and their cost."""
 
 from __future__ import annotations
 

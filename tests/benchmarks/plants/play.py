@@ -1,6 +1,6 @@
 """Plays a plant as a program: the `command` of its study file.
 
-    python play.py PLANT --set NAME=VALUE ... --request FILE.json --reference FILE.csv --out FILE.csv
+    python play.py PLANT --set NAME=VALUE ... --request FILE --reference FILE --out FILE
 
 Noise and friction of a run follow from its gains, so that the same gains give the same recording.
 """

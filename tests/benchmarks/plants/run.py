@@ -1,6 +1,6 @@
 """Makes the studies of the benchmark, one line of text each; a killed run goes on.
 
-    python -m tests.benchmarks.plants.run --methods bo_ei,log_ei --seeds 0:3 [--plants A,B] [--out DIR]
+    python -m tests.benchmarks.plants.run --methods A,B --seeds 0:3 [--plants P,Q] [--out DIR]
 
 A study whose line is in the folder is not made again. Lines lie in `METHOD.jsonl` of each plant.
 """

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gmfbo.tuning.methods.low_order.runs import SampledRuns
 
 LAGS = 3
-"""References and measurements that a command may depend on: a filtered difference of second order."""
+"""References and measurements that a command may depend on: differences of second order."""
 
 MOST_DEGREE = 3
 """Most gains in a product: k_v k_p k_i of a cascade."""
