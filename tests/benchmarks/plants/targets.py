@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -106,8 +106,9 @@ def noise_at(judge: Judge, point: NDArray[np.float64]) -> float:
     noise = judge.study.file.is1.noise
     for _ in range(NOISY_RUNS):
         run = play(axis, judge.gains.values(point), judge.experiment)
-        for name, deviation in noise.items():
-            run.signals[name] += deviation * rng.standard_normal(len(run.time))
+        added = {n: d * rng.standard_normal(len(run.time)) for n, d in noise.items()}
+        signals = {n: values + added.get(n, 0.0) for n, values in run.signals.items()}
+        run = replace(run, signals=signals)
         metrics = judge.experiment.metrics(run)
         weighed = {name: np.asarray(metrics[name]) for name in judge.weights}
         costs.append(float(judge.cost({**weighed, "late_error": np.zeros(())})))
