@@ -1,0 +1,132 @@
+"""From the lines of studies to runs to target, and their statistics."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+CAP = 20
+"""Real runs after the initial ones up to which a study counts; who never arrives counts as this."""
+
+DRAWS = 4000
+
+
+def runs_to_target(true: Sequence[float | None], target: float) -> int | None:
+    """Real runs after the initial ones from which on the recommendation stays within a target.
+
+    Parameters
+    ----------
+    true : sequence of float or None
+        Noise-free cost of what is recommended right after the initial runs and after each later
+        one; None where nothing is, or where it does not settle.
+    target : float
+        Most cost.
+
+    Returns
+    -------
+    int or None
+        At least 1: a target met right after the initial runs counts as one run. None where the
+        last recommendation is not within the target.
+    """
+    within = [cost is not None and cost <= target for cost in true]
+    if not within or not within[-1]:
+        return None
+    stays = len(within)
+    while stays > 0 and within[stays - 1]:
+        stays -= 1
+    return max(stays, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Arrivals:
+    """Runs to target of methods on plants, on the same seeds.
+
+    Attributes
+    ----------
+    runs : dict of (str, str) to dict of int to int or None
+        By plant and method: by seed, None for never.
+    """
+
+    runs: Mapping[tuple[str, str], Mapping[int, int | None]]
+
+    @classmethod
+    def of(cls, lines: Sequence[Mapping[str, Any]], targets: Mapping[str, float]) -> Arrivals:
+        """Judge lines by the target of each plant.
+
+        Parameters
+        ----------
+        lines : sequence of mapping
+            Of the runner.
+        targets : mapping of str to float
+            Most cost by plant.
+        """
+        found: dict[tuple[str, str], dict[int, int | None]] = {}
+        for line in lines:
+            if line["plant"] in targets:
+                seeds = found.setdefault((line["plant"], line["method"]), {})
+                seeds[line["seed"]] = runs_to_target(line["true"], targets[line["plant"]])
+        return cls(found)
+
+    def capped(self, plant: str, method: str, seeds: Sequence[int]) -> NDArray[np.float64]:
+        """Runs to target on these seeds, at most the cap, shape (n,)."""
+        known = self.runs[plant, method]
+        values = [CAP if known[seed] is None else min(known[seed] or 1, CAP) for seed in seeds]
+        return np.array(values, dtype=float)
+
+    def seeds(self, plant: str, methods: Sequence[str]) -> list[int]:
+        """Seeds that all these methods have on a plant."""
+        sets = [set(self.runs.get((plant, method), {})) for method in methods]
+        return sorted(set.intersection(*sets)) if sets else []
+
+    def never(self, plants: Sequence[str], method: str) -> float:
+        """Share of studies that never arrived, pooled over plants; NaN without any."""
+        values = [n for p in plants for n in self.runs.get((p, method), {}).values()]
+        return float(np.mean([n is None for n in values])) if values else float("nan")
+
+
+def ratio_of_means(
+    arrivals: Arrivals, plants: Sequence[str], method: str, rivals: Sequence[str]
+) -> tuple[float, float, float]:
+    """Restricted mean of a method over that of its best rival, geometric mean over plants.
+
+    The best rival is one for all plants: that with the least geometric mean; it is chosen anew in
+    each draw, so that the choice is part of the uncertainty.
+
+    Returns
+    -------
+    ratio, low, high : float
+        With a 95 % interval by a paired bootstrap over seeds within each plant.
+    """
+    names = [method, *rivals]
+    tables = []
+    for plant in plants:
+        seeds = arrivals.seeds(plant, names)
+        if seeds:
+            tables.append(np.stack([arrivals.capped(plant, name, seeds) for name in names]))
+    if not tables:
+        return (float("nan"),) * 3
+    rng = np.random.default_rng(0)
+
+    def ratio(means: NDArray[np.float64]) -> NDArray[np.float64]:
+        # (..., plants, methods) to (...,)
+        logs = np.log(means).mean(axis=-2)
+        return np.asarray(np.exp(logs[..., 0] - logs[..., 1:].min(axis=-1)))
+
+    drawn = []
+    for table in tables:
+        rows = rng.integers(table.shape[1], size=(DRAWS, table.shape[1]))
+        drawn.append(table[:, rows].mean(axis=2).T)
+    low, high = np.quantile(ratio(np.stack(drawn, axis=1)), [0.025, 0.975])
+    return float(ratio(np.stack([t.mean(axis=1) for t in tables]))), float(low), float(high)
+
+
+def read_lines(folder: Path) -> list[dict[str, Any]]:
+    """All lines of the runner below a folder."""
+    files = sorted(folder.glob("*/*.jsonl"))
+    return [json.loads(text) for file in files for text in file.read_text("utf-8").splitlines()]

@@ -1,0 +1,246 @@
+"""Makes the studies of the benchmark, one line of text each; a killed run goes on.
+
+    python -m tests.benchmarks.plants.run --methods A,B --seeds 0:3 [--plants P,Q] [--out DIR]
+
+A study whose line is in the folder is not made again. Lines lie in `METHOD.jsonl` of each plant.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import gmfbo.retuning  # noqa: F401 - adds its methods
+from gmfbo.recordings.store.memory_store import MemoryStore
+from gmfbo.tuning.methods import find_method
+from gmfbo.tuning.query.method import Method
+from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.tuner import Tuner
+from gmfbo.version import __version__
+from tests.benchmarks.plants.axis import PlantAxis
+from tests.benchmarks.plants.catalogue import HERE, PLANTS, Plant
+from tests.benchmarks.plants.judge import Judge
+from tests.benchmarks.plants.peers import StockLogEi, TextbookRule
+
+RESULTS = HERE / "results"
+METHODS = "gmfbo_physics,bo_ei,log_ei,identify_then_optimise,gmfbo,twin_once,textbook_rule"
+
+
+@dataclass(eq=False)
+class Line:
+    """What one study came to.
+
+    Attributes
+    ----------
+    gains, cost, status : list
+        Of each real run: gains in order, observed cost g, and how it ended (`ok` runs that did
+        not settle are `unsettled`).
+    recommended, true : list
+        After each real run from the last initial one on: gains, or None; their noise-free cost g,
+        None where it is infinite.
+    seconds, processor_s : float
+        [s] Wall clock and processor time of the study, its workers' included.
+    recommend_seconds : float
+        [s] Processor time of judging recommendations, which is in neither.
+    """
+
+    plant: str
+    method: str
+    seed: int
+    initial: int
+    command: str
+    commit: str
+    version: str = __version__
+    gains: list[list[float]] = field(default_factory=list)
+    cost: list[float] = field(default_factory=list)
+    status: list[str] = field(default_factory=list)
+    recommended: list[list[float] | None] = field(default_factory=list)
+    true: list[float | None] = field(default_factory=list)
+    motion_s: float = 0.0
+    twin_runs: int = 0
+    seconds: float = 0.0
+    processor_s: float = 0.0
+    recommend_seconds: float = 0.0
+    stopped: str = ""
+
+
+def seeded(study: Study, seed: int, method: str, place: Path) -> Study:
+    """Copy of a plant's study for one seed and method, in memory."""
+    file = study.file.model_copy(update={"seed": seed, "method": method})
+    return replace(study, file=file, location=place / "run.study")
+
+
+def method_of(name: str, plant: Plant, initial: int) -> Method:
+    """A method of gmfbo, or a peer of this benchmark, by name."""
+    if name == "log_ei":
+        return StockLogEi()
+    if name == "textbook_rule":
+        return TextbookRule(plant.name, initial)
+    return find_method(name)
+
+
+def make(judge: Judge, method: str, seed: int, line: Line, *, judged: bool = True) -> Line:
+    """Run one study and judge what it recommends after each real run.
+
+    Parameters
+    ----------
+    judge : Judge
+        Of the plant.
+    method : str
+        Its name.
+    seed : int
+        Of the study and of the plant's noise.
+    line : Line
+        With what is known before; it is filled.
+    judged : bool
+        Whether recommendations are asked for; False measures the time of a study alone.
+    """
+    with tempfile.TemporaryDirectory(prefix="gmfbo-plants-") as place:
+        study = seeded(judge.study, seed, method, Path(place))
+        axis = PlantAxis(judge.plant, seed)
+        store = MemoryStore(study.location, study.text)
+        began, used, aside = time.perf_counter(), processor_s(), _Aside()
+        chosen = method_of(method, judge.plant, line.initial)
+        with Tuner(study, is1=axis, method=chosen, store=store) as tuner:
+
+            def judge_run(step: Progress) -> None:
+                if step.phase not in ("initial", "query") or step.source != "IS1":
+                    return
+                with aside:
+                    _note(tuner, judge, line, judged)
+
+            try:
+                tuner.run(judge_run)
+            except Exception as error:
+                line.stopped = " ".join(f"{type(error).__name__}: {error}".split())
+            line.twin_runs = len(tuner.history.of("IS2"))
+        axis.close()
+    line.seconds = time.perf_counter() - began - aside.seconds
+    line.processor_s = processor_s() - used - aside.processor_s
+    line.recommend_seconds = aside.processor_s
+    return line
+
+
+def processor_s() -> float:
+    """[s] Processor time of this process, and of workers that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+@dataclass(eq=False)
+class _Aside:
+    """Time spent on judging, which is no part of a study."""
+
+    seconds: float = 0.0
+    processor_s: float = 0.0
+
+    def __enter__(self) -> None:
+        self._began = time.perf_counter(), processor_s()
+
+    def __exit__(self, *error: object) -> None:
+        self.seconds += time.perf_counter() - self._began[0]
+        self.processor_s += processor_s() - self._began[1]
+
+
+def _note(tuner: Tuner, judge: Judge, line: Line, judged: bool) -> None:
+    """Add the last real run, and what would be recommended after it."""
+    trial = tuner.history.of("IS1")[-1]
+    settled = (trial.late_error or 0.0) <= 1.0
+    line.gains.append([trial.gains[name] for name in judge.gains.space.names])
+    line.cost.append(float(f"{trial.objective:.6g}"))
+    line.status.append("unsettled" if trial.status == "ok" and not settled else trial.status)
+    time_of = trial.recording.time
+    line.motion_s += float(time_of[-1] - time_of[0])
+    if not judged or len(line.gains) < line.initial:
+        return
+    found = tuner.result().recommendation
+    if found is None:
+        line.recommended.append(None)
+        line.true.append(None)
+    else:
+        point = judge.gains.space.point({n: found.gains[n] for n in judge.gains.space.names})
+        true = judge.true_cost(point)
+        line.recommended.append([float(f"{v:.6g}") for v in point])
+        line.true.append(float(f"{true:.6g}") if abs(true) < float("inf") else None)
+
+
+def finished(path: Path) -> set[int]:
+    """Seeds that a file has a line of; a line cut off by a kill does not count, and is removed."""
+    if not path.exists():
+        return set()
+    good = []
+    for text in path.read_text(encoding="utf-8").splitlines():
+        try:
+            json.loads(text)
+        except ValueError:
+            continue
+        good.append(text)
+    path.write_text("".join(f"{text}\n" for text in good), encoding="utf-8")
+    return {int(json.loads(text)["seed"]) for text in good}
+
+
+def commit() -> str:
+    """Commit of this checkout, with a plus where files differ from it."""
+    said = subprocess.run(
+        ["git", "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"],
+        cwd=HERE,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return said.stdout.strip() or "unknown"
+
+
+def run_all(plants: Sequence[str], methods: Sequence[str], seeds: range, out: Path) -> None:
+    """Make all studies that are missing, seed by seed, so that what is there is balanced."""
+    # Results of this benchmark are no part of what made them.
+    known = commit()
+    command = "python -m tests.benchmarks.plants.run " + " ".join(sys.argv[1:])
+    for seed in seeds:
+        for name in plants:
+            missing = [m for m in methods if seed not in finished(out / name / f"{m}.jsonl")]
+            if not missing:
+                continue
+            with Judge.open(PLANTS[name]) as judge:
+                initial = judge.study.file.budget.initial_is1
+                for method in missing:
+                    line = Line(name, method, seed, initial, command, known)
+                    _keep(out / name / f"{method}.jsonl", asdict(make(judge, method, seed, line)))
+                    print(
+                        f"{name} {method} {seed}: {line.seconds:.0f} s {line.stopped}", flush=True
+                    )
+
+
+def _keep(path: Path, line: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for name in ("seconds", "processor_s", "recommend_seconds", "motion_s"):
+        line[name] = round(line[name], 2)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(line) + "\n")
+
+
+def main() -> None:
+    """Read the arguments, and run."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--plants", default=",".join(PLANTS))
+    parser.add_argument("--methods", default=METHODS)
+    parser.add_argument("--seeds", default="0:20", help="FIRST:END")
+    parser.add_argument("--out", type=Path, default=RESULTS)
+    options = parser.parse_args()
+    first, _, end = options.seeds.partition(":")
+    seeds = range(int(first), int(end))
+    run_all(options.plants.split(","), options.methods.split(","), seeds, options.out)
+
+
+if __name__ == "__main__":
+    main()

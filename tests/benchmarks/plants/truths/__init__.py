@@ -1,0 +1,1 @@
+"""What the plants are: simulators apart from gmfbo's FMUs, but for the two drives."""
