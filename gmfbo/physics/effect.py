@@ -195,6 +195,9 @@ def _nothing_fixed(excitation: Excitation) -> Values:
     return {}
 
 
+_LINEAR = frozenset({"timing", "gain", "inertia", "sensor"})
+
+
 def _nothing_else(excitation: Excitation) -> Sequence[Values]:
     return ()
 
@@ -303,6 +306,11 @@ class Effect:
         """Whether its place is found by a search: a line over position or time, or an instant."""
         names = {parameter.name for parameter in self.parameters}
         return bool(names & {"wavenumber", "wavenumber_1", "frequency", "start"})
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether noise passes it as it would a filter."""
+        return self.family in _LINEAR or self.name == "torsional_compliance"
 
     @property
     def is_line(self) -> bool:

@@ -33,9 +33,6 @@ from gmfbo.sources.binding.name_patterns import matching
 from gmfbo.sources.twin.uncertain import Uncertain
 
 _MOST_STRETCHES = 200
-_LINEAR = frozenset({"timing", "gain", "inertia", "sensor"})
-"""Families of effects that noise passes as a linear path."""
-
 _FREED_RANGE = 4.0
 """Times the value of a freed parameter, either way: three standard deviations and a half."""
 
@@ -149,11 +146,7 @@ def _kernels_of(
     rig = case.rig
 
     def kernels_at(fitted: Fitted) -> PortKernels:
-        linear = tuple(
-            c
-            for c in fitted.hypothesis.effects
-            if c.law.family in _LINEAR or c.effect == "torsional_compliance"
-        )
+        linear = tuple(c for c in fitted.hypothesis.effects if c.law.is_linear)
         hypothesis = Hypothesis(fitted.hypothesis.setting, linear)
         point = problem.point(hypothesis, hypothesis.start(fitted.parameters))
         command = command_of(case)

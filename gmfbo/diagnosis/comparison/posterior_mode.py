@@ -233,20 +233,32 @@ class ModeSearch:
         return 0.5 * float(sum(np.sum(z**2) for z in white)) - at.log_prior
 
     def _columns(self, at: Fitted) -> list[Array]:
+        """Differences; those of all that is linear without noise, or its answer would be a signal.
+
+        A loop that is sampled faster than it is logged answers noise otherwise than the twin does:
+        a filter time and a gain loss were named for it (development draw, 000).
+        """
         problem, x = self._problem, at.x
         sizes = self._hypothesis.difference_sizes(x)
-        moves, widths = [], []
+        moves, widths, hears = [], [], self._hears_noise()
+        quiet = at.values
+        if self._hypothesis.noise is not None and not all(hears):
+            runs = problem.simulations.run([problem.point(self._hypothesis.quiet, x)])[0]
+            quiet = problem.values(runs) if all(run.finite for run in runs) else at.values
         for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
             moved = x.copy()
             moved[i] += size
             if prior.logarithmic and moved[i] <= 0.0:
                 moved[i] = x[i] - size
-            moves.append(problem.point(self._hypothesis, moved))
+            hypothesis = self._hypothesis if hears[i] else self._hypothesis.quiet
+            moves.append(problem.point(hypothesis, moved))
             widths.append(prior.to_u(moved[i]) - at.u[i])
         found = []
-        for runs, width in zip(problem.simulations.run(moves), widths, strict=True):
+        moved_runs = problem.simulations.run(moves)
+        for runs, width, hears_it in zip(moved_runs, widths, hears, strict=True):
             if all(run.finite for run in runs):
-                change = zip(problem.values(runs), at.values, strict=True)
+                base = at.values if hears_it else quiet
+                change = zip(problem.values(runs), base, strict=True)
                 found.append([(after - before) / width for after, before in change])
             else:
                 found.append([np.zeros_like(v) for v in at.values])
@@ -255,6 +267,14 @@ class ModeSearch:
             np.concatenate([np.reshape([f[s] for f in found], (-1, *d.shape[1:])), d])
             for s, d in enumerate(own)
         ]
+
+    def _hears_noise(self) -> list[bool]:
+        """Free quantities whose columns are those under noise: of laws that are not linear."""
+        hypothesis = self._hypothesis
+        own = [False] * len(hypothesis.setting.uncertain)
+        for candidate in hypothesis.effects:
+            own += [not candidate.law.is_linear] * len(candidate.parameters)
+        return own
 
     def _step(self, at: Fitted, columns: list[Array], damping: float) -> tuple[Array, float]:
         """Step within the bounds, and the gain that the quadratic promises [nats]."""

@@ -24,7 +24,7 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
-from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise, unsensed
+from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
 from gmfbo.physics import CATALOGUE
@@ -36,6 +36,8 @@ _MUCH = 3.0  # times the level about which nobody cares
 _WITHOUT = 4  # points of a fit without one of the best elements: most are far worse
 _LEVELS = 4  # most rounds of levels and rows
 _KEPT = 5  # best rows that are fitted again under new levels
+_HEARINGS = 3  # most rounds of rows and the noise that the best one tells
+_SAME = 4.0  # squared whitened distance of predictions that are the same within noise
 _COMPARED = 8  # best rows of which each is seen under its own inadequacy
 
 
@@ -92,13 +94,9 @@ class Search:
 
     def errors_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> SimulationErrors:
         """Errors of the simulation about a fit."""
-        simulations = self.problem.simulations
-        point, noise = self.problem.point(fitted.hypothesis, fitted.x), None
-        if "sensor" in kernels.simulated:
-            noise = unsensed(simulations, levels.ports.get("sensor", 0.0))
-            if fitted.hypothesis.noise is not None:
-                noise = sensed_noise(self.problem, fitted, kernels, levels)
-        return errors_of(simulations, point, fitted.runs, kernels, noise)
+        point = self.problem.point(fitted.hypothesis, fitted.x)
+        level = levels.ports.get("sensor", 0.0)
+        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
 
     def whitening_at(
         self,
@@ -320,13 +318,25 @@ class Search:
                 done.add(elements)
 
     def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:
-        """Best rows fitted again under the noise that the best one says the controller read."""
+        """Best rows fitted again under the noise that the best one says the controller read.
+
+        Until it changes nothing more; where all is linear, it changes nothing from the start.
+        """
         if "sensor" not in ledger.kernels.simulated:
             return ledger, scored
-        best = ledger.rows[scored.best]
-        noise = sensed_noise(self.problem, best, ledger.kernels, ledger.levels)
-        played = noise.played(self.problem.simulations, ledger.kernels)
-        return self._settled(replace(ledger, noise=played))
+        problem = self.problem
+        for _ in range(_HEARINGS):
+            best = ledger.rows[scored.best]
+            played = sensed_noise(problem, best, ledger.kernels, ledger.levels)
+            point = replace(problem.point(best.hypothesis, best.x), noise=played)
+            runs = problem.simulations.run([point])[0]
+            if not all(run.finite for run in runs):
+                break
+            change = [a - b for a, b in zip(problem.values(runs), best.values, strict=True)]
+            if sum(float(np.sum(z**2)) for z in ledger.whitening(change)) < _SAME:
+                break
+            ledger, scored = self._settled(replace(ledger, noise=played))
+        return ledger, scored
 
     def _leading(self, ledger: Ledger) -> frozenset[str]:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""

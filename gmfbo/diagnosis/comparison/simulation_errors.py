@@ -15,7 +15,7 @@ from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.sensed_noise import SensedNoise, linear_answer
+from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 
@@ -65,13 +65,13 @@ def errors_of(
     point: Point,
     runs: list[Simulated],
     kernels: PortKernels,
-    noise: SensedNoise | None,
+    level: float,
 ) -> SimulationErrors:
     """Measure what a finer step changes, and what noise makes beyond its linear answer.
 
     Noise that the controller reads lets an axis leave its friction, or a gap, at other instants.
-    Its linear answer is in the covariance of the noise already, and its mean is played; what is
-    still open of it is drawn, a few realisations standing for its covariance (Evensen 2003).
+    Its linear answer is in the covariance of the noise already. The rest is drawn, a few
+    realisations standing for its covariance (Evensen 2003).
 
     Parameters
     ----------
@@ -83,13 +83,16 @@ def errors_of(
         The recordings there.
     kernels : PortKernels
         Paths of noise.
-    noise : SensedNoise or None
-        That the controller reads, if any.
+    level : float
+        [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
     found = [_half_step(simulations, point, runs)]
-    if noise is not None:
+    if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
-        drawn = [noise.drawn(rng) for _ in range(PLAYED_NOISES)]
+        sizes = [record.plan.grid.size for record in simulations.records]
+        drawn = [
+            [from_rest(level * rng.standard_normal(n)) for n in sizes] for _ in range(PLAYED_NOISES)
+        ]
         orders = [(own[k], k) for own in drawn for k in range(len(runs))]
         played = simulations.map(
             lambda order: _beyond_linear(simulations, point, runs, kernels, *order), orders

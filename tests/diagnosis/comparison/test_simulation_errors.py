@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
-from gmfbo.diagnosis.comparison.sensed_noise import unsensed
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import SegmentWhitener
 from gmfbo.diagnosis.runs.scored_record import scored_record
@@ -70,8 +69,7 @@ def kernels_of(axis: Simulations) -> PortKernels:
 def measured(axis: Simulations, point: Point) -> tuple[SimulationErrors, PortKernels]:
     kernels = kernels_of(axis)
     runs = axis.run([point])[0]
-    noise = unsensed(axis, LEVEL)
-    return errors_of(axis, point, runs, kernels, noise), kernels
+    return errors_of(axis, point, runs, kernels, LEVEL), kernels
 
 
 def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> None:
