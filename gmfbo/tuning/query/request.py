@@ -94,6 +94,8 @@ class TuningResult:
         Number of real runs of an earlier study that were taken over, and that were not.
     is2_runs : int
         Number of runs of the twin, initial ones and those beside real runs included.
+    is3_runs : int
+        Number of corrected runs of the twin.
     queries : int
         Queries of either source after the initial ones.
     cost : float
@@ -120,6 +122,7 @@ class TuningResult:
     left_out: int = 0
     twin_versions: tuple[str, ...] = ()
     is2_runs: int = 0
+    is3_runs: int = 0
     settled: bool = True
     remarks: tuple[str, ...] = ()
     last_failure: str = ""
@@ -152,6 +155,7 @@ class TuningResult:
             recommendation=recommendation,
             is1_runs=history.made,
             is2_runs=len(history.of("IS2")),
+            is3_runs=len(history.of("IS3")),
             queries=history.queries,
             cost=history.cost,
             drifts=tuple(history.drifts),
