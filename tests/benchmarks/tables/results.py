@@ -9,9 +9,7 @@ from pathlib import Path
 
 RESULTS = Path(__file__).resolve().parents[1] / "results"
 MADE = tomllib.loads((RESULTS / "made.toml").read_text(encoding="utf-8"))
-_COUNTED = re.compile(
-    r"^ *(\S.*?\S) {2,}(\d+) of (\d+) +(?:[\d.]+ %|-) +\[ *([\d.]+), *([\d.]+)\]"
-)
+_COUNTED = re.compile(r"^ *(\S.*?\S) {2,}(\d+) of (\d+) +(?:[\d.]+ %|-) +\[ *([\d.]+), *([\d.]+)\]")
 _MEASURED = re.compile(r"^(\S.*?\S) {2,}(\d+) +(\d[\d.e+-]*)( %)?(?: |$)")
 
 

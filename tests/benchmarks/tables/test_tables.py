@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.benchmarks.tables.results import MADE, RESULTS, commands, compared, rounds
+from tests.benchmarks.tables.tuning import SHORT
 from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
 
 FRONT = (ROOT / README).read_text(encoding="utf-8")
@@ -38,12 +39,16 @@ def test_control_a_table_that_differs_by_a_digit_is_written_anew(tmp_path: Path)
 def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     drive, last = compared("noise_50"), rounds()[-1]
     ours, theirs = drive["gmfbo_physics"], drive["bo_ei"]
-    assert f"| {ours.median:g} in place of {theirs.median:g} |" in FRONT
+    assert f"**{ours.median:g} in place of {theirs.median:g}**" in FRONT
     assert f"median of {min(ours.seeds, theirs.seeds)} studies" in FRONT
     assert f"of {last.cases} simulated axes" in FRONT
     assert f"{last.counted['outside: false names']} unknown" in FRONT
     never = compared("wrong_structure")["gmfbo_physics"]
-    assert f"on {round((1.0 - never.never / 100.0) * never.seeds)} of {never.seeds} seeds" in FRONT
+    arrived = round((1.0 - never.never / 100.0) * never.seeds)
+    assert f"in {arrived} of {never.seeds} studies" in FRONT
+    newest = max(MADE["tuning"][study][-11:-1] for study in SHORT)
+    assert f"Version 0.1, {newest}:" in FRONT
+    assert f"Version 0.1, {last.made['committed'][-11:-1]};" in FRONT
     draw = (RESULTS / "diagnosis_draw/development_seed_34_comparison.txt").read_text("utf-8")
     (claimed,) = re.findall(r"^all .*?(\d+ of \d+) ", draw, re.MULTILINE)
     assert f"on {claimed} development axes" in FRONT
@@ -51,7 +56,7 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     said = re.search(r"^force error: ([\d.]+)% with .*, ([\d.]+)% with", axis, re.MULTILINE)
     assert said is not None
     before, after = map(float, said.groups())
-    assert f"| {before:.0f} % to {after:.1f} % |" in FRONT
+    assert f"**{before:.0f} % to {after:.1f} %**" in FRONT
 
 
 def test_every_result_that_is_told_says_command_commit_and_date() -> None:
