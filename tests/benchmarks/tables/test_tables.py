@@ -40,7 +40,7 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     drive, last = compared("noise_50"), rounds()[-1]
     ours, theirs = drive["gmfbo_physics"], drive["bo_ei"]
     assert f"**{ours.median:g} in place of {theirs.median:g}**" in FRONT
-    assert f"median of {min(ours.seeds, theirs.seeds)} studies" in FRONT
+    assert f"median of {min(ours.seeds, theirs.seeds)} tunings" in FRONT
     assert f"of {last.cases} simulated axes" in FRONT
     assert f"{last.counted['outside: false names']} unknown" in FRONT
     never = compared("wrong_structure")["gmfbo_physics"]
