@@ -136,8 +136,8 @@ figure  # noqa: B018
 best_observed(review)
 
 # %% [markdown]
-# Where the runs were. The shades are the twin's objective, the circles the real runs. The best
-# ones lie at the upper limit of Kp: the range asks to be widened, if the drive allows it.
+# Where the runs were. The shades are the twin's objective, the circles the real runs. The best one
+# lies inside the range of both gains. At a limit, the range would ask to be widened.
 
 # %%
 gains(review)

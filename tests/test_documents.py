@@ -14,7 +14,7 @@ from gmfbo.physics.example_axis import EXAMPLE_AXIS
 from gmfbo.tuning.methods import METHODS
 from gmfbo.version import __version__
 from tests.effect_table import documented_table, effect_table
-from tests.readme_blocks import README, Typed, difference, type_in
+from tests.readme_blocks import Typed, difference, type_in
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -87,47 +87,6 @@ def test_the_worked_example_prints_what_its_page_says(tmp_path: Path) -> None:
     blocks = [Typed(". .venv/bin/activate\ngmfbo examples tour\ncd tour\n", ""), Typed(command, "")]
     _, printed = type_in(blocks, tmp_path)
     assert not difference(promised, printed)
-
-
-def test_medians_in_readme_are_those_of_the_benchmark() -> None:
-    table = README.partition("| method | ")[2].partition("\n\n")[0]
-    studies = ("noise_50", "missing_physics", "friction_doubling")
-    rows = re.findall(r"^\| `(\w+)`.*?\|(.*)\|(.*)\|(.*)\|$", table, re.MULTILINE)
-    assert len(rows) == 5
-    for method, *cells in rows:
-        for study, cell in zip(studies, cells, strict=True):
-            assert cell.strip() == measured_median(study, method)
-
-
-def measured_median(study: str, method: str) -> str:
-    """Median of n* in the study's table, empty where the method did not run."""
-    page = (ROOT / f"tests/benchmarks/results/{study}/table.txt").read_text(encoding="utf-8")
-    table = page.partition("\nn*: real runs")[2].partition("\n\n")[0]
-    found = re.search(rf"^{method} +([\d.]+) ", table, re.MULTILINE)
-    return f"{float(found.group(1)):g}" if found else ""
-
-
-def test_figures_of_the_diagnosis_in_readme_are_those_of_the_blind_benchmark() -> None:
-    page = (ROOT / "notebooks/docs/blind_benchmark.md").read_text(encoding="utf-8")
-    last = {
-        row.split("|")[1].strip(): row.split("|")[-3].strip()  # the aim stands behind it
-        for row in page.partition("## Rounds")[2].splitlines()
-        if row.startswith("|") and row.count("|") > 10
-    }
-    table = README.partition("| what | result |")[2].partition("\n\n")[0]
-    shown = dict(re.findall(r"^\| ([^|]+) \| ([^|]+) \|$", table, re.MULTILINE))
-    names = {
-        "something claimed where nothing was missing": "claims on plants without hidden physics",
-        "wrong names": "wrong names",
-        "named right, where the effect was large enough to see": "named right",
-        "physics outside the library": "physics that the library does not hold",
-        "explainable error removed, median": "explainable error removed",
-    }
-    assert len(shown) == len(names)
-    for ours, theirs in names.items():
-        (result,) = (value for key, value in shown.items() if key.startswith(ours))
-        (counted,) = (value for key, value in last.items() if key.startswith(theirs))
-        assert counted.split(",")[0] in (result, result.removesuffix(" of 307"))
 
 
 def test_changelog_has_an_entry_for_this_version() -> None:

@@ -73,6 +73,41 @@ def test_no_sentence_of_readme_is_long() -> None:
     assert not long
 
 
+EXPLAINED = {
+    "FMUs?": "exported as an FMU",
+    "twins?": "**A digital twin**",
+    "twin file": "The **twin file**",
+    "noise floor": "The **noise floor**",
+    "effects?": "An **effect**",
+    "ports?": "A **port**",
+    "stud(?:y|ies)": "A **study**",
+}
+"""What a reader may not know, and where README begins to explain it."""
+
+
+def early_uses(text: str) -> list[str]:
+    """Terms that prose uses before it explains them."""
+    prose = " ".join(sentences(text))
+    prose = re.sub(r"`[^`]*`", "", re.sub(r"\s+", " ", prose))
+    found = []
+    for term, explained in EXPLAINED.items():
+        used = re.search(rf"\b{term}\b", prose)
+        assert used is not None, term
+        place = prose.find(explained)
+        if place < 0 or used.start() < place:
+            found.append(term)
+    return found
+
+
+def test_readme_explains_a_term_before_it_uses_it() -> None:
+    assert not early_uses(README)
+
+
+def test_control_a_term_that_is_used_too_early_is_noticed() -> None:
+    first = README.replace("gmfbo compares a simulated", "A port. gmfbo compares a simulated", 1)
+    assert early_uses(first) == ["ports?"]
+
+
 def test_every_file_that_readme_links_to_is_there() -> None:
     targets = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)|(?:src|srcset)=\"([^\"]+)\"", README)
     named = [one or other for one, other in targets]

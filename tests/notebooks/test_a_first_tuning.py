@@ -22,6 +22,9 @@ def test_five_real_runs_beat_the_gains_in_use(
     assert "joint: gmfbo, 6 real runs" in printed, "the command line goes on with the study"
     assert names["best"].objective < names["start"].objective
     assert len(list(tmp_path.glob("gmfbo-first-*/joint.html"))) == 1
+    for gain, (low, high) in {"ctl.Kp": (30.0, 200.0), "ctl.Kd": (2.0, 10.0)}.items():
+        share = (names["best"].gains[gain] - low) / (high - low)
+        assert 0.05 < share < 0.95, "the text says that the best run lies inside the range"
 
 
 def test_the_first_notebook_is_in_the_percent_format() -> None:

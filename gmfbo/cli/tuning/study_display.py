@@ -103,6 +103,5 @@ def _state(step: progress.Progress) -> str:
         parts.append(f"best {step.best_objective:.4f}")
     if step.mismatch is not None:
         parts.append(f"mismatch {step.mismatch:.2f}")
-    parts.append(f"cost {step.cost:.1f}")
     parts.append(f"{step.source} {gains_text(step.gains)}")
     return " | ".join(parts)

@@ -34,9 +34,7 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     """
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
-        f"{result.is2_runs} of the twin (initial ones included), "
-        f"{result.queries} queries after the initial data, "
-        f"cost {result.cost:.1f} (a twin run counts 0.1)"
+        f"{result.is2_runs + result.is3_runs:,} simulated"
     )
     if result.earlier:
         runs = f"{result.earlier} real runs of {study.file.earlier}"

@@ -76,6 +76,7 @@ def _print_end(follower: StudyFollower) -> None:
         else None,
         is1_runs=len(review.real) - earlier,
         is2_runs=sum(run.trial.source == "IS2" for run in review.runs),
+        is3_runs=sum(run.trial.source == "IS3" for run in review.runs),
         queries=review.runs[-1].query if review.runs else 0,
         cost=review.runs[-1].cost if review.runs else 0.0,
         drifts=review.drifts,

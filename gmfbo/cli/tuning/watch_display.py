@@ -82,8 +82,8 @@ class WatchDisplay:
             best = f"{gains_text(step.best_gains)}, objective {step.best_objective:.4f}"
             facts["best"] = Text(best, style="bold")
         mismatch = "" if step.mismatch is None else f", mismatch {step.mismatch:.2f}"
-        runs = f"{counts['IS1']} real, {counts['IS2']} of the twin, {counts['IS3']} corrected"
-        facts["runs"] = Text(f"{runs}; cost {step.cost:.1f}{mismatch}")
+        runs = f"{counts['IS1']} real, {counts['IS2']:,} of the twin, {counts['IS3']:,} corrected"
+        facts["runs"] = Text(f"{runs}{mismatch}")
         return facts
 
     def _done(self, step: Progress) -> Table:

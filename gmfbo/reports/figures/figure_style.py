@@ -127,9 +127,9 @@ def count_along(*panels: Axes) -> None:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def gain_label(name: str) -> str:
-    """Label of a gain, in the FMU's unit."""
-    return f"{name} [FMU's unit]"
+def gain_label(name: str, unit: str = "") -> str:
+    """Label of a gain with its unit; where none is known, with the FMU's."""
+    return f"{name} [{unit or 'unit of the FMU'}]"
 
 
 def _context() -> Any:

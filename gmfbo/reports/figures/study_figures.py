@@ -107,7 +107,7 @@ def gains(review: StudyReview) -> Figure:
             own = [run.trial for run in review.of(source)]
             _points(axes, [t.gains[name] for t in own], [t.objective for t in own],
                     (shape, colour, size), SOURCES[source])  # fmt: skip
-        axes.set_xlabel(gain_label(name), parse_math=False)
+        axes.set_xlabel(gain_label(name, review.gain_unit(name)), parse_math=False)
     panels[0].set_ylabel(_OBJECTIVE)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
     return figure
@@ -129,8 +129,8 @@ def _gain_map(review: StudyReview) -> Figure:
         best = review.best.gains
         axes.plot(best[first], best[second], "*", color=ORANGE, markeredgecolor="k",
                   markersize=13, linestyle="none", label="best real run")  # fmt: skip
-    axes.set_xlabel(gain_label(first), parse_math=False)
-    axes.set_ylabel(gain_label(second), parse_math=False)
+    axes.set_xlabel(gain_label(first, review.gain_unit(first)), parse_math=False)
+    axes.set_ylabel(gain_label(second, review.gain_unit(second)), parse_math=False)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
     return figure
 

@@ -8,7 +8,8 @@ from html import escape
 from typing import Literal
 
 from gmfbo.pages.html_page import columns, page, page_file, paragraph, section
-from gmfbo.plain_words import number, quantity, time_left, words
+from gmfbo.pages.marked_number import scale_for
+from gmfbo.plain_words import number, time_left, words
 from gmfbo.reports.study.charts import error_chart, mismatch_chart, version_list
 from gmfbo.reports.study.first_screen import responses_panel
 from gmfbo.reports.study.gain_map import gain_map
@@ -156,9 +157,11 @@ def _learned_words(review: StudyReview) -> str:
         return paragraph("At the newest real run, correcting the twin did not lower its error.")
     signal = review.file.objective.signal
     unit = review.real[0].trial.recording.units.get(signal, "")
+    scale = scale_for(before, unit)
+    old, new = (f"{error / scale.factor:.2g}" for error in (before, after))
     return paragraph(
         f"At the newest real run, correcting the twin by the runs so far lowers its error of "
-        f"{words(signal)} from {quantity(before, unit, 2)} to {quantity(after, unit, 2)}."
+        f"{words(signal)} from {old} to {new} {escape(scale.unit)}."
     )
 
 

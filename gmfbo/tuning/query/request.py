@@ -96,6 +96,8 @@ class TuningResult:
         Reasons for which they were not, each with its number.
     is2_runs : int
         Number of runs of the twin, initial ones and those beside real runs included.
+    is3_runs : int
+        Number of corrected runs of the twin.
     queries : int
         Queries of either source after the initial ones.
     cost : float
@@ -127,6 +129,7 @@ class TuningResult:
     twin_versions: tuple[str, ...] = ()
     learned: tuple[str, ...] = ()
     is2_runs: int = 0
+    is3_runs: int = 0
     settled: bool = True
     remarks: tuple[str, ...] = ()
     last_failure: str = ""
@@ -164,6 +167,7 @@ class TuningResult:
             recommendation=recommendation,
             is1_runs=history.made,
             is2_runs=len(history.of("IS2")),
+            is3_runs=len(history.of("IS3")),
             queries=history.queries,
             cost=history.cost,
             drifts=tuple(history.drifts),

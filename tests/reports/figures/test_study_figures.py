@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -97,7 +98,16 @@ def test_gains_of_every_source_are_drawn(tmp_path: Path, count: int, panels: int
     assert len(axes) == panels
     kp = [run.trial.gains["ctl.Kp"] for run in review.real]
     assert drawn(axes[0], "real axis (IS1)")[0] == kp
-    assert axes[0].get_xlabel() == "ctl.Kp [FMU's unit]"
+    assert axes[0].get_xlabel() == "ctl.Kp [unit of the FMU]"
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_gain_has_the_unit_that_was_logged(tmp_path: Path, count: int) -> None:
+    read = StudyReview.read(write_example_study(tmp_path, gains=count))
+    begun = {"event": "begin", "origin": "..", "twins": {}, "units": {"ctl.Kp": "N.m/rad"}}
+    known = dataclasses.replace(read, events=(*read.events, begun))
+    labels = [axes.get_xlabel() for axes in gains(known).axes]
+    assert "ctl.Kp [N m/rad]" in [label.replace("\u00a0", " ") for label in labels]
 
 
 def test_every_axis_of_every_figure_has_a_unit(review: StudyReview) -> None:

@@ -1,0 +1,72 @@
+"""Tables and figures in the documents are those of the results."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.benchmarks.tables.results import MADE, RESULTS, commands, compared, rounds
+from tests.benchmarks.tables.tuning import SHORT
+from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
+
+FRONT = (ROOT / README).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("document", "table"), TABLES)
+def test_a_table_is_that_of_the_results(document: str, table: Callable[[], str]) -> None:
+    held = documented((ROOT / document).read_text(encoding="utf-8"), table())
+    assert held == table(), "run python -m tests.benchmarks.tables"
+
+
+def test_control_a_table_that_differs_by_a_digit_is_written_anew(tmp_path: Path) -> None:
+    for name in {name for name, _ in TABLES}:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    front = tmp_path / README
+    assert FRONT.count("| 89 of 109 |") == 1
+    front.write_text(FRONT.replace("| 89 of 109 |", "| 98 of 109 |"), encoding="utf-8")
+    assert write(tmp_path) == [README]
+    assert front.read_text(encoding="utf-8") == FRONT
+    front.write_text(FRONT.replace("| what | result |", "| what | came |"), encoding="utf-8")
+    with pytest.raises(ValueError, match="expected one table that begins with"):
+        write(tmp_path)
+
+
+def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
+    drive, last = compared("noise_50"), rounds()[-1]
+    ours, theirs = drive["gmfbo_physics"], drive["bo_ei"]
+    assert f"**{ours.median:g} in place of {theirs.median:g}**" in FRONT
+    assert f"median of {min(ours.seeds, theirs.seeds)} tunings" in FRONT
+    assert f"of {last.cases} simulated axes" in FRONT
+    assert f"{last.counted['outside: false names']} unknown" in FRONT
+    never = compared("wrong_structure")["gmfbo_physics"]
+    arrived = round((1.0 - never.never / 100.0) * never.seeds)
+    assert f"in {arrived} of {never.seeds} studies" in FRONT
+    newest = max(MADE["tuning"][study][-11:-1] for study in SHORT)
+    assert f"Version 0.1, {newest}:" in FRONT
+    assert f"Version 0.1, {last.made['committed'][-11:-1]};" in FRONT
+    draw = (RESULTS / "diagnosis_draw/development_seed_34_comparison.txt").read_text("utf-8")
+    (claimed,) = re.findall(r"^all .*?(\d+ of \d+) ", draw, re.MULTILINE)
+    assert f"on {claimed} development axes" in FRONT
+    axis = (RESULTS / "emps_diagnosis/emps_diagnosis.txt").read_text("utf-8")
+    said = re.search(r"^force error: ([\d.]+)% with .*, ([\d.]+)% with", axis, re.MULTILINE)
+    assert said is not None
+    before, after = map(float, said.groups())
+    assert f"**{before:.0f} % to {after:.1f} %**" in FRONT
+
+
+def test_every_result_that_is_told_says_command_commit_and_date() -> None:
+    dated = re.compile(r"[0-9a-f]{7}.* \(\d{4}-\d\d-\d\d\)$")
+    for study, committed in MADE["tuning"].items():
+        assert dated.match(committed), study
+        assert all(one.startswith("gmfbo compare ") for one in commands(study)), study
+    for one in rounds():
+        assert dated.match(one.made["committed"])
+        assert one.command.startswith("python -m tests.blind")
+        beside = (RESULTS / one.file).with_name("README.md").read_text(encoding="utf-8")
+        assert one.made["engine"].split()[-1] in beside
+        assert one.made["committed"].split()[0] in beside
