@@ -32,8 +32,8 @@ class StockLogEi:
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise LogEI over the unit cube by `optimize_acqf` with its usual settings."""
         import torch
-        from botorch.acquisition import LogExpectedImprovement
-        from botorch.optim import optimize_acqf
+        from botorch.acquisition.analytic import LogExpectedImprovement
+        from botorch.optim.optimize import optimize_acqf
 
         if not any(one.counts for one in state.of("IS1")):
             return seek_finished(state)

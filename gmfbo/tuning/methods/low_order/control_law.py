@@ -223,7 +223,7 @@ def _limits(runs: SampledRuns) -> tuple[float, float]:
         ends.append(float(values.max()))
         near = moved & (values >= ends[-1] - (1.0 - _AT_LIMIT) * abs(ends[-1]))
         held.append(int(near.sum()) >= _HELD_ROWS)
-    if any(held) and np.isclose(*ends, rtol=1e-6):
+    if any(held) and np.isclose(ends[0], ends[1], rtol=1e-6):
         held = [True, True]  # limits that are alike: the rarer one may be met for a sample only
     low, high = (end if is_held else np.inf for end, is_held in zip(ends, held, strict=True))
     return -low, high
@@ -256,7 +256,8 @@ def _weights(
         before, change = u[rows - 1], u[rows - 1] - u[rows - 2]
         own = {"none": [], "filter": [before], "integral": [change]}[past]
         left = u[rows] - before if past == "integral" else u[rows]
-        triangle = np.linalg.qr(np.column_stack([seen[rows, row], *own, left]), mode="r")
+        columns = np.column_stack([seen[rows, row], *own, left])
+        triangle = np.asarray(np.linalg.qr(columns, mode="r"), dtype=np.float64)
         blocks.append(np.kron(triangle[:-1, :-1], products[row]))
         targets.append(triangle[:-1, -1])
         rest, count = rest + float(triangle[-1, -1] ** 2), count + rows.size

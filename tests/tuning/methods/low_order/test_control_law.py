@@ -35,7 +35,7 @@ def runs(count: int, most: float = np.inf, seed: int = 0) -> SampledRuns:
     gains = rng.uniform(0.2, 1.0, size=(count, 2))
     each = [pd_loop(KP * kp, KD * kd, most) for kp, kd in gains]
     reference, y, u = (np.stack(columns) for columns in zip(*each, strict=True))
-    return SampledRuns(np.arange(ROWS) * STEP, gains, reference, y, u)
+    return SampledRuns(STEP * np.arange(ROWS, dtype=np.float64), gains, reference, y, u)
 
 
 @pytest.mark.parametrize("most", [np.inf, 12.0])
