@@ -100,7 +100,7 @@ class Conclusion:
         names = [found.winner.name for found in decision.rounds]
         shares = {name: result.squares.share(name) for name in names}
         named = named_effects(decision, result.augmented, spread, self.units, shares)
-        tests = residual_tests(self.unseen or case, result.curves, result.scored)
+        tests = residual_tests(self.unseen or case, result.curves, result.scored, result.augmented)
         verdict = self._verdict(tests)
         location = self._location(verdict)
         progress("choosing the next experiment", 0.97)

@@ -22,7 +22,8 @@ class ResidualTest:
     follows : float
         Part of the final model's error that follows the reference.
     bound : float
-        Exceeded by chance once in a hundred times, with noise like that of the final model.
+        Exceeded by chance once in a hundred times, with noise like that of the final model, beside
+        what its simulation's step changes.
     tolerance : float
         Small errors that every rig has, which the diagnosis ignores.
     """

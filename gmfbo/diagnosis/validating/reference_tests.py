@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.scoring.long_run_covariance import long_run_covariance
@@ -27,7 +28,10 @@ _DIFFERENT = 0.02  # of the strongest direction; weaker ones are rounding errors
 
 
 def residual_tests(
-    case: Case, curves: Sequence[Curve], scored: Mapping[str, tuple[float, float]]
+    case: Case,
+    curves: Sequence[Curve],
+    scored: Mapping[str, tuple[float, float]],
+    model: Fitted,
 ) -> tuple[ResidualTest, ...]:
     """Test every signal of the held-out stretches.
 
@@ -39,9 +43,11 @@ def residual_tests(
         Recorded and simulated signals.
     scored : mapping of str to (float, float)
         [s] Stretch of each recording that had no part in the fit.
+    model : Fitted
+        The final one; what half its step changes in it is no missing physics.
     """
     found = []
-    drives = _drives(case)
+    drives, steps = _drives(case), _step_errors(case, model)
     position = case.twin.file.states.get("position")
     variables = case.twin.binding.variables
     length = variables[position].variable.si_unit if position else None
@@ -52,7 +58,9 @@ def residual_tests(
         final = curve.augmented if np.isfinite(curve.augmented).any() else curve.parameters_only
         share = POSITION_TOLERANCE if curve.unit == length else TOLERANCE
         reference = np.interp(curve.time, time, values)
-        tested = _tested(curve, reference, final, share, scored[curve.recording])
+        own = steps.get((curve.recording, curve.signal), (curve.time, np.zeros(curve.time.size)))
+        error = np.interp(curve.time, *own)
+        tested = _tested(curve, reference, final, share, scored[curve.recording], error)
         if tested is not None:
             found.append(tested)
     return tuple(found)
@@ -74,12 +82,29 @@ def _drives(case: Case) -> Mapping[str, tuple[Array, Array]]:
     return drives
 
 
+def _step_errors(case: Case, model: Fitted) -> dict[tuple[str, str], tuple[Array, Array]]:
+    """Times [s] and change [SI] of each recording's signals at half the twin's step."""
+    simulations = case.simulations
+    finer = simulations.half_step
+    if finer is None:
+        return {}
+    point = model.hypothesis.quiet.point(model.x)
+    coarse, fine = simulations.run([point])[0], finer.run([point])[0]
+    return {
+        (record.name, signal.name): (signal.time, after - before)
+        for record, one, other in zip(simulations.records, coarse, fine, strict=True)
+        for signal, before, after in zip(record.signals, one.signals, other.signals, strict=True)
+        if one.finite and other.finite
+    }
+
+
 def _tested(
     curve: Curve,
     reference: Array,
     final: Array,
     tolerated: float,
     stretch: tuple[float, float],
+    error: Array,
 ) -> ResidualTest | None:
     known = np.isfinite(curve.recorded) & np.isfinite(curve.parameters_only) & np.isfinite(final)
     known &= (curve.time >= stretch[0]) & (curve.time <= stretch[1])
@@ -89,13 +114,14 @@ def _tested(
     columns = reference_columns(curve.time, reference)[:, known]
     left = (curve.recorded - final)[known]
     follows, rest = following_part(columns, left)
+    known_part, _ = following_part(columns, error[known])
     before, _ = following_part(columns, (curve.recorded - curve.parameters_only)[known])
     return ResidualTest(
         curve.recording,
         curve.signal,
         before / extent,
         follows / extent,
-        chance_bound(columns, rest) / extent,
+        float(np.hypot(chance_bound(columns, rest), known_part)) / extent,
         tolerated * float(np.sqrt(np.mean(curve.recorded[known] ** 2))) / extent,
     )
 
