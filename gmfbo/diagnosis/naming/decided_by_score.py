@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
 from gmfbo.diagnosis.comparison.moves import Shown, shown
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, NAMED, SEEN_ONCE, UNLIKE
+from gmfbo.diagnosis.comparison.numbers import (
+    EXPLAINED,
+    INADEQUACY_TOLERANCE,
+    NAMED,
+    SEEN_ONCE,
+    UNLIKE,
+)
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
@@ -283,7 +289,13 @@ def _share(compared: Compared, base: Row, row: Row) -> float | None:
 
 
 def _is_outside(compared: Compared, share: float | None) -> bool:
-    """Whether the best row is believed to be inadequate, and most of it is unexplained."""
-    scored = compared.scored
+    """Whether the best row is believed to be inadequate, and most of it is unexplained.
+
+    A torque without any law that is as large as half of the drive's is no noise of the shaft.
+    """
+    scored, search = compared.scored, compared.search
     believed = float(scored.inadequate[int(np.argmax(scored.log_evidences.mean(1)))])
-    return believed >= NAMED and share is not None and share < EXPLAINED
+    usual = search.tolerance / INADEQUACY_TOLERANCE
+    coloured = compared.ledger.levels.ports.get("torque", 0.0)
+    is_inadequate = believed >= NAMED or coloured > EXPLAINED * usual
+    return is_inadequate and share is not None and share < EXPLAINED
