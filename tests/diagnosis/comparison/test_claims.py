@@ -1,0 +1,74 @@
+"""Claims are the smallest sets that meet what is believed, whatever row is best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gmfbo.diagnosis.comparison.claims import Claim, claims_of
+from gmfbo.diagnosis.comparison.ledger import Scored
+from gmfbo.diagnosis.comparison.numbers import NAMED
+
+Beliefs = Mapping[tuple[str, ...], float]
+
+
+def claims(beliefs: Beliefs, above: Mapping[str, float] | None = None) -> tuple[Claim, ...]:
+    rows = tuple(frozenset(names) for names in beliefs)
+    values = np.array(list(beliefs.values()))
+    scored = Scored(rows, np.log(values + 1e-300)[:, None], values, 0.0 * values, 0.0 * values)
+    return claims_of(scored, {row: {n: (above or {}).get(n, 1.0) for n in row} for row in rows})
+
+
+def told(beliefs: Beliefs, above: Mapping[str, float] | None = None) -> list[set[str]]:
+    return [set(c.members) for c in claims(beliefs, above) if c.probability >= NAMED]
+
+
+def test_each_of_two_effects_of_one_row_is_named() -> None:
+    beliefs = {("backlash", "cogging_torque"): 0.99, ("backlash",): 0.01}
+    assert told(beliefs) == [{"backlash"}, {"cogging_torque"}]
+
+
+def test_laws_that_replace_each_other_are_a_set_where_the_best_row_has_two_of_them() -> None:
+    """The best row holds both, which each other row takes for one."""
+    beliefs = {
+        ("load_dependent_friction", "position_dependent_friction"): 0.4,
+        ("position_dependent_friction",): 0.35,
+        ("load_dependent_friction",): 0.25,
+    }
+    assert told(beliefs) == [{"position_dependent_friction", "load_dependent_friction"}]
+    assert claims(beliefs)[0].probability == pytest.approx(1.0)
+
+
+def test_a_set_of_a_law_and_its_limit_is_the_limit() -> None:
+    assert told({("coulomb_friction",): 0.6, ("stribeck_friction",): 0.4}) == [{"coulomb_friction"}]
+
+
+def test_nothing_is_told_where_nothing_is_believed_or_all_is_below_its_floor() -> None:
+    assert told({(): 0.5, ("backlash",): 0.5}) == []
+    assert told({("backlash",): 1.0}, {"backlash": 0.3}) == []
+
+
+names = st.sampled_from(["backlash", "cogging_torque", "elastic_return", "quadratic_drag"])
+tables = st.dictionaries(
+    st.frozensets(names, max_size=3).map(lambda row: tuple(sorted(row))),
+    st.floats(0.01, 1.0),
+    min_size=1,
+    max_size=6,
+)
+
+
+@given(tables)
+def test_a_told_probability_is_the_belief_in_rows_that_hold_one_of_the_set(table: Beliefs) -> None:
+    whole = sum(table.values())
+    beliefs = {row: value / whole for row, value in table.items()}
+    first, *_ = (*claims(beliefs), None)
+    if first is None:
+        assert list(beliefs) == [()]
+        return
+    held = sum(v for row, v in beliefs.items() if set(row) & set(first.members))
+    assert first.probability == pytest.approx(held)
+    assert len({*first.members}) == len(first.members)
