@@ -334,10 +334,8 @@ class _Opening:
         return max(stiffness.loop_time, 2.0 * self.twin.step)
 
     def _reread(self, simulations: Simulations, simulated: Sequence[Simulated]) -> list[Simulated]:
-        return [
-            replace(run, signals=simulations.read(run.response, k))
-            for k, run in enumerate(simulated)
-        ]
+        read = simulations.read
+        return [replace(r, signals=read(r.response, k)) for k, r in enumerate(simulated)]
 
     def _excitation(
         self,

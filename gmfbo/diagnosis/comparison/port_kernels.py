@@ -117,10 +117,7 @@ def port_kernels(
 
     kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
     simulated = {} if is_open else {p: kernels[p] for p in ports if p == "sensor"}
-    if position in simulated.get("sensor", {}):
-        answer = simulated["sensor"][position]
-        logged = {**simulated["sensor"], position: answer + _lacking(answer, to_si)}
-        kernels["sensor"] = logged
+    kernels |= {p: _with_reading(own, position, to_si) for p, own in simulated.items()}
     if "command" in kernels and command in kernels["command"] and not is_open:
         # What the controller commands otherwise is in the log as well.
         logged = kernels["command"][command] + np.eye(1, taps)[0]
@@ -143,6 +140,16 @@ def through(columns: Array, kernel: Array) -> Array:
     spectrum = rfft(columns, length, axis=-1) * rfft(kernel, length)
     answer: Array = irfft(spectrum, length, axis=-1)[..., :n]
     return answer
+
+
+def _with_reading(
+    simulated: Mapping[str, Array], position: str | None, to_si: float
+) -> dict[str, Array]:
+    """Answers to the sensor's noise with what the log alone has of it."""
+    found = dict(simulated)
+    if position in found:
+        found[position] = found[position] + _lacking(found[position], to_si)
+    return found
 
 
 def _lacking(kernel: Array, to_si: float) -> Array:
