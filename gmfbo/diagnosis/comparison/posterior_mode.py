@@ -17,6 +17,7 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 _SETTLED = 0.02  # nats of predicted gain below which a search has ended
+SAME = 4.0  # squared whitened distance of predictions that are the same within noise
 _POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
 
@@ -170,6 +171,9 @@ class ModeSearch:
         at = self._at(row.u, row.nuisances)
         if at is None:
             return replace(row, converged=False)
+        change = [a - b for a, b in zip(at.values, row.values, strict=True)]
+        if sum(float(np.sum(z**2)) for z in self._whitening(change)) < SAME:
+            return self._searched(at, row.columns, iterations)
         return self._searched(at, self._columns(at), iterations)
 
     def _searched(self, at: Fitted, columns: list[Array], iterations: int) -> Fitted:

@@ -21,7 +21,7 @@ from gmfbo.diagnosis.comparison.numbers import (
     PRIOR_OF_COUNT,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import SAME, Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
@@ -37,7 +37,6 @@ _WITHOUT = 4  # points of a fit without one of the best elements: most are far w
 _LEVELS = 4  # most rounds of levels and rows
 _KEPT = 5  # best rows that are fitted again under new levels
 _HEARINGS = 3  # most rounds of rows and the noise that the best one tells
-_SAME = 4.0  # squared whitened distance of predictions that are the same within noise
 _COMPARED = 8  # best rows of which each is seen under its own inadequacy
 
 
@@ -333,7 +332,7 @@ class Search:
             if not all(run.finite for run in runs):
                 break
             change = [a - b for a, b in zip(problem.values(runs), best.values, strict=True)]
-            if sum(float(np.sum(z**2)) for z in ledger.whitening(change)) < _SAME:
+            if sum(float(np.sum(z**2)) for z in ledger.whitening(change)) < SAME:
                 break
             ledger, scored = self._settled(replace(ledger, noise=played))
         return ledger, scored

@@ -6,6 +6,7 @@ counts for less: they join the covariance of noise there, whichever hypothesis i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,8 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 
 Array = NDArray[np.float64]
+
+_LINEAR = 0.01  # of its linear answer: less than this noise makes in an axis without friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,11 +96,10 @@ def errors_of(
         drawn = [
             [from_rest(level * rng.standard_normal(n)) for n in sizes] for _ in range(PLAYED_NOISES)
         ]
-        orders = [(own[k], k) for own in drawn for k in range(len(runs))]
-        played = simulations.map(
-            lambda order: _beyond_linear(simulations, point, runs, kernels, *order), orders
-        )
-        found += [played[i : i + len(runs)] for i in range(0, len(played), len(runs))]
+        first, *others = drawn
+        played = _played(simulations, point, runs, kernels, [first])
+        if not all(_is_linear(one) for one in played[0]):
+            found += _errors([*played, *_played(simulations, point, runs, kernels, others)])
     columns = []
     for k, record in enumerate(simulations.records):
         own = [error[k] for error in found if error[k] is not None]
@@ -109,6 +111,45 @@ def errors_of(
             )
         )
     return SimulationErrors(simulations, tuple(columns))
+
+
+@dataclass(frozen=True, eq=False)
+class _Heard:
+    """What noise makes of the signals of a recording: by a linear path, and beyond it [SI]."""
+
+    linear: tuple[Array, ...]
+    beyond: list[Array]
+
+
+def _is_linear(heard: _Heard | None) -> bool:
+    """Whether noise makes nothing worth a further simulation, beyond its linear answer."""
+    return heard is None or all(
+        float(np.std(beyond)) <= _LINEAR * float(np.std(linear))
+        for linear, beyond in zip(heard.linear, heard.beyond, strict=True)
+    )
+
+
+def _errors(played: Sequence[Sequence[_Heard | None]]) -> list[list[list[Array] | None]]:
+    size = np.sqrt(PLAYED_NOISES)
+    return [
+        [None if one is None else [beyond / size for beyond in one.beyond] for one in own]
+        for own in played
+    ]
+
+
+def _played(
+    simulations: Simulations,
+    point: Point,
+    runs: list[Simulated],
+    kernels: PortKernels,
+    drawn: Sequence[Sequence[Array]],
+) -> list[list[_Heard | None]]:
+    """Each realisation of noise in each recording."""
+    orders = [(own[k], k) for own in drawn for k in range(len(runs))]
+    heard = simulations.map(
+        lambda order: _beyond_linear(simulations, point, runs, kernels, *order), orders
+    )
+    return [heard[i : i + len(runs)] for i in range(0, len(heard), len(runs))]
 
 
 def _half_step(
@@ -133,13 +174,11 @@ def _beyond_linear(
     kernels: PortKernels,
     noise: Array,
     k: int,
-) -> list[Array] | None:
-    """Change of a recording's signals under noise, less its linear answer."""
+) -> _Heard | None:
+    """Change of a recording's signals under noise; None where it cannot be simulated."""
     noisy = simulations.run_one(point, k, excitation={"sensor": noise})
     if not noisy.finite:
         return None
     linear = linear_answer(simulations, kernels, k, noise)
-    return [
-        (after - before - own) / np.sqrt(PLAYED_NOISES)
-        for before, after, own in zip(runs[k].signals, noisy.signals, linear, strict=True)
-    ]
+    signals = zip(runs[k].signals, noisy.signals, linear, strict=True)
+    return _Heard(linear, [after - before - own for before, after, own in signals])
