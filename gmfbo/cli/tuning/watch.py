@@ -57,9 +57,9 @@ def watch(
 
 def _print_end(follower: StudyFollower) -> None:
     from gmfbo.cli.tuning.study_result import print_result
+    from gmfbo.tuning.query.left_out import reasons_told
     from gmfbo.tuning.query.method import Recommendation
     from gmfbo.tuning.query.request import TuningResult
-    from gmfbo.tuning.told.earlier_runs import reasons_told
 
     review = follower.review
     if follower.state == "interrupted":

@@ -41,7 +41,7 @@ class Spread:
     def take_out(self, white: Array) -> None:
         """Whiten these rows of whitened columns, shape (..., m, n), in place."""
         own = white[..., self.rows]
-        flat = own.reshape(*own.shape[:-2], -1)
+        flat = own.reshape(*own.shape[:-2], own.shape[-2] * own.shape[-1])
         flat = flat - ((flat @ self.directions) * self.lost) @ self.directions.T
         white[..., self.rows] = flat.reshape(own.shape)
 

@@ -158,7 +158,7 @@ def _learned_words(review: StudyReview) -> str:
     signal = review.file.objective.signal
     unit = review.real[0].trial.recording.units.get(signal, "")
     scale = scale_for(before, unit)
-    old, new = (f"{error / scale.factor:.2g}" for error in (before, after))
+    old, new = (number(error / scale.factor) for error in (before, after))
     return paragraph(
         f"At the newest real run, correcting the twin by the runs so far lowers its error of "
         f"{words(signal)} from {old} to {new} {escape(scale.unit)}."

@@ -11,6 +11,7 @@ from gmfbo.errors import InputError, StoreError, StudyFileError
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
+from gmfbo.tuning.query.left_out import reasons_told
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.earlier_fit import cut_to, refuse_other_experiment, why_not
@@ -193,17 +194,6 @@ class EarlierRuns:
             f"{label}: expected real runs that this study could have asked for, {self.left_out} "
             f"were made, none of them is{why}; change [gains] or name another place"
         )
-
-
-def reasons_told(reasons: Mapping[str, int]) -> tuple[str, ...]:
-    """Reasons why runs were not taken over, each with its number in front.
-
-    Parameters
-    ----------
-    reasons : mapping of str to int
-        Number of runs by reason.
-    """
-    return tuple(f"{count}: {why}" for why, count in reasons.items() if count)
 
 
 _BEGUN = ", but this study began to take it; bring it back, or give another 'out'"

@@ -44,8 +44,8 @@ def test_every_method_and_axis_is_named(folder: Path) -> None:
     for name in ("sampling_cost", "best_observed"):
         for number in range(12):
             assert drawn[name].count(f">method_{number} (3)<") == 1
-    assert ">ctl.Kp [FMU's unit]<" in drawn["landscape"]
-    assert ">ctl.Kd [FMU's unit]<" in drawn["landscape"]
+    assert ">ctl.Kp [unit of the FMU]<" in drawn["landscape"]
+    assert ">ctl.Kd [unit of the FMU]<" in drawn["landscape"]
     assert "real runs, initial ones counted" in drawn["best_observed"]
 
 

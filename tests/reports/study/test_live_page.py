@@ -49,7 +49,7 @@ def test_the_page_tells_the_best_gains_the_count_and_the_time_left(review: Study
     assert f"About 13 min left. So far 5 real runs, {simulated} simulated." in page
     assert "4 of 4 queries done." in page
     newest = review.correction[-1]
-    assert f"from {newest[1]:.2g} rad to {newest[2]:.2g} rad" in page
+    assert f"from {newest[1]:.3g} to {newest[2]:.3g} rad" in page
     assert "friction of 0.4 N m &lt;found&gt; by diagnosis" in page
 
 

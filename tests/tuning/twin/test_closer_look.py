@@ -18,6 +18,7 @@ from gmfbo.tuning.twin.closer_look import RADII
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
 COUNT = 6
+AROUND = 4  # `is3_per_run` of the study
 METHOD = Gmfbo(correction=replace(CORRECTION, survey=25, closer=COUNT))
 
 
@@ -32,10 +33,12 @@ def played(folder: Path, closer: int, iterations: int = 2) -> list[Trial]:
 
 
 def looks(trials: list[Trial]) -> list[list[Trial]]:
-    """Runs of the twin that belong to each real run, but the one at its gains."""
+    """Runs of the twin that belong to each real run, but those beside it and right around it."""
     real = [trial for trial in trials if trial.source == "IS1"]
     return [
-        [t for t in trials if (t.source, t.parent) == ("IS2", one.number) and t.gains != one.gains]
+        [t for t in trials if (t.source, t.parent) == ("IS2", one.number) and t.gains != one.gains][
+            AROUND:
+        ]
         for one in real
     ]
 
