@@ -321,7 +321,7 @@ class Search:
 
         Until it changes nothing more; where all is linear, it changes nothing from the start.
         """
-        if "sensor" not in ledger.kernels.simulated:
+        if "sensor" not in ledger.kernels.simulated.keys() & ledger.levels.ports.keys():
             return ledger, scored
         problem = self.problem
         for _ in range(_HEARINGS):
