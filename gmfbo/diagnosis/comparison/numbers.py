@@ -75,5 +75,8 @@ UNLIKE = 0.03
 EXPLAINED = 0.5
 """[1] Share of what the refitted twin leaves beyond noise, below which laws do not explain it."""
 
+SAME = 4.0
+"""[1] Squared whitened distance of two predictions that are the same: two standard deviations."""
+
 TOLD_APART = 30.0
 """[1] Squared whitened distance that tells two predictions apart: noise alone gives 15."""

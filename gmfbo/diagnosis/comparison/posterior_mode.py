@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.numbers import SAME
 from gmfbo.diagnosis.comparison.priors import Prior, bounds_of, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -17,7 +18,6 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 _SETTLED = 0.02  # nats of predicted gain below which a search has ended
-SAME = 4.0  # squared whitened distance of predictions that are the same within noise
 _POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
 
@@ -172,7 +172,7 @@ class ModeSearch:
         if at is None:
             return replace(row, converged=False)
         change = [a - b for a, b in zip(at.values, row.values, strict=True)]
-        if sum(float(np.sum(z**2)) for z in self._whitening(change)) < SAME:
+        if self._whitening.square(change) < SAME:
             return self._searched(at, row.columns, iterations)
         return self._searched(at, self._columns(at), iterations)
 
@@ -233,8 +233,7 @@ class ModeSearch:
 
     def _cost(self, at: Fitted) -> float:
         """[nats] Negative log density of the recordings and the values."""
-        white = self._whitening(at.residual)
-        return 0.5 * float(sum(np.sum(z**2) for z in white)) - at.log_prior
+        return 0.5 * self._whitening.square(at.residual) - at.log_prior
 
     def _columns(self, at: Fitted) -> list[Array]:
         """Differences; those of all that is linear without noise, or its answer would be a signal.

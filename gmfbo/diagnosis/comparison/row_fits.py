@@ -149,7 +149,7 @@ class RowFits:
 
 def chi(row: Fitted, whitening: Whitening) -> float:
     """Whitened square of what a row leaves."""
-    return sum(float(np.sum(z**2)) for z in whitening(row.residual))
+    return whitening.square(row.residual)
 
 
 def limits_in(elements: frozenset[str]) -> int:

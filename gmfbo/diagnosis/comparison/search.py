@@ -19,9 +19,10 @@ from gmfbo.diagnosis.comparison.numbers import (
     FIXED_SHARE,
     LEAST_GAIN,
     PRIOR_OF_COUNT,
+    SAME,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
-from gmfbo.diagnosis.comparison.posterior_mode import SAME, Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
@@ -332,7 +333,7 @@ class Search:
             if not all(run.finite for run in runs):
                 break
             change = [a - b for a, b in zip(problem.values(runs), best.values, strict=True)]
-            if sum(float(np.sum(z**2)) for z in ledger.whitening(change)) < SAME:
+            if ledger.whitening.square(change) < SAME:
                 break
             ledger, scored = self._settled(replace(ledger, noise=played))
         return ledger, scored

@@ -89,7 +89,7 @@ def errors_of(
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
-    found = [_half_step(simulations, point, runs)]
+    found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
         sizes = [record.plan.grid.size for record in simulations.records]
@@ -150,21 +150,6 @@ def _played(
         lambda order: _beyond_linear(simulations, point, runs, kernels, *order), orders
     )
     return [heard[i : i + len(runs)] for i in range(0, len(heard), len(runs))]
-
-
-def _half_step(
-    simulations: Simulations, point: Point, runs: list[Simulated]
-) -> list[list[Array] | None]:
-    """Change of the signals of each recording at half the step."""
-    finer = simulations.half_step
-    if finer is None:
-        return [None] * len(runs)
-    return [
-        [after - before for before, after in zip(coarse.signals, fine.signals, strict=True)]
-        if fine.finite
-        else None
-        for coarse, fine in zip(runs, finer.run([point])[0], strict=True)
-    ]
 
 
 def _beyond_linear(

@@ -176,6 +176,10 @@ class Whitening:
         """Whiten columns of each segment, shape (..., m, n)."""
         return [part(c) for part, c in zip(self.parts, columns, strict=True)]
 
+    def square(self, columns: Sequence[Array]) -> float:
+        """Sum of the squares of whitened signals of each segment, shape (m, n)."""
+        return sum(float(np.sum(z**2)) for z in self(columns))
+
     @property
     def log_determinants(self) -> list[Array]:
         """A row of each segment."""

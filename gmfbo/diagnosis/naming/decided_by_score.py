@@ -280,7 +280,7 @@ def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, 
 def _share(compared: Compared, base: Row, row: Row) -> float | None:
     """Of the square that the refitted twin leaves beyond noise, what the model explains."""
     whitening = compared.search.quiet_at(base, compared.ledger)
-    left = [sum(float(np.sum(z**2)) for z in whitening(one.residual)) for one in (base, row)]
+    left = [whitening.square(one.residual) for one in (base, row)]
     size = sum(z.size for z in whitening(base.residual))
     beyond = left[0] - size
     if beyond < 4.0 * np.sqrt(2.0 * size):
@@ -294,7 +294,7 @@ def _is_outside(compared: Compared, share: float | None) -> bool:
     A torque without any law that is as large as half of the drive's is no noise of the shaft.
     """
     scored, search = compared.scored, compared.search
-    believed = float(scored.inadequate[int(np.argmax(scored.log_evidences.mean(1)))])
+    believed = float(scored.inadequate[scored.elements.index(scored.best)])
     usual = search.tolerance / INADEQUACY_TOLERANCE
     coloured = compared.ledger.levels.ports.get("torque", 0.0)
     is_inadequate = believed >= NAMED or coloured > EXPLAINED * usual

@@ -105,6 +105,28 @@ class Simulations:
             )
         return self._half_step
 
+    def step_errors(
+        self, point: Point, runs: Sequence[Simulated]
+    ) -> list[tuple[NDArray[np.float64], ...] | None]:
+        """[SI] Change of each recording's signals at half the step; None where it is not known.
+
+        Parameters
+        ----------
+        point : Point
+            Values at which the twin runs.
+        runs : sequence of Simulated
+            The recordings there.
+        """
+        finer = self.half_step
+        if finer is None:
+            return [None] * len(runs)
+        return [
+            tuple(after - before for before, after in zip(one.signals, fine.signals, strict=True))
+            if fine.finite
+            else None
+            for one, fine in zip(runs, finer.run([point])[0], strict=True)
+        ]
+
     @property
     def settings(self) -> dict[str, float]:
         """Settings of physics.fmu that follow from the twin."""

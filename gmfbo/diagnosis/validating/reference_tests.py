@@ -84,17 +84,12 @@ def _drives(case: Case) -> Mapping[str, tuple[Array, Array]]:
 
 def _step_errors(case: Case, model: Fitted) -> dict[tuple[str, str], tuple[Array, Array]]:
     """Times [s] and change [SI] of each recording's signals at half the twin's step."""
-    simulations = case.simulations
-    finer = simulations.half_step
-    if finer is None:
-        return {}
-    point = model.hypothesis.quiet.point(model.x)
-    coarse, fine = simulations.run([point])[0], finer.run([point])[0]
+    simulations, point = case.simulations, model.hypothesis.quiet.point(model.x)
+    changes = simulations.step_errors(point, simulations.run([point])[0])
     return {
-        (record.name, signal.name): (signal.time, after - before)
-        for record, one, other in zip(simulations.records, coarse, fine, strict=True)
-        for signal, before, after in zip(record.signals, one.signals, other.signals, strict=True)
-        if one.finite and other.finite
+        (record.name, signal.name): (signal.time, change)
+        for record, own in zip(simulations.records, changes, strict=True)
+        for signal, change in zip(record.signals, own or (), strict=own is not None)
     }
 
 

@@ -18,6 +18,7 @@ from gmfbo.diagnosis.comparison.held_out_fit import (
     seen_on,
     squares_on,
 )
+from gmfbo.diagnosis.comparison.numbers import SAME
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted
@@ -33,7 +34,6 @@ from gmfbo.diagnosis.validating.free_run import free_runs
 _STANDARD_ERRORS = 2.0  # by which held-out stretches have to speak against names
 _ONE_NAT = 1.0  # of log density: less says nothing, however even
 _REFITTED = 8  # steps of a fit without one of the names
-_DIFFERENT = 4.0  # squared distance of two models, whitened: two standard deviations of noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +219,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     signals = _table(case, told.scored, case.base, told.plain, augmented, told.unnamed)
     removed, distance = None, _distance(seen.before, seen.after)
     nominal = seen.nominal(case.nominal)
-    if distance > _DIFFERENT:
+    if distance > SAME:
         removed = _removed(case, told.scored, told.plain, augmented)
     table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
     return Validated(
@@ -246,7 +246,7 @@ def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:
     distance : float
         Squared whitened distance of the two.
     """
-    if distance <= _DIFFERENT:
+    if distance <= SAME:
         return False
     error = float(np.std(gains)) * np.sqrt(gains.size)
     return bool(gains.sum() < -max(_STANDARD_ERRORS * error, _ONE_NAT))
@@ -255,7 +255,7 @@ def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:
 def _distance(before: Part, after: Part) -> float:
     """Squared whitened distance of two models."""
     change = [a - b for a, b in zip(after.fitted.residual, before.fitted.residual, strict=True)]
-    return float(sum(np.sum(z**2) for z in before.whitening(change)))
+    return before.whitening.square(change)
 
 
 def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, float]]:
