@@ -230,6 +230,11 @@ class _Opening:
             records = self._records(first)
         simulations = Simulations(open_twin, records, self.jobs)
         simulations.on_run = self.on_run
+        simulations.unstated = frozenset(
+            name
+            for name, entry in self.twin.file.inputs.items()
+            if "interpolation" not in entry.model_fields_set
+        )
         if self.refines:
             simulations.finer = lambda: self._simulations(2 * substeps)
         return simulations

@@ -130,8 +130,8 @@ def seen_on(
     values = problem.values(row.runs)
     residual = problem.residual(values, row.nuisances)
     there = replace(row, values=values, residual=residual, columns=[])
-    search = replace(search, problem=problem)
-    whitening = search.whitening_at(there, ledger.kernels, ledger.levels, ledger.errors, inadequacy)
+    noise = replace(search.noise, problem=problem)
+    whitening = noise.whitening(there, ledger.kernels, ledger.levels, ledger.errors, inadequacy)
     return Part(problem, whitening, there)
 
 
@@ -161,8 +161,8 @@ def squares_on(search: Search, ledger: Ledger, parts: Sequence[Part]) -> Array:
     parts : sequence of Part
         Fits stated on the same windows; noise is whitened about the last one.
     """
-    there = replace(search, problem=parts[0].problem)
-    whitening = there.quiet_at(parts[-1].fitted, ledger)
+    there = replace(search.noise, problem=parts[0].problem)
+    whitening = there.quiet(parts[-1].fitted, ledger)
     whitened = [whitening(part.fitted.residual) for part in parts]
     counted = [[(z != 0.0).astype(float) for z in whitened[0]]]
     squared = [[z**2 for z in zs] for zs in whitened]

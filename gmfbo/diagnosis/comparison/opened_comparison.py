@@ -9,6 +9,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, ranked, responses
 from gmfbo.diagnosis.comparison.noise_places import Levels
@@ -128,10 +129,8 @@ def comparison_of(
         problem = _followed(case, problem, kernels_at(first))
     cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
     search = Search(
-        problem,
         _elements(case, effects, passing, held),
-        _least_levels(case, problem, ports),
-        cared,
+        FitNoise(problem, _least_levels(case, problem, ports), cared),
         INADEQUACY_TOLERANCE * _usual_torque(case),
         kernels_at,
         log,

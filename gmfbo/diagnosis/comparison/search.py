@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.special import softmax
 
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
+from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
-from gmfbo.diagnosis.comparison.noise_places import Levels, blocks_of, estimated, inadequate
 from gmfbo.diagnosis.comparison.numbers import (
     FIXED_SHARE,
     LEAST_GAIN,
@@ -26,8 +26,6 @@ from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
-from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
-from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
 from gmfbo.physics import CATALOGUE
 
 Array = NDArray[np.float64]
@@ -43,18 +41,14 @@ _COMPARED = 8  # best rows of which each is seen under its own inadequacy
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What a search needs beside the problem.
+    """What a search needs.
 
     Attributes
     ----------
-    problem : Problem
-        Recordings and simulators.
     elements : tuple of Element
         Effects at their starts, and fixed parameters that can be freed.
-    least : Levels
-        Below which no level is looked for.
-    cared : mapping of str to float
-        [FMU's unit] By port, the level of an inadequacy below which nobody cares.
+    noise : FitNoise
+        Recordings, simulators, and what is noise about a fit.
     tolerance : float
         [FMU's unit] Mean of the prior of the size of a smooth inadequacy at the torque port.
     kernels_at : callable (Fitted) -> PortKernels
@@ -63,87 +57,36 @@ class Search:
         Told what happens.
     """
 
-    problem: Problem
     elements: tuple[Element, ...]
-    least: Levels
-    cared: dict[str, float]
+    noise: FitNoise
     tolerance: float
     kernels_at: Callable[[Fitted], PortKernels]
     log: Callable[[str], None] = field(default=lambda line: None)
 
+    @property
+    def problem(self) -> Problem:
+        """Recordings and simulators."""
+        return self.noise.problem
+
     def _fits(self, ledger: Ledger) -> RowFits:
         return RowFits(self.problem, ledger.noise)
-
-    def levels_at(self, fitted: Fitted, kernels: PortKernels, near: Levels | None = None) -> Levels:
-        """Levels of noise and inadequacy about a fit."""
-        problem = self.problem
-        rates = problem.rates(fitted.values)
-        free = [f"port:{p}" for p in self.least.ports]
-        free += [f"own:{name}" for name in self.least.own]
-        if any(r.any() for r in rates):
-            free.append("jitter")
-        blocks = blocks_of(problem.segments, fitted.residual, rates)
-        levels = estimated(kernels, blocks, self.least, free, near)
-        return self._inadequacy_at(fitted, kernels, levels)
-
-    def _inadequacy_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Levels:
-        """These levels of noise, with those of the inadequacy that a fit leaves."""
-        problem = self.problem
-        rates = problem.rates(fitted.values)
-        return inadequate(kernels, problem.segments, fitted.residual, rates, levels, self.cared)
-
-    def errors_at(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> SimulationErrors:
-        """Errors of the simulation about a fit."""
-        point = self.problem.point(fitted.hypothesis, fitted.x)
-        level = levels.ports.get("sensor", 0.0)
-        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
-
-    def whitening_at(
-        self,
-        fitted: Fitted,
-        kernels: PortKernels,
-        levels: Levels,
-        errors: SimulationErrors,
-        inadequacy: float = 0.0,
-    ) -> Whitening:
-        """Whitening by these levels, errors of the simulation and a smooth inadequacy of a size."""
-        problem, rates = self.problem, self.problem.rates(fitted.values)
-        beside = errors.on(problem, fitted)
-        if inadequacy:
-            curves = inadequacy_columns(problem, kernels, fitted)
-            beside = [
-                np.concatenate([error, inadequacy * curve])
-                for error, curve in zip(beside, curves, strict=True)
-            ]
-        parts = zip(problem.segments, rates, beside, problem.stretches(), strict=True)
-        return Whitening(
-            tuple(
-                segment_whitener(segment, kernels, levels, rate).beside(error, stretches)
-                for segment, rate, error, stretches in parts
-            )
-        )
-
-    def quiet_at(self, fitted: Fitted, ledger: Ledger) -> Whitening:
-        """Whitening by noise alone, without any inadequacy."""
-        levels = ledger.levels
-        ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
-        return self.whitening_at(fitted, ledger.kernels, levels.with_ports(**ports), ledger.errors)
 
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
         kernels = self.kernels_at(first)
-        base, levels = first, None
+        base, levels, noise = first, None, self.noise
+        errors = noise.errors(base, kernels, None)
         for _ in range(2):
-            levels = self.levels_at(base, kernels, levels)
-            errors = self.errors_at(base, kernels, levels)
-            whitening = self.whitening_at(base, kernels, levels, errors)
+            levels = noise.levels(base, kernels, levels, errors)
+            errors = noise.errors(base, kernels, levels)
+            whitening = noise.whitening(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
             assert found is not None
             base = found
         kernels = self.kernels_at(base)
-        levels = self.levels_at(base, kernels, levels)
-        whitening = self.whitening_at(base, kernels, levels, errors)
+        levels = noise.levels(base, kernels, levels, errors)
+        whitening = noise.whitening(base, kernels, levels, errors)
         self.log(f"base {base.parameters} {levels}")
         return Ledger({frozenset(): base}, kernels, levels, whitening, levels, errors)
 
@@ -185,8 +128,8 @@ class Search:
 
         What the twin lacks is first taken for an inadequacy, beside which a law may hardly show.
         """
-        quiet = ledger.levels.with_ports(**self.cared)
-        whitening = self.whitening_at(base, ledger.kernels, quiet, ledger.errors)
+        quiet = ledger.levels.with_ports(**self.noise.cared)
+        whitening = self.noise.whitening(base, ledger.kernels, quiet, ledger.errors)
         alone = replace(ledger, rows={}, whitening=whitening)
         moves = ranked(whitening, base, found)
         self.log(
@@ -202,7 +145,7 @@ class Search:
     def _is_inadequate(self, ledger: Ledger) -> bool:
         """Whether the best row leaves more than anybody cares about."""
         level = ledger.levels.ports.get("torque", 0.0)
-        return "torque" in self.cared and level > self.tolerance
+        return "torque" in self.noise.cared and level > self.tolerance
 
     def _next(
         self, ledger: Ledger, scored: Scored, found: Sequence[Response]
@@ -290,15 +233,16 @@ class Search:
         row, kernels = ledger.rows[leading], self.kernels_at(ledger.rows[leading])
         for _ in range(_LEVELS):
             before = ledger.levels
-            levels = self.levels_at(row, kernels, before)
-            errors = self.errors_at(row, kernels, levels)
-            whitening = self.whitening_at(row, kernels, levels, errors)
+            levels = self.noise.levels(row, kernels, before, ledger.errors)
+            errors = self.noise.errors(row, kernels, levels)
+            whitening = self.noise.whitening(row, kernels, levels, errors)
             ledger = replace(
                 ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
             )
             row = self._fits(ledger).again(whitening, row, {})
             ledger = replace(ledger, rows={**ledger.rows, leading: row})
-            fallen = [before.ports[p] / levels.ports[p] for p in self.cared if p in levels.ports]
+            cared = self.noise.cared.keys() & levels.ports.keys()
+            fallen = [before.ports[p] / levels.ports[p] for p in cared]
             if max(fallen, default=1.0) < _MUCH:
                 break
         return ledger
@@ -327,7 +271,8 @@ class Search:
         problem = self.problem
         for _ in range(_HEARINGS):
             best = ledger.rows[scored.best]
-            played = sensed_noise(problem, best, ledger.kernels, ledger.levels)
+            left = ledger.errors.taken_out(problem, best, ledger.kernels, ledger.levels)
+            played = sensed_noise(problem, left, ledger.kernels, ledger.levels)
             point = replace(problem.point(best.hypothesis, best.x), noise=played)
             runs = problem.simulations.run([point])[0]
             if not all(run.finite for run in runs):
@@ -345,12 +290,12 @@ class Search:
         most, leading = -np.inf, frozenset[str]()
         for elements in dict.fromkeys([scored.elements[i] for i in order[:_COMPARED]]):
             row = ledger.rows[elements]
-            levels = self._inadequacy_at(row, ledger.kernels, ledger.levels)
+            levels = self.noise.with_inadequacy(row, ledger)
             own = replace(
                 ledger,
                 rows={elements: row},
                 levels=levels,
-                whitening=self.whitening_at(row, ledger.kernels, levels, ledger.errors),
+                whitening=self.noise.whitening(row, ledger.kernels, levels, ledger.errors),
             )
             value = float(self.scored(own, weighted=False).log_evidences.mean())
             if value > most:

@@ -7,16 +7,18 @@ counts for less: they join the covariance of noise there, whichever hypothesis i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.noise_places import Levels
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
+from gmfbo.diagnosis.comparison.whitener import segment_whitener
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 
@@ -62,6 +64,37 @@ class SimulationErrors:
             found.append(np.array(stored).reshape(-1, *values.shape))
         return found
 
+    def taken_out(
+        self, problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels
+    ) -> Fitted:
+        """A fit whose residual lacks what these errors most likely made of it.
+
+        Parameters
+        ----------
+        problem : Problem
+            Of the same recordings.
+        fitted : Fitted
+            Its residual.
+        kernels : PortKernels
+            Paths of noise.
+        levels : Levels
+            Of the noise beside them.
+        """
+        rates = problem.rates(fitted.values)
+        parts = zip(
+            problem.segments,
+            fitted.residual,
+            rates,
+            self.on(problem, fitted),
+            problem.stretches(),
+            strict=True,
+        )
+        left = []
+        for segment, residual, rate, errors, stretches in parts:
+            whitener = segment_whitener(segment, kernels, levels, rate)
+            left.append(residual - whitener.mean_of(errors, stretches, residual))
+        return replace(fitted, residual=left)
+
 
 def errors_of(
     simulations: Simulations,
@@ -89,7 +122,11 @@ def errors_of(
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
-    found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
+    found: list[Sequence[Sequence[Array] | None]] = [
+        simulations.step_errors(point, runs),
+        simulations.input_errors(point, runs),
+        *_averaging(simulations, runs),
+    ]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
         sizes = [record.plan.grid.size for record in simulations.records]
@@ -111,6 +148,26 @@ def errors_of(
             )
         )
     return SimulationErrors(simulations, tuple(columns))
+
+
+def _averaging(
+    simulations: Simulations, runs: Sequence[Simulated]
+) -> list[list[tuple[Array, ...] | None]]:
+    """Change of each signal by a logger that stores its mean over a row, for each by itself.
+
+    A drive's trace often averages the samples of a faster controller, which delays the column by
+    half a row and spreads what the command does at a step of its reference.
+    """
+    names = dict.fromkeys(s.name for record in simulations.records for s in record.signals)
+    found: list[list[tuple[Array, ...] | None]] = []
+    for name in names:
+        own: list[tuple[Array, ...] | None] = []
+        for k, run in enumerate(runs):
+            means = simulations.averaged(run, k) if run.finite else run.signals
+            signals = zip(simulations.records[k].signals, means, run.signals, strict=True)
+            own.append(tuple((m - v) * (s.name == name) for s, m, v in signals))
+        found.append(own)
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,6 +98,27 @@ class SegmentWhitener:
             logs[rows] += np.log1p(sizes**2).sum() / (rows.stop - rows.start)
         return replace(self, log_determinants=logs, spreads=tuple(spreads))
 
+    def mean_of(self, errors: Array, stretches: Sequence[slice], residual: Array) -> Array:
+        """What errors beside the noise most likely made of a residual, shape (m, n).
+
+        Parameters
+        ----------
+        errors : ndarray, shape (k, m, n)
+            Each of one standard deviation, of an own size in each stretch.
+        stretches : sequence of slice
+            Rows.
+        residual : ndarray, shape (m, n)
+            [SI] Of the segment.
+        """
+        white, seen = self._filtered(errors), self._filtered(residual)
+        made = np.zeros(residual.shape)
+        for rows in stretches:
+            flat = white[:, :, rows].reshape(len(white), -1)
+            precision = np.eye(len(white)) + flat @ flat.T
+            sizes = np.linalg.solve(precision, flat @ seen[:, rows].ravel())
+            made[:, rows] = np.tensordot(sizes, errors[:, :, rows], axes=1)
+        return made
+
     def _filtered(self, columns: Array) -> Array:
         n = columns.shape[-1]
         spectrum = rfft(columns, self.length, axis=-1)

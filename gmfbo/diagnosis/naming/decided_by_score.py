@@ -279,7 +279,7 @@ def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, 
 
 def _share(compared: Compared, base: Row, row: Row) -> float | None:
     """Of the square that the refitted twin leaves beyond noise, what the model explains."""
-    whitening = compared.search.quiet_at(base, compared.ledger)
+    whitening = compared.search.noise.quiet(base, compared.ledger)
     left = [whitening.square(one.residual) for one in (base, row)]
     size = sum(z.size for z in whitening(base.residual))
     beyond = left[0] - size

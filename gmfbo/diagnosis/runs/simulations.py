@@ -60,6 +60,8 @@ class Simulations:
         Communication steps until the loop is at rest; 0 where it does not come to rest.
     finer : callable () -> Simulations, or None
         Opens simulators of the same recordings at half the step, where the twin takes it.
+    unstated : frozenset of str
+        Inputs of which the twin file does not say what they do between their rows.
     begins_at_rest : bool
         Whether the left-out physics already acted before the recording, so that the first
         reference is held for `rest` steps; otherwise the physics begins with the recording.
@@ -85,6 +87,7 @@ class Simulations:
         self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
         self._after_rest = cache(_after_rest)
         self.runs = 0
+        self.unstated: frozenset[str] = frozenset()
         self.finer: Callable[[], Simulations] | None = None
         self._half_step: Simulations | None = None
         self.on_run: Callable[[], None] = lambda: None
@@ -126,6 +129,53 @@ class Simulations:
             else None
             for one, fine in zip(runs, finer.run([point])[0], strict=True)
         ]
+
+    def input_errors(
+        self, point: Point, runs: Sequence[Simulated]
+    ) -> list[tuple[NDArray[np.float64], ...] | None]:
+        """[SI] Change of each recording's signals by what its inputs do between their rows.
+
+        A controller that is faster than its logger sees a smooth reference; held from row to row,
+        it gives the twin's command a kick at each. The change is that of inputs which go straight
+        from row to row.
+
+        Parameters
+        ----------
+        point : Point
+            Values at which the twin runs.
+        runs : sequence of Simulated
+            The recordings there.
+        """
+        if not self.unstated or self.tracking is not None:
+            return [None] * len(runs)
+        straight = self.map(lambda k: self._run_straight(point, k), range(len(runs)))
+        return [
+            tuple(after - before for before, after in zip(one.signals, other.signals, strict=True))
+            if other.finite
+            else None
+            for one, other in zip(runs, straight, strict=True)
+        ]
+
+    def averaged(self, run: Simulated, record: int) -> tuple[NDArray[np.float64], ...]:
+        """[SI] Scored signals of a run as a logger stores them that averages over its rows.
+
+        Parameters
+        ----------
+        run : Simulated
+            Of a recording.
+        record : int
+            Its index.
+        """
+        own = self.records[record]
+        return tuple(_at(own.plan, run.response.mean[s.name], s.time) for s in own.signals)
+
+    def _run_straight(self, point: Point, record: int) -> Simulated:
+        physics = point.physics_in(record)
+        plan = self._plan(record, physics).straight(self.unstated)
+        values = tuple(point.parameters.items())
+        run = _Run(plan, record, values, tuple(physics.items()), self.tracking)
+        response = self._logged(self._simulate(run))
+        return Simulated(self.read(response, record), response)
 
     @property
     def settings(self) -> dict[str, float]:
@@ -286,8 +336,11 @@ class Simulations:
         if self.reading is None:
             return response
         name = self.reading.signal
-        seen = response.held[name] + self.reading.to_si * response.ports["sensor"]
-        return replace(response, held={**response.held, name: seen})
+        noise = self.reading.to_si * response.ports["sensor"]
+        seen, mean = response.held[name] + noise, response.mean[name] + noise
+        return replace(
+            response, held={**response.held, name: seen}, mean={**response.mean, name: mean}
+        )
 
     def replace_records(self, records: Sequence[Record]) -> None:
         """Score other signals of the same recordings."""

@@ -35,7 +35,7 @@ def remainder_of(case: Case, compared: Compared, row: Fitted, share: float) -> R
     share : float
         Of what the refitted twin leaves beyond noise.
     """
-    whitening = compared.search.quiet_at(row, compared.ledger)
+    whitening = compared.search.noise.quiet(row, compared.ledger)
     against = _state(compared, row, whitening)
     port = None if against is None else "torque"
     return Remainder(share, port, against, _where(case, compared, row, whitening))

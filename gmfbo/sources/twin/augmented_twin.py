@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -76,6 +76,22 @@ class RunPlan:
             np.repeat(order.s, substeps, axis=0),
         )
 
+    def straight(self, names: Collection[str]) -> RunPlan:
+        """The same with some inputs drawn straight from row to row at the fine steps.
+
+        Parameters
+        ----------
+        names : collection of str
+            Of `[inputs]`; those that this recording does not drive are left out.
+        """
+        rows = self.inputs[:: self.substeps]
+        after = np.concatenate([rows[1:], rows[-1:]])
+        part = (np.arange(self.substeps) / self.substeps)[None, :, None]
+        drawn = rows[:, None] + part * (after - rows)[:, None]
+        chosen = [name in names for name in self.experiment.inputs]
+        inputs = np.where(chosen, drawn.reshape(self.inputs.shape), self.inputs)
+        return replace(self, inputs=inputs)
+
     @property
     def grid(self) -> NDArray[np.float64]:
         """[s] Communication points, shape (rows,)."""
@@ -94,6 +110,8 @@ class Response:
         [SI] Signals of [outputs] at t_k, before the inputs of t_k act.
     new : mapping of str to ndarray, shape (rows,)
         [SI] Signals of [outputs] right after the inputs of t_k have acted.
+    mean : mapping of str to ndarray, shape (rows,)
+        [SI] Signals of [outputs], averaged over the fine steps since t_(k-1).
     states : mapping of str to ndarray, shape (rows,)
         [FMU's units] Of [states].
     ports : mapping of str to ndarray, shape (rows,)
@@ -105,6 +123,7 @@ class Response:
     outcome: Outcome
     held: Columns
     new: Columns
+    mean: Columns
     states: Columns
     ports: Columns
     effort: NDArray[np.float64]
@@ -353,11 +372,13 @@ class AugmentedTwin:
         binding = self._augmented.binding
         points = (plan.lead + np.arange(plan.grid.size)) * self.substeps
         after = np.minimum(points + 1, len(y) - 1)
-        held, new = {}, {}
+        over = np.maximum(points[:, None] - np.arange(self.substeps), 0)
+        held, new, mean = {}, {}, {}
         for column, (name, entry) in enumerate(binding.file.outputs.items()):
             variable = binding.variables[entry.variable].variable
             held[name] = to_si(variable, y[points, column])
             new[name] = to_si(variable, y[after, column])
+            mean[name] = to_si(variable, y[over, column].mean(axis=1))
         column = len(binding.file.outputs)
         states = {}
         for state in binding.file.states:
@@ -373,7 +394,7 @@ class AugmentedTwin:
             steps = y[1 + self.substeps * plan.lead :, column].reshape(-1, self.substeps)
             effort[:-1] = steps.mean(axis=1)
             effort[-1] = effort[-2]
-        return Response(outcome, held, new, states, ports, effort)
+        return Response(outcome, held, new, mean, states, ports, effort)
 
 
 def _between_rows(measured: NDArray[np.float64], rows: NDArray[np.float64]) -> NDArray[np.float64]:

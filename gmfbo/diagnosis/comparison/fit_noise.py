@@ -1,0 +1,126 @@
+"""The noise about a fit: its levels, errors of the simulation beside it, and whitening by both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
+from gmfbo.diagnosis.comparison.ledger import Ledger
+from gmfbo.diagnosis.comparison.noise_places import Levels, blocks_of, estimated, inadequate
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
+from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
+
+
+@dataclass(frozen=True, eq=False)
+class FitNoise:
+    """What is needed to tell the noise about a fit.
+
+    Attributes
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    least : Levels
+        Below which no level is looked for.
+    cared : mapping of str to float
+        [FMU's unit] By port, the level of an inadequacy below which nobody cares.
+    """
+
+    problem: Problem
+    least: Levels
+    cared: Mapping[str, float]
+
+    def levels(
+        self, fitted: Fitted, kernels: PortKernels, near: Levels | None, errors: SimulationErrors
+    ) -> Levels:
+        """Levels of noise and inadequacy about a fit, beside errors of the simulation.
+
+        Parameters
+        ----------
+        fitted : Fitted
+            Whose residual is read.
+        kernels : PortKernels
+            Paths of noise.
+        near : Levels, optional
+            Where the search begins.
+        errors : SimulationErrors
+            What they most likely made of the residual is taken out of it first.
+        """
+        levels = self._of_noise(fitted, kernels, near)
+        left = errors.taken_out(self.problem, fitted, kernels, levels)
+        levels = self._of_noise(left, kernels, near)
+        return self._with_inadequacy(left, kernels, levels)
+
+    def with_inadequacy(self, fitted: Fitted, ledger: Ledger) -> Levels:
+        """A ledger's levels of noise, with those of the inadequacy that a fit leaves."""
+        left = ledger.errors.taken_out(self.problem, fitted, ledger.kernels, ledger.levels)
+        return self._with_inadequacy(left, ledger.kernels, ledger.levels)
+
+    def _of_noise(self, fitted: Fitted, kernels: PortKernels, near: Levels | None) -> Levels:
+        problem = self.problem
+        rates = problem.rates(fitted.values)
+        free = [f"port:{p}" for p in self.least.ports]
+        free += [f"own:{name}" for name in self.least.own]
+        if any(r.any() for r in rates):
+            free.append("jitter")
+        blocks = blocks_of(problem.segments, fitted.residual, rates)
+        return estimated(kernels, blocks, self.least, free, near)
+
+    def _with_inadequacy(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Levels:
+        problem = self.problem
+        rates = problem.rates(fitted.values)
+        return inadequate(kernels, problem.segments, fitted.residual, rates, levels, self.cared)
+
+    def errors(
+        self, fitted: Fitted, kernels: PortKernels, levels: Levels | None
+    ) -> SimulationErrors:
+        """Errors of the simulation about a fit, with those of noise that is played.
+
+        Parameters
+        ----------
+        fitted : Fitted
+            Where they are measured.
+        kernels : PortKernels
+            Paths of noise.
+        levels : Levels, optional
+            Of the noise that the controller reads; without it none is played.
+        """
+        point = self.problem.point(fitted.hypothesis, fitted.x)
+        level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
+        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
+
+    def whitening(
+        self,
+        fitted: Fitted,
+        kernels: PortKernels,
+        levels: Levels,
+        errors: SimulationErrors,
+        inadequacy: float = 0.0,
+    ) -> Whitening:
+        """Whitening by levels, errors of the simulation and a smooth inadequacy of a size."""
+        problem, rates = self.problem, self.problem.rates(fitted.values)
+        beside = errors.on(problem, fitted)
+        if inadequacy:
+            curves = inadequacy_columns(problem, kernels, fitted)
+            beside = [
+                np.concatenate([error, inadequacy * curve])
+                for error, curve in zip(beside, curves, strict=True)
+            ]
+        parts = zip(problem.segments, rates, beside, problem.stretches(), strict=True)
+        return Whitening(
+            tuple(
+                segment_whitener(segment, kernels, levels, rate).beside(error, stretches)
+                for segment, rate, error, stretches in parts
+            )
+        )
+
+    def quiet(self, fitted: Fitted, ledger: Ledger) -> Whitening:
+        """Whitening by a ledger's noise alone, without any inadequacy."""
+        levels = ledger.levels
+        ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
+        return self.whitening(fitted, ledger.kernels, levels.with_ports(**ports), ledger.errors)
