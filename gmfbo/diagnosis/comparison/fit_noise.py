@@ -47,14 +47,15 @@ class FitNoise:
         kernels : PortKernels
             Paths of noise.
         near : Levels, optional
-            Where the search begins.
+            Where the search begins; without it those of the whole residual.
         errors : SimulationErrors
             What they most likely made of the residual is taken out of it first.
         """
-        levels = self._of_noise(fitted, kernels, near)
-        left = errors.taken_out(self.problem, fitted, kernels, levels)
-        levels = self._of_noise(left, kernels, near)
-        return self._with_inadequacy(left, kernels, levels)
+        about = near or self._with_inadequacy(
+            fitted, kernels, self._of_noise(fitted, kernels, None)
+        )
+        left = errors.taken_out(self.problem, fitted, kernels, about)
+        return self._with_inadequacy(left, kernels, self._of_noise(left, kernels, near))
 
     def with_inadequacy(self, fitted: Fitted, ledger: Ledger) -> Levels:
         """A ledger's levels of noise, with those of the inadequacy that a fit leaves."""
