@@ -120,6 +120,13 @@ class FitNoise:
             )
         )
 
+    def scaled(
+        self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors
+    ) -> Whitening:
+        """Whitening by noise that is larger in stretches in which a fit leaves more."""
+        whitening = self.whitening(fitted, kernels, levels, errors)
+        return whitening.scaled_to(fitted.residual, self.problem.stretches())
+
     def quiet(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise alone, without any inadequacy."""
         levels = ledger.levels

@@ -32,6 +32,9 @@ CLOCK_PRIOR = 1e-4
 TORQUE_TIME = 0.02
 """[s] Correlation time of torque noise and of what a model lacks (servo prototype)."""
 
+NOISE_FREEDOM = 4.0
+"""[1] Degrees of freedom of the noise of a stretch, about its level (Lange et al. 1989)."""
+
 BAND = 0.2
 """[Nyquist frequency] Noise levels are read above it."""
 

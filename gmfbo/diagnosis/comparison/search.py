@@ -79,14 +79,14 @@ class Search:
         for _ in range(2):
             levels = noise.levels(base, kernels, levels, errors)
             errors = noise.errors(base, kernels, levels)
-            whitening = noise.whitening(base, kernels, levels, errors)
+            whitening = noise.scaled(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
             assert found is not None
             base = found
         kernels = self.kernels_at(base)
         levels = noise.levels(base, kernels, levels, errors)
-        whitening = noise.whitening(base, kernels, levels, errors)
+        whitening = noise.scaled(base, kernels, levels, errors)
         self.log(f"base {base.parameters} {levels}")
         return Ledger({frozenset(): base}, kernels, levels, whitening, levels, errors)
 
@@ -235,7 +235,7 @@ class Search:
             before = ledger.levels
             levels = self.noise.levels(row, kernels, before, ledger.errors)
             errors = self.noise.errors(row, kernels, levels)
-            whitening = self.noise.whitening(row, kernels, levels, errors)
+            whitening = self.noise.scaled(row, kernels, levels, errors)
             ledger = replace(
                 ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
             )
@@ -295,7 +295,7 @@ class Search:
                 ledger,
                 rows={elements: row},
                 levels=levels,
-                whitening=self.noise.whitening(row, ledger.kernels, levels, ledger.errors),
+                whitening=self.noise.scaled(row, ledger.kernels, levels, ledger.errors),
             )
             value = float(self.scored(own, weighted=False).log_evidences.mean())
             if value > most:

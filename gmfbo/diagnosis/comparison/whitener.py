@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from gmfbo.diagnosis.comparison.noise_places import Levels, covariance
+from gmfbo.diagnosis.comparison.numbers import NOISE_FREEDOM
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
 
@@ -62,6 +63,8 @@ class SegmentWhitener:
         Of the transforms.
     spreads : tuple of Spread
         Of errors beside the noise, one a stretch.
+    scales : ndarray, shape (n,)
+        Noise of a row, in units of that of the levels.
     """
 
     filters: tuple[Spectrum, ...]
@@ -69,13 +72,39 @@ class SegmentWhitener:
     classes: NDArray[np.intp]
     length: int
     spreads: tuple[Spread, ...] = ()
+    scales: Array | float = 1.0
 
     def __call__(self, columns: Array) -> Array:
         """Whitened columns, shape (..., m, n); nothing at the masked ends."""
         out = self._filtered(columns)
         for spread in self.spreads:
             spread.take_out(out)
+        out /= self.scales
         return out
+
+    def scaled_to(self, residual: Array, stretches: Sequence[slice]) -> SegmentWhitener:
+        """The same with more noise in stretches whose residual holds more.
+
+        Quantised readings, a rough track or a busy bus make noise that comes and goes, where a
+        law would gain by following it. The levels are those of quiet stretches, so that it is
+        never less: a reading that stands still on one count says nothing of its noise.
+
+        Parameters
+        ----------
+        residual : ndarray, shape (m, n)
+            [SI] Of the segment.
+        stretches : sequence of slice
+            Rows.
+        """
+        squares, logs = self(residual) ** 2, self.log_determinants.copy()
+        scales = np.ones(residual.shape[1])
+        for rows in stretches:
+            count = np.count_nonzero(squares[:, rows])
+            square = (squares[:, rows].sum() + NOISE_FREEDOM) / (count + NOISE_FREEDOM)
+            if square > 1.0:
+                scales[rows] = np.sqrt(square)
+                logs[rows] += np.log(square) * count / (rows.stop - rows.start)
+        return replace(self, log_determinants=logs, scales=self.scales * scales)
 
     def beside(self, errors: Array, stretches: Sequence[slice]) -> SegmentWhitener:
         """The same with errors beside the noise, each of which has an own size in each stretch.
@@ -192,6 +221,13 @@ class Whitening:
     """
 
     parts: tuple[SegmentWhitener, ...]
+
+    def scaled_to(
+        self, residuals: Sequence[Array], stretches: Sequence[Sequence[slice]]
+    ) -> Whitening:
+        """The same with more noise in stretches whose residual holds more, by segment."""
+        parts = zip(self.parts, residuals, stretches, strict=True)
+        return Whitening(tuple(part.scaled_to(left, rows) for part, left, rows in parts))
 
     def __call__(self, columns: Sequence[Array]) -> list[Array]:
         """Whiten columns of each segment, shape (..., m, n)."""
