@@ -13,7 +13,8 @@ from gmfbo.diagnosis.experiment.played_input import PlayedInput, effort_for, imp
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.errors import InputError, SimulationError
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Response
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.response import Response
 from gmfbo.sources.twin.signals import to_si
 from gmfbo.sources.twin.twin import FmuTwin
 

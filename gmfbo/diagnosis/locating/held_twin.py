@@ -12,7 +12,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.tracking import HOLDING_RAD_S, tracking_loop
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.runs.simulated import Simulated
-from gmfbo.sources.twin.augmented_twin import Response
+from gmfbo.sources.twin.response import Response
 
 DISTURBANCE = 0.05
 """Hidden disturbance of a null simulation, as a share of the torque's range."""

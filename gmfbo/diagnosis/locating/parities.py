@@ -21,7 +21,7 @@ from gmfbo.diagnosis.locating.unrecorded_inputs import read_by_controller, why_n
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.scoring.noise_levels import TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
-from gmfbo.sources.twin.augmented_twin import Response
+from gmfbo.sources.twin.response import Response
 
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
 _FARTHEST = 2.0  # standard deviations of a nuisance

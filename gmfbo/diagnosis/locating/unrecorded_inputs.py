@@ -15,7 +15,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.locating.held_twin import HeldTwin
 from gmfbo.diagnosis.locating.parity import block_spread
 from gmfbo.sources.binding.bound_variable import BoundVariable
-from gmfbo.sources.twin.augmented_twin import Response
+from gmfbo.sources.twin.response import Response
 
 _OWN = 0.5
 """Command per force that holds the plant, above which the command moved by itself.

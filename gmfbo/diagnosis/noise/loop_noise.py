@@ -17,7 +17,7 @@ from gmfbo.diagnosis.scoring.noise_levels import (
     power_beside,
 )
 from gmfbo.diagnosis.scoring.nuisances import Direction
-from gmfbo.sources.twin.augmented_twin import Response
+from gmfbo.sources.twin.response import Response
 
 NOISE_RUNS = 4
 """Noise runs of each recording; few are enough, since spectra are smoothed over frequency."""

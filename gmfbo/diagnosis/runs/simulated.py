@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import SimulationError
-from gmfbo.sources.twin.augmented_twin import Response
+from gmfbo.sources.twin.response import Response
 
 
 @dataclass(frozen=True)

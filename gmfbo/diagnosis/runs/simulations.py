@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, Tracking
 from gmfbo.physics import CATALOGUE
-from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Columns, Response, RunPlan
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
+from gmfbo.sources.twin.response import Columns, Response
 
 REMEMBERED = 256 * 2**20
 """[B] Kept responses, of failed runs too, since screening, starts and fits share points."""

@@ -1,4 +1,4 @@
-"""Test whether a twin takes finer steps, and whether its position contains the sensor port."""
+"""What a twin does between rows, and whether its position contains the sensor port."""
 
 from __future__ import annotations
 
@@ -31,6 +31,15 @@ def steps_finely(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
         float(np.sqrt(np.mean((fine.held[name] - column) ** 2)))
         <= _STEP_CHANGE * max(float(np.ptp(column)), 1e-300)
         for name, column in whole.held.items()
+    )
+
+
+def inputs_unstated(twin: FmuTwin) -> frozenset[str]:
+    """Inputs of which the twin file does not say what they do between their rows."""
+    return frozenset(
+        name
+        for name, entry in twin.file.inputs.items()
+        if "interpolation" not in entry.model_fields_set
     )
 
 

@@ -13,13 +13,12 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.binding.augmented_binding import AugmentedBinding, PhysicsInstance, augment
 from gmfbo.sources.fmu_file.job import Job, Outcome, Port, Setting
 from gmfbo.sources.twin.parameter_values import run_parameters, starts_as_recorded
+from gmfbo.sources.twin.response import Columns, Response
 from gmfbo.sources.twin.run_plan import Experiment
 from gmfbo.sources.twin.settling import probe_lengths, settled_after
 from gmfbo.sources.twin.signals import to_si
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.worker.runner import InProcess, Order, Runner
-
-Columns = Mapping[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,37 +95,6 @@ class RunPlan:
     def grid(self) -> NDArray[np.float64]:
         """[s] Communication points, shape (rows,)."""
         return self.experiment.grid
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """Response of an augmented twin to a recording, on the communication grid.
-
-    Attributes
-    ----------
-    outcome : Outcome
-        How the run ended; columns hold NaN after its end.
-    held : mapping of str to ndarray, shape (rows,)
-        [SI] Signals of [outputs] at t_k, before the inputs of t_k act.
-    new : mapping of str to ndarray, shape (rows,)
-        [SI] Signals of [outputs] right after the inputs of t_k have acted.
-    mean : mapping of str to ndarray, shape (rows,)
-        [SI] Signals of [outputs], averaged over the fine steps since t_(k-1).
-    states : mapping of str to ndarray, shape (rows,)
-        [FMU's units] Of [states].
-    ports : mapping of str to ndarray, shape (rows,)
-        [FMU's units] Signal that physics adds at each port from t_k on.
-    effort : ndarray, shape (rows,)
-        [unit of the torque port] Of the tracking loop.
-    """
-
-    outcome: Outcome
-    held: Columns
-    new: Columns
-    mean: Columns
-    states: Columns
-    ports: Columns
-    effort: NDArray[np.float64]
 
 
 class AugmentedTwin:

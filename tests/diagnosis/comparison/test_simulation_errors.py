@@ -21,16 +21,23 @@ Array = NDArray[np.float64]
 ROWS, LEVEL = 200, 3e-5  # [1], [rad] of the encoder
 
 
-def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:
-    rng = np.random.default_rng(0)
-    plain = SegmentWhitener(
+STRETCHES = [slice(0, 90), slice(90, ROWS)]
+
+
+def white() -> SegmentWhitener:
+    """Of two signals whose noise is white, of unit variance."""
+    return SegmentWhitener(
         (np.eye(2, dtype=complex)[None].repeat(ROWS // 2 + 1, axis=0),),
         np.zeros(ROWS),
         np.zeros(ROWS, dtype=np.intp),
         ROWS,
     )
+
+
+def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:
+    rng = np.random.default_rng(0)
+    plain, stretches = white(), STRETCHES
     errors = 3.0 * rng.standard_normal((3, 2, ROWS))
-    stretches = [slice(0, 90), slice(90, ROWS)]
     beside = plain.beside(errors, stretches)
     z = rng.standard_normal((2, ROWS)) + errors[0]
     told = float(np.sum(beside(z) ** 2) + beside.log_determinants.sum())
@@ -41,6 +48,36 @@ def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:
         dense = np.eye(own.size) + e.T @ e
         exact += float(own @ np.linalg.solve(dense, own)) + float(np.linalg.slogdet(dense)[1])
     assert told == pytest.approx(exact, rel=1e-10)
+
+
+def test_what_errors_made_of_a_residual_is_their_mean_given_it() -> None:
+    rng = np.random.default_rng(1)
+    plain = white()
+    errors = 3.0 * rng.standard_normal((3, 2, ROWS))
+    residual = rng.standard_normal((2, ROWS)) + 0.7 * errors[0] - 1.5 * errors[2]
+    made = plain.mean_of(errors, STRETCHES, residual)
+    seen, known = plain(residual), plain(errors)
+    for rows in STRETCHES:
+        e, own = known[:, :, rows].reshape(3, -1), seen[:, rows].ravel()
+        dense = np.eye(own.size) + e.T @ e
+        exact = np.tensordot(e @ np.linalg.solve(dense, own), errors[:, :, rows], axes=1)
+        np.testing.assert_allclose(made[:, rows], exact, rtol=1e-9, atol=1e-12)
+
+
+def test_only_a_noisier_stretch_counts_for_less() -> None:
+    rng = np.random.default_rng(2)
+    z = rng.standard_normal((2, ROWS))
+    z[:, STRETCHES[0]] *= 3.0
+    z[:, STRETCHES[1]] *= 0.1
+    scaled = white().scaled_to(z, STRETCHES)
+    loud, still = (scaled(z)[:, rows] / z[:, rows] for rows in STRETCHES)
+    inside = slice(30, 70)
+    assert loud[:, inside] == pytest.approx(1.0 / 3.0, rel=0.15)
+    assert still[:, inside] == pytest.approx(1.0)
+    counted = np.count_nonzero(white()(z)[:, STRETCHES[0]])
+    determinant = scaled.log_determinants[STRETCHES[0]].sum()
+    assert determinant == pytest.approx(-2.0 * counted * np.log(loud[0, 40]))
+    assert scaled.log_determinants[STRETCHES[1]].sum() == 0.0
 
 
 @pytest.fixture(scope="module")
@@ -74,16 +111,44 @@ def measured(axis: Simulations, point: Point) -> tuple[SimulationErrors, PortKer
 
 def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> None:
     errors, _ = measured(axis, Point())
-    (step,) = (np.std(column) for column in errors.columns[0][0])
+    step, *averaged = (np.std(column) for column in errors.columns[0][0])
     assert step < LEVEL
+    assert len(averaged) == 2  # one a signal
 
 
 def test_friction_makes_of_noise_what_no_linear_path_makes(axis: Simulations) -> None:
     errors, _ = measured(axis, Point(physics={"coulomb_friction.level": 0.2}))
-    step, *played = (np.std(column) for column in errors.columns[0][0])
+    step, _, _, *played = (np.std(column) for column in errors.columns[0][0])
     assert len(played) == 8
     assert min(played) > 0.01 * LEVEL
     assert step > 0.0
+
+
+def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulations) -> None:
+    errors, _ = measured(axis, Point())
+    _, averaged, other = errors.columns[0][0]
+    (run,) = axis.run([Point()])[0]
+    speed = run.response.states["velocity"]
+    late = 1e-3 * (5 - 1) / (2 * 5)  # [s] of five samples in a row of 1 ms
+    assert averaged @ speed / (speed @ speed) == pytest.approx(-late, rel=0.01)
+    assert not other.any()
+
+
+def test_a_reference_drawn_straight_moves_a_loop_ahead_by_half_a_row(axis: Simulations) -> None:
+    fast = Point({"sample_time": 0.2e-3})
+    runs = axis.run([fast])[0]
+    assert axis.input_errors(fast, runs) == [None]  # the twin file states what inputs do
+    axis.unstated = frozenset({"reference"})
+    try:
+        (change,) = axis.input_errors(fast, runs)
+        (same,) = axis.input_errors(Point(), axis.run([Point()])[0])
+    finally:
+        axis.unstated = frozenset()
+    assert change is not None
+    assert same is not None
+    assert not same[0].any()  # a controller that reads at the rows sees nothing between them
+    position, speed = change[0], runs[0].response.states["velocity"]
+    assert position @ speed / (speed @ speed) == pytest.approx(0.5e-3 * 4 / 5, rel=0.05)
 
 
 def test_the_half_step_counts_as_simulations_and_follows_the_records(axis: Simulations) -> None:

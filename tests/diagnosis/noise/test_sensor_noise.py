@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.noise.loop_noise import sensor_noise
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.sources.fmu_file.job import Outcome
-from gmfbo.sources.twin.augmented_twin import Response
+from gmfbo.sources.twin.response import Response
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,9 @@ def along(position: Array) -> Simulated:
     """A simulated motion."""
     held = {"position": position}
     outcome = Outcome("ok", position.size)
-    return Simulated((position,), Response(outcome, held, held, {}, {}, np.zeros(position.size)))
+    return Simulated(
+        (position,), Response(outcome, held, held, held, {}, {}, np.zeros(position.size))
+    )
 
 
 MOVING = along(np.linspace(0.0, 700.3 * COUNT, ROWS))

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.export.export import AugmentedFmu, PhysicsParameter, export_augmented
 from gmfbo.sources.fmu_file.models import models_folder
-from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Response
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.response import Response
 from gmfbo.sources.twin.twin import FmuTwin
 
 SUBSTEPS = 10

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.models import models_folder
-from gmfbo.sources.twin.augmented_twin import AugmentedTwin, Response, RunPlan
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
+from gmfbo.sources.twin.response import Response
 from tests.diagnosis.servo_recordings import rewritten
 
 GAINS = {"kp": 40.0, "kd": 0.8}
