@@ -26,7 +26,7 @@ from gmfbo.diagnosis.runs.probing_torque import moving_torque, torque_guess
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, require_run
 from gmfbo.diagnosis.runs.simulations import Simulations
-from gmfbo.diagnosis.runs.twin_steps import inputs_unstated, reads_back, steps_finely
+from gmfbo.diagnosis.runs.twin_steps import reads_back, steps_finely
 from gmfbo.diagnosis.scoring.noise_levels import NoiseLevel, noise_levels
 from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig
 from gmfbo.diagnosis.scoring.whitening import Window
@@ -230,7 +230,6 @@ class _Opening:
             records = self._records(first)
         simulations = Simulations(open_twin, records, self.jobs)
         simulations.on_run = self.on_run
-        simulations.unstated = inputs_unstated(self.twin)
         if self.refines:
             simulations.finer = lambda: self._simulations(2 * substeps)
         return simulations

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, Tracking
+from gmfbo.diagnosis.runs.twin_steps import inputs_unstated
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
 from gmfbo.sources.twin.response import Columns, Response
@@ -88,7 +89,7 @@ class Simulations:
         self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
         self._after_rest = cache(_after_rest)
         self.runs = 0
-        self.unstated: frozenset[str] = frozenset()
+        self.unstated = inputs_unstated(self._all[0].twin)
         self.finer: Callable[[], Simulations] | None = None
         self._half_step: Simulations | None = None
         self.on_run: Callable[[], None] = lambda: None

@@ -111,14 +111,15 @@ def measured(axis: Simulations, point: Point) -> tuple[SimulationErrors, PortKer
 
 def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> None:
     errors, _ = measured(axis, Point())
-    step, *averaged = (np.std(column) for column in errors.columns[0][0])
+    step, straight, *averaged = (np.std(column) for column in errors.columns[0][0])
     assert step < LEVEL
+    assert straight == 0.0  # the controller reads its reference at the rows
     assert len(averaged) == 2  # one a signal
 
 
 def test_friction_makes_of_noise_what_no_linear_path_makes(axis: Simulations) -> None:
     errors, _ = measured(axis, Point(physics={"coulomb_friction.level": 0.2}))
-    step, _, _, *played = (np.std(column) for column in errors.columns[0][0])
+    step, _, _, _, *played = (np.std(column) for column in errors.columns[0][0])
     assert len(played) == 8
     assert min(played) > 0.01 * LEVEL
     assert step > 0.0
@@ -126,7 +127,7 @@ def test_friction_makes_of_noise_what_no_linear_path_makes(axis: Simulations) ->
 
 def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulations) -> None:
     errors, _ = measured(axis, Point())
-    _, averaged, other = errors.columns[0][0]
+    _, _, averaged, other = errors.columns[0][0]
     (run,) = axis.run([Point()])[0]
     speed = run.response.states["velocity"]
     late = 1e-3 * (5 - 1) / (2 * 5)  # [s] of five samples in a row of 1 ms
@@ -137,13 +138,14 @@ def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulat
 def test_a_reference_drawn_straight_moves_a_loop_ahead_by_half_a_row(axis: Simulations) -> None:
     fast = Point({"sample_time": 0.2e-3})
     runs = axis.run([fast])[0]
-    assert axis.input_errors(fast, runs) == [None]  # the twin file states what inputs do
-    axis.unstated = frozenset({"reference"})
+    assert axis.unstated == {"reference"}  # the twin file does not say what inputs do
+    (change,) = axis.input_errors(fast, runs)
+    (same,) = axis.input_errors(Point(), axis.run([Point()])[0])
+    axis.unstated = frozenset()
     try:
-        (change,) = axis.input_errors(fast, runs)
-        (same,) = axis.input_errors(Point(), axis.run([Point()])[0])
+        assert axis.input_errors(fast, runs) == [None]
     finally:
-        axis.unstated = frozenset()
+        axis.unstated = frozenset({"reference"})
     assert change is not None
     assert same is not None
     assert not same[0].any()  # a controller that reads at the rows sees nothing between them
