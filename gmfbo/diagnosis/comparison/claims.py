@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.ledger import Scored
-from gmfbo.diagnosis.comparison.numbers import NAMED
+from gmfbo.diagnosis.comparison.numbers import FIXED_FLOOR, NAMED
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -70,18 +70,21 @@ def posterior_draws(fitted: Fitted, whitening: Whitening, seed: int = 0) -> Arra
 
 
 def shares_above_floor(fitted: Fitted, whitening: Whitening) -> dict[str, float]:
-    """Probability that each element of a fit is above its floor; 1 for a freed parameter."""
-    found = {f"parameter:{name}": 1.0 for name in fitted.freed}
-    if not fitted.hypothesis.effects:
-        return found
-    excitation = fitted.hypothesis.setting.excitation
-    draws = posterior_draws(fitted, whitening)
-    above = dict.fromkeys((c.effect for c in fitted.hypothesis.effects), 0)
-    for x in draws:
-        for candidate in fitted.hypothesis.at(x).effects:
+    """Probability that each element of a fit is above its floor."""
+    setting = fitted.hypothesis.setting
+    above = dict.fromkeys(fitted.elements, 0)
+    for x in posterior_draws(fitted, whitening) if above else ():
+        at = fitted.hypothesis.at(x)
+        for candidate in at.effects:
             law, values = candidate.law, {**candidate.more, **candidate.values}
-            above[candidate.effect] += law.size(values, excitation) >= law.floor(excitation)
-    return found | {name: count / _DRAWS for name, count in above.items()}
+            enough = law.size(values, setting.excitation) >= law.floor(setting.excitation)
+            above[candidate.effect] += enough
+        parameters = at.parameters(x)
+        for known in setting.uncertain:
+            if known.name in fitted.freed:
+                changed = abs(parameters[known.name] / known.nominal - 1.0)
+                above[f"parameter:{known.name}"] += changed >= FIXED_FLOOR
+    return {name: count / _DRAWS for name, count in above.items()}
 
 
 def claims_of(

@@ -14,6 +14,9 @@ SIZE_SHARE = 0.1
 FIXED_SPREAD = 0.4
 """[1] Standard deviation of the logarithm of a freed fixed parameter about its value."""
 
+FIXED_FLOOR = 0.02
+"""[1] Change of a fixed parameter below which nobody cares: values are stated to two digits."""
+
 SHIFT_SHARE = 0.1
 """[rows] Prior of a column's shift."""
 

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.claims import Claim, claims_of
+from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
 from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import NAMED
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.priors import priors_of
+from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
+from gmfbo.sources.twin.uncertain import Uncertain
+from tests.physics.excitations import TYPICAL
 
 Beliefs = Mapping[tuple[str, ...], float]
 
@@ -50,6 +57,46 @@ def test_a_set_of_a_law_and_its_limit_is_the_limit() -> None:
 def test_nothing_is_told_where_nothing_is_believed_or_all_is_below_its_floor() -> None:
     assert told({(): 0.5, ("backlash",): 0.5}) == []
     assert told({("backlash",): 1.0}, {"backlash": 0.3}) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "least", "most"),
+    [(1.6e-3, 0.99, 1.0), (0.991e-3, 0.0, 0.01), (1.02e-3, 0.3, 0.7)],
+)
+def test_a_fixed_parameter_counts_by_how_likely_it_changed_by_more_than_anybody_cares(
+    value: float, least: float, most: float
+) -> None:
+    """Stated as 1 ms, and seen within 0.3 %."""
+    stated = Uncertain("filter_time", 1e-3, 0.25e-3, 4e-3)
+    excitation = TYPICAL
+    hypothesis = Hypothesis(Setting((stated,), excitation))
+    priors = priors_of(hypothesis, ["filter_time"])
+    column = np.full((1, 1, 200), 1.0 / (0.003 * np.sqrt(200)))
+    fitted = Fitted(
+        hypothesis,
+        ("filter_time",),
+        priors,
+        np.array([priors[0].to_u(value)]),
+        np.zeros(0),
+        [],
+        [],
+        [np.zeros((1, 200))],
+        [column],
+        True,
+        np.zeros(0, dtype=bool),
+    )
+    above = shares_above_floor(fitted, _Plain())
+    assert least <= above["parameter:filter_time"] <= most
+
+
+class _Plain(Whitening):
+    """Signals that are white already."""
+
+    def __init__(self) -> None:
+        super().__init__(())
+
+    def __call__(self, columns: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        return list(columns)
 
 
 names = st.sampled_from(["backlash", "cogging_torque", "elastic_return", "quadratic_drag"])
