@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-PRIOR_OF_COUNT = (0.45, 0.35, 0.15, 0.05)
-"""[1] Prior probability of no, one, two and three effects."""
+PRIOR_OF_COUNT = (0.45, 0.35, 0.15, 0.04, 0.01)
+"""[1] Prior probability of no, one, two, three and four effects."""
 
 FIXED_SHARE = 0.2
 """[1] Of the prior of one more element: that it is a freed fixed parameter."""

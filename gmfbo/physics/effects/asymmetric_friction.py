@@ -4,6 +4,7 @@ import numpy as np
 
 from gmfbo.physics import friction
 from gmfbo.physics.effect import Effect, Values, sentence, signed
+from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 
 
@@ -12,6 +13,12 @@ def _signal(states: States, parameters: Values) -> Array:
     levels = np.where(direction > 0.0, parameters["level_positive"], parameters["level_negative"])
     viscous = 0.5 * parameters.get("viscous_difference", 0.0) * np.abs(states.velocity)
     return np.asarray(-levels * direction - viscous, dtype=np.float64)
+
+
+def _largest(parameters: Values, excitation: Excitation) -> float:
+    """Friction at the largest recorded speed, in the direction that has more of it."""
+    levels = max(parameters["level_positive"], parameters["level_negative"])
+    return levels + 0.5 * abs(parameters.get("viscous_difference", 0.0)) * excitation.speed
 
 
 asymmetric_friction = Effect(
@@ -38,7 +45,7 @@ asymmetric_friction = Effect(
             "viscous_difference": 0.01 * e.torque / e.speed,
         }
     ],
-    size=lambda p, e: max(p["level_positive"], p["level_negative"]),
+    size=_largest,
     size_name="level",
     size_unit="torque",
     floor=friction.floor,
