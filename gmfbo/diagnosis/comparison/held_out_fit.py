@@ -12,7 +12,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.opened_comparison import problem_on
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import AT_THE_END, Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
@@ -98,7 +98,7 @@ def part_of(
     """
     part = seen_on(case, search, ledger, row, windows)
     found = ModeSearch(part.problem, part.whitening, row.hypothesis, row.freed).fitted(
-        row.parameters, row.nuisances, iterations=20
+        row.parameters, row.nuisances, iterations=20, settled=AT_THE_END
     )
     return part if found is None else replace(part, fitted=found)
 

@@ -17,7 +17,10 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 
 Array = NDArray[np.float64]
 
-_SETTLED = 0.02  # nats of predicted gain below which a search has ended
+SETTLED, AT_THE_END = 0.1, 0.02
+"""[nats] Gain that a step promises, below which a search has ended. Evidence is that of a
+parabola's top, whether or not a search has come there; values that are told come to the end."""
+
 _POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
 
@@ -139,6 +142,7 @@ class ModeSearch:
         parameters: dict[str, float],
         nuisances: Array | None = None,
         iterations: int = 10,
+        settled: float = SETTLED,
     ) -> Fitted | None:
         """Search from these values of the twin's parameters; None where they cannot be simulated.
 
@@ -150,11 +154,13 @@ class ModeSearch:
             [standard deviations] Start.
         iterations : int
             Most points with a Jacobian.
+        settled : float
+            [nats] Gain that is no longer worth a step.
         """
         at = self._at(self._inside(self._start(parameters)), nuisances)
-        return None if at is None else self._searched(at, self._columns(at), iterations)
+        return None if at is None else self._searched(at, self._columns(at), iterations, settled)
 
-    def again(self, row: Fitted, iterations: int = 10) -> Fitted:
+    def again(self, row: Fitted, iterations: int = 10, settled: float = SETTLED) -> Fitted:
         """Search on from a fit under another whitening, or other noise.
 
         Nothing is simulated where noise and values stay.
@@ -165,29 +171,33 @@ class ModeSearch:
             A fit of the same hypothesis.
         iterations : int
             Most points with a Jacobian.
+        settled : float
+            [nats] Gain that is no longer worth a step.
         """
         if row.hypothesis.noise is self._hypothesis.noise:
-            return self._searched(row, row.columns, iterations)
+            return self._searched(row, row.columns, iterations, settled)
         at = self._at(row.u, row.nuisances)
         if at is None:
             return replace(row, converged=False)
         change = [a - b for a, b in zip(at.values, row.values, strict=True)]
         if self._whitening.square(change) < SAME:
-            return self._searched(at, row.columns, iterations)
-        return self._searched(at, self._columns(at), iterations)
+            return self._searched(at, row.columns, iterations, settled)
+        return self._searched(at, self._columns(at), iterations, settled)
 
-    def _searched(self, at: Fitted, columns: list[Array], iterations: int) -> Fitted:
+    def _searched(
+        self, at: Fitted, columns: list[Array], iterations: int, settled: float
+    ) -> Fitted:
         damping = 1e-3
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
-            if gain < _SETTLED:
+            if gain < settled:
                 return replace(at, columns=columns, converged=True)
             moved = self._moved(at, step)
             fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
             while fall <= 0.0 and damping < 1e4:
                 damping *= 10.0
                 step, gain = self._step(at, columns, damping)
-                if gain < _SETTLED:
+                if gain < settled:
                     return replace(at, columns=columns, converged=True)
                 moved = self._moved(at, step)
                 fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
@@ -195,7 +205,7 @@ class ModeSearch:
                 return replace(at, columns=columns, converged=False)
             at, damping = moved, max(0.1 * damping, 1e-7)
             columns = self._columns(at)
-            if fall < _SETTLED:
+            if fall < settled:
                 return replace(at, columns=columns, converged=True)
         return replace(at, columns=columns, converged=False)
 
@@ -359,6 +369,6 @@ class ModeSearch:
             if after >= cost:
                 break
             gained, at, cost = cost - after, tried, after
-            if gained < _SETTLED:
+            if gained < AT_THE_END:
                 break
         return at

@@ -9,7 +9,7 @@ import numpy as np
 
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import AT_THE_END, Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -113,6 +113,10 @@ class RowFits:
                 if found is not None:
                     return found
         return self._search(whitening, row.hypothesis, row.freed).again(row)
+
+    def to_the_end(self, whitening: Whitening, row: Fitted) -> Fitted:
+        """A fit whose values are told, searched on until a step promises next to nothing."""
+        return self._search(whitening, row.hypothesis, row.freed).again(row, settled=AT_THE_END)
 
     def _from_limit(
         self, whitening: Whitening, about: Fitted, element: Element, limit: Fitted, share: float

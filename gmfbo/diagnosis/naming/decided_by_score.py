@@ -20,6 +20,7 @@ from gmfbo.diagnosis.comparison.numbers import (
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
+from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
@@ -68,7 +69,8 @@ def decide(
     said, notes = _said(claims_of(scored, above), silent)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    row = _model(compared, said, above)
+    fits = RowFits(compared.search.problem, ledger.noise)
+    row = fits.to_the_end(ledger.whitening, _model(compared, said, above))
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
     model = measured(case.misfit, row)
     rounds = [_round(case, compared, row, model, claim) for claim in held_by_row if _effects(claim)]
