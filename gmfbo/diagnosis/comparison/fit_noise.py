@@ -104,21 +104,22 @@ class FitNoise:
         inadequacy: float = 0.0,
     ) -> Whitening:
         """Whitening by levels, errors of the simulation and a smooth inadequacy of a size."""
-        problem, rates = self.problem, self.problem.rates(fitted.values)
-        beside = errors.on(problem, fitted)
-        if inadequacy:
-            curves = inadequacy_columns(problem, kernels, fitted)
-            beside = [
-                np.concatenate([error, inadequacy * curve])
-                for error, curve in zip(beside, curves, strict=True)
-            ]
-        parts = zip(problem.segments, rates, beside, problem.stretches(), strict=True)
-        return Whitening(
-            tuple(
-                segment_whitener(segment, kernels, levels, rate).beside(error, stretches)
-                for segment, rate, error, stretches in parts
-            )
+        problem, made = self.problem, []
+        curves = inadequacy_columns(problem, kernels, fitted) if inadequacy else None
+        parts = zip(
+            problem.segments,
+            problem.rates(fitted.values),
+            errors.on(problem, fitted),
+            problem.stretches(),
+            strict=True,
         )
+        for i, (segment, rate, (constant, varying), stretches) in enumerate(parts):
+            if curves is not None:
+                varying = np.concatenate([varying, inadequacy * curves[i]])
+            whitener = segment_whitener(segment, kernels, levels, rate)
+            whole = [slice(0, rate.shape[1])]
+            made.append(whitener.beside(constant, whole).beside(varying, stretches))
+        return Whitening(tuple(made))
 
     def scaled(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

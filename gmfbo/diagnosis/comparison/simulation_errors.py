@@ -17,6 +17,7 @@ from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.segments import Segment
 from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.whitener import segment_whitener
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
@@ -24,6 +25,9 @@ from gmfbo.diagnosis.runs.simulations import Simulations
 
 Array = NDArray[np.float64]
 
+Columns = tuple[tuple[Array, ...], ...]
+
+_ROUNDS = 3  # of backfitting: errors of a recording and of its stretches are little alike
 _LINEAR = 0.01  # of its linear answer: less than this noise makes in an axis without friction
 
 
@@ -35,15 +39,17 @@ class SimulationErrors:
     ----------
     simulations : Simulations
         Of the recordings.
-    columns : tuple of tuple of ndarray, shape (k, n)
-        [SI] By recording, then by signal at its own times.
+    constant, varying : tuple of tuple of ndarray, shape (k, n)
+        [SI] By recording, then by signal at its own times: errors of one size in a recording, and
+        those of another size in each stretch.
     """
 
     simulations: Simulations
-    columns: tuple[tuple[Array, ...], ...]
+    constant: Columns
+    varying: Columns
 
-    def on(self, problem: Problem, fitted: Fitted) -> list[Array]:
-        """As the logger stores them, on a problem's segments, shape (k, m, n).
+    def on(self, problem: Problem, fitted: Fitted) -> list[tuple[Array, Array]]:
+        """As the logger stores them, on a problem's segments, each of shape (k, m, n).
 
         Parameters
         ----------
@@ -52,17 +58,19 @@ class SimulationErrors:
         fitted : Fitted
             Signals and errors of the logger about which they are stored.
         """
-        found = []
-        for segment, values in zip(problem.segments, fitted.values, strict=True):
-            own = self.columns[segment.record] if problem.simulations is self.simulations else ()
+        logging, nuisances = problem.logging, fitted.nuisances
+
+        def stored(columns: Columns, segment: Segment, values: Array) -> Array:
+            own = columns[segment.record] if problem.simulations is self.simulations else ()
             errors = [segment.read(one) for one in zip(*own, strict=True)]
-            seen = problem.logging.seen(segment, values, fitted.nuisances) if errors else values
-            stored = [
-                problem.logging.seen(segment, values + error, fitted.nuisances) - seen
-                for error in errors
-            ]
-            found.append(np.array(stored).reshape(-1, *values.shape))
-        return found
+            seen = logging.seen(segment, values, nuisances) if errors else values
+            made = [logging.seen(segment, values + error, nuisances) - seen for error in errors]
+            return np.array(made).reshape(-1, *values.shape)
+
+        return [
+            (stored(self.constant, *there), stored(self.varying, *there))
+            for there in zip(problem.segments, fitted.values, strict=True)
+        ]
 
     def taken_out(
         self, problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels
@@ -90,9 +98,15 @@ class SimulationErrors:
             strict=True,
         )
         left = []
-        for segment, residual, rate, errors, stretches in parts:
+        for segment, residual, rate, (constant, varying), stretches in parts:
             whitener = segment_whitener(segment, kernels, levels, rate)
-            left.append(residual - whitener.mean_of(errors, stretches, residual))
+            by_recording = by_stretch = np.zeros(residual.shape)
+            for _ in range(_ROUNDS):
+                by_recording = whitener.mean_of(
+                    constant, [slice(0, residual.shape[1])], residual - by_stretch
+                )
+                by_stretch = whitener.mean_of(varying, stretches, residual - by_recording)
+            left.append(residual - by_recording - by_stretch)
         return replace(fitted, residual=left)
 
 
@@ -122,11 +136,8 @@ def errors_of(
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
-    found: list[Sequence[Sequence[Array] | None]] = [
-        simulations.step_errors(point, runs),
-        simulations.input_errors(point, runs),
-        *_averaging(simulations, runs),
-    ]
+    constant = [simulations.input_errors(point, runs), *_averaging(simulations, runs)]
+    found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
         sizes = [record.plan.grid.size for record in simulations.records]
@@ -137,9 +148,18 @@ def errors_of(
         played = _played(simulations, point, runs, kernels, [first])
         if not all(_is_linear(one) for one in played[0]):
             found += _errors([*played, *_played(simulations, point, runs, kernels, others)])
+    return SimulationErrors(
+        simulations, _by_recording(simulations, constant), _by_recording(simulations, found)
+    )
+
+
+def _by_recording(
+    simulations: Simulations, errors: Sequence[Sequence[Sequence[Array] | None]]
+) -> Columns:
+    """Errors by recording and signal, without those that could not be simulated."""
     columns = []
     for k, record in enumerate(simulations.records):
-        own = [error[k] for error in found if error[k] is not None]
+        own = [error[k] for error in errors if error[k] is not None]
         shapes = [signal.time.size for signal in record.signals]
         columns.append(
             tuple(
@@ -147,7 +167,7 @@ def errors_of(
                 for i, n in enumerate(shapes)
             )
         )
-    return SimulationErrors(simulations, tuple(columns))
+    return tuple(columns)
 
 
 def _averaging(

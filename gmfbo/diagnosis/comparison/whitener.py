@@ -62,7 +62,7 @@ class SegmentWhitener:
     length : int
         Of the transforms.
     spreads : tuple of Spread
-        Of errors beside the noise, one a stretch.
+        Of errors beside the noise, one a stretch, in the order in which they are taken out.
     scales : ndarray, shape (n,)
         Noise of a row, in units of that of the levels.
     """
@@ -107,7 +107,7 @@ class SegmentWhitener:
         return replace(self, log_determinants=logs, scales=self.scales * scales)
 
     def beside(self, errors: Array, stretches: Sequence[slice]) -> SegmentWhitener:
-        """The same with errors beside the noise, each of which has an own size in each stretch.
+        """The same with errors beside all else, each of which has an own size in each stretch.
 
         Parameters
         ----------
@@ -118,14 +118,14 @@ class SegmentWhitener:
         """
         if not len(errors):
             return self
-        white, logs = self._filtered(errors), self.log_determinants.copy()
+        white, logs = self(errors), self.log_determinants.copy()
         spreads = []
         for rows in stretches:
             flat = white[:, :, rows].reshape(len(white), -1).T
             directions, sizes, _ = np.linalg.svd(flat, full_matrices=False)
             spreads.append(Spread(rows, directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)))
             logs[rows] += np.log1p(sizes**2).sum() / (rows.stop - rows.start)
-        return replace(self, log_determinants=logs, spreads=tuple(spreads))
+        return replace(self, log_determinants=logs, spreads=(*self.spreads, *spreads))
 
     def mean_of(self, errors: Array, stretches: Sequence[slice], residual: Array) -> Array:
         """What errors beside the noise most likely made of a residual, shape (m, n).

@@ -50,6 +50,24 @@ def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:
     assert told == pytest.approx(exact, rel=1e-10)
 
 
+def test_errors_of_a_recording_and_of_its_stretches_add_to_the_dense_covariance() -> None:
+    rng = np.random.default_rng(3)
+    plain = white()
+    constant, varying = 2.0 * rng.standard_normal((2, 1, 2, ROWS))
+    whole = [slice(0, ROWS)]
+    beside = plain.beside(constant, whole).beside(varying, STRETCHES)
+    z = rng.standard_normal((2, ROWS)) + constant[0]
+    told = float(np.sum(beside(z) ** 2) + beside.log_determinants.sum())
+    seen, first, second = plain(z).ravel(), plain(constant).ravel(), plain(varying)
+    dense = np.eye(seen.size) + np.outer(first, first)
+    for rows in STRETCHES:
+        own = np.zeros((2, ROWS))
+        own[:, rows] = second[0][:, rows]
+        dense += np.outer(own, own)
+    exact = float(seen @ np.linalg.solve(dense, seen)) + float(np.linalg.slogdet(dense)[1])
+    assert told == pytest.approx(exact, rel=1e-3)
+
+
 def test_what_errors_made_of_a_residual_is_their_mean_given_it() -> None:
     rng = np.random.default_rng(1)
     plain = white()
@@ -111,7 +129,8 @@ def measured(axis: Simulations, point: Point) -> tuple[SimulationErrors, PortKer
 
 def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> None:
     errors, _ = measured(axis, Point())
-    step, straight, *averaged = (np.std(column) for column in errors.columns[0][0])
+    straight, *averaged = (np.std(column) for column in errors.constant[0][0])
+    (step,) = (np.std(column) for column in errors.varying[0][0])
     assert step < LEVEL
     assert straight == 0.0  # the controller reads its reference at the rows
     assert len(averaged) == 2  # one a signal
@@ -119,7 +138,7 @@ def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> N
 
 def test_friction_makes_of_noise_what_no_linear_path_makes(axis: Simulations) -> None:
     errors, _ = measured(axis, Point(physics={"coulomb_friction.level": 0.2}))
-    step, _, _, _, *played = (np.std(column) for column in errors.columns[0][0])
+    step, *played = (np.std(column) for column in errors.varying[0][0])
     assert len(played) == 8
     assert min(played) > 0.01 * LEVEL
     assert step > 0.0
@@ -127,7 +146,7 @@ def test_friction_makes_of_noise_what_no_linear_path_makes(axis: Simulations) ->
 
 def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulations) -> None:
     errors, _ = measured(axis, Point())
-    _, _, averaged, other = errors.columns[0][0]
+    _, averaged, other = errors.constant[0][0]
     (run,) = axis.run([Point()])[0]
     speed = run.response.states["velocity"]
     late = 1e-3 * (5 - 1) / (2 * 5)  # [s] of five samples in a row of 1 ms
