@@ -65,7 +65,7 @@ class SimulationErrors:
             errors = [segment.read(one) for one in zip(*own, strict=True)]
             seen = logging.seen(segment, values, nuisances) if errors else values
             made = [logging.seen(segment, values + error, nuisances) - seen for error in errors]
-            return np.array(made).reshape(-1, *values.shape)
+            return np.array(made).reshape(len(made), *values.shape)
 
         return [
             (stored(self.constant, *there), stored(self.varying, *there))
@@ -163,7 +163,7 @@ def _by_recording(
         shapes = [signal.time.size for signal in record.signals]
         columns.append(
             tuple(
-                np.array([error[i] for error in own if error is not None]).reshape(-1, n)
+                np.array([error[i] for error in own if error is not None]).reshape(len(own), n)
                 for i, n in enumerate(shapes)
             )
         )
@@ -176,8 +176,11 @@ def _averaging(
     """Change of each signal by a logger that stores its mean over a row, for each by itself.
 
     A drive's trace often averages the samples of a faster controller, which delays the column by
-    half a row and spreads what the command does at a step of its reference.
+    half a row and spreads what the command does at a step of its reference. Where the plant runs on
+    the recorded command, that column is averaged as well, and nothing is late.
     """
+    if simulations.tracking is not None:
+        return []
     names = dict.fromkeys(s.name for record in simulations.records for s in record.signals)
     found: list[list[tuple[Array, ...] | None]] = []
     for name in names:

@@ -139,8 +139,10 @@ class SegmentWhitener:
         residual : ndarray, shape (m, n)
             [SI] Of the segment.
         """
-        white, seen = self._filtered(errors), self._filtered(residual)
         made = np.zeros(residual.shape)
+        if not len(errors):
+            return made
+        white, seen = self._filtered(errors), self._filtered(residual)
         for rows in stretches:
             flat = white[:, :, rows].reshape(len(white), -1)
             precision = np.eye(len(white)) + flat @ flat.T
