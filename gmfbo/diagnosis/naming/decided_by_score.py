@@ -171,9 +171,15 @@ def _model(
     order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
     holding = [elements for elements in order if winners <= elements]
     for elements in holding:
-        if all(above[elements].get(name, 1.0) < NAMED for name in elements - winners):
+        untold = elements - winners
+        if not any(_is_there(name, above[elements]) for name in untold):
             return compared.ledger.rows[elements]
     return compared.ledger.rows[next(iter(holding), scored.best)]
+
+
+def _is_there(name: str, shares: Mapping[str, float]) -> bool:
+    """Whether an element changes a model: a law above its floor, or any freed parameter."""
+    return name.startswith("parameter:") or shares.get(name, 1.0) >= NAMED
 
 
 def _round(case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim) -> Round:
