@@ -44,8 +44,6 @@ def load_function(label: str, folder: Path, key: str) -> Callable[..., Any]:
         raise InputError(f"{key}: '{file}' cannot be imported: {said}") from error
     function = getattr(module, name, None)
     if not callable(function):
-        functions = [key for key, value in vars(module).items() if callable(value)]
-        raise InputError(
-            f"{key}: '{file}' has no function '{name}'" + did_you_mean(name, functions)
-        )
+        hint = did_you_mean(name, [n for n, value in vars(module).items() if callable(value)])
+        raise InputError(f"{key}: '{file}' has no function '{name}'{hint}")
     return function

@@ -36,7 +36,8 @@ def landscape_of(study: Study, seed: int, side: int, truth: Path) -> Landscape |
     Returns
     -------
     Landscape or None
-        None where other than two gains are tuned, or where the truth is given. A plant that changes is shown before its change.
+        None where other than two gains are tuned, or where the truth is given. A plant that
+        changes is shown before its change.
     """
     same = seeded(study, seed, study.file.method, study.location)
     opened = TrueSources.open(same)

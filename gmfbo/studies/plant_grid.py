@@ -208,7 +208,7 @@ def _given(study: Study, gains: GainChoice) -> GivenTruth:
     file = study.file
     if file.is1.change is not None:
         raise StudyFileError(
-            f"{file.name}: expected no [is1] change beside [compare] truth, which tells of one plant"
+            f"{file.name}: expected no [is1] change beside [compare] truth, a table of one plant"
         )
     counted = frozenset({*file.objective.weights, *file.constraints} - {*MARGINS})
     return GivenTruth.read(study.origin / str(file.compare.truth), gains.space, counted)

@@ -47,7 +47,7 @@ METRICS = ("overshoot", "transient_time", "rise_time", "settling_time")
 
 
 def own_plant(folder: Path, kind: str, truth: str = "truth.csv") -> Path:
-    """A study whose plant is a file of Python, with a made-up truth: the rise time at high gains."""
+    """A study whose plant is a file of Python, with the exact truth of its rise time."""
     (folder / "plant.py").write_text(PLANT, encoding="utf-8")
     study = write_small_study(folder)
     text = study.read_text(encoding="utf-8")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 MOST_SAMPLES = 400
 """Samples of a trajectory that are compared; metrics interpolate between them."""
+
+_ROWS: WeakKeyDictionary[Trial, tuple[Any, NDArray[np.float64]]] = WeakKeyDictionary()
+"""Row of each trial, since a study reads those of a thousand twin runs several times a query."""
 
 
 def sample_times(state: TuningState) -> NDArray[np.float64]:
@@ -40,14 +44,14 @@ def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns,
 
     twins = runs_beside(state.trials)
     modelled = modelled_runs(state)
-    real = [trial for trial, _ in modelled]
+    real, names = [trial for trial, _ in modelled], numbers_beside(state, times)
     runs = AxisRuns(
         points=np.stack([unit_point(state, trial) for trial in real]),
         values=np.array([seen.objective for _, seen in modelled]),
-        simulated=np.stack([_row(state, twins.get(trial.number), times) for trial in real]),
-        measured=np.stack([_row(state, trial, times) for trial in real]),
+        simulated=np.stack([_row(state, twins.get(trial.number), times, names) for trial in real]),
+        measured=np.stack([_row(state, trial, times, names) for trial in real]),
         extra=np.array([seen.outdated for _, seen in modelled]),
-        beside=len(numbers_beside(state, times)),
+        beside=len(names),
     )
     return runs, cost_of_rows(state, times)
 
@@ -104,29 +108,31 @@ def twin_runs(
     A row is the trajectory at m times, and the p metrics of `numbers_beside`.
     """
     names = numbers_beside(state, times)
-    points = [np.empty((0, len(state.space)))]
-    runs = [np.empty((0, times.size + len(names)))]
-    for trial in state.trials:
-        if trial.source == "IS1" or trial.status != "ok":
-            continue
-        runs.append(_row(state, trial, times, names)[None, :])
-        points.append(unit_point(state, trial)[None, :])
-    return np.concatenate(points), np.concatenate(runs)
+    made = [one for one in state.trials if one.source != "IS1" and one.status == "ok"]
+    if not made:
+        return np.empty((0, len(state.space))), np.empty((0, times.size + len(names)))
+    known = {one.number: one.point for one in state.observations}
+    points = [known[one.number] if one.number in known else unit_point(state, one) for one in made]
+    return np.stack(points), np.stack([_row(state, trial, times, names) for trial in made])
 
 
 def _row(
     state: TuningState,
     trial: Trial | None,
     times: NDArray[np.float64],
-    names: Sequence[str] | None = None,
+    names: Sequence[str],
 ) -> NDArray[np.float64]:
     """Samples and numbers of a run, as of the twin before any correction; NaN if it failed."""
     signal = state.experiment.signal
-    names = numbers_beside(state, times) if names is None else names
-    values = None if trial is None else trial.uncorrected.get(signal)
-    samples = _sampled(trial, times, signal, values)
-    numbers = [np.nan if trial is None else trial.metrics[name] for name in names]
-    return np.concatenate([samples, numbers])
+    if trial is None:
+        return np.full(times.size + len(names), np.nan)
+    known, key = _ROWS.get(trial), (signal, tuple(names), times.size, float(times[-1]))
+    if known is not None and known[0] == key:
+        return known[1]
+    samples = _sampled(trial, times, signal, trial.uncorrected.get(signal))
+    row = np.concatenate([samples, [trial.metrics[name] for name in names]])
+    _ROWS[trial] = key, row
+    return row
 
 
 def _sampled(
@@ -143,4 +149,5 @@ def _sampled(
 
 
 def unit_point(state: TuningState, trial: Trial) -> NDArray[np.float64]:
+    """Gains of a run in the unit cube, shape (d,)."""
     return state.space.to_unit([trial.gains[name] for name in state.space.names])
