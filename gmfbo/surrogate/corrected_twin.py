@@ -195,12 +195,15 @@ class CorrectedTwinModel:
     scale : float
         [g] Prior standard deviation of g - m: the median error of predicting each run by the
         others, or the spread of the observed costs while there is no such error.
+    unknown : float
+        [g] Prior mean where the twin has no trajectory: the median of the runs.
     """
 
     runs: AxisRuns
     cost_of: CostOf
     residual: Residual
     scale: float
+    unknown: float
     _factor: NDArray[np.float64]
     _white: NDArray[np.float64]
 
@@ -228,9 +231,10 @@ class CorrectedTwinModel:
         everything = np.arange(len(runs.values))
         extra = runs.extra_of(everything) + (noise / scale) ** 2
         factor = cholesky(_covariance(runs.points, extra), lower=True)
-        departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
-        white = solve_triangular(factor, departures / scale, lower=True)
-        return cls(runs, cost_of, residual, scale, factor, white)
+        unknown = float(np.median(runs.values))
+        prior = _prior_mean(runs.points, runs.simulated, residual, cost_of, unknown)
+        white = solve_triangular(factor, (runs.values - prior) / scale, lower=True)
+        return cls(runs, cost_of, residual, scale, unknown, factor, white)
 
     def trajectory(self, points: ArrayLike, simulated: ArrayLike) -> NDArray[np.float64]:
         """Expected trajectory of the axis [signal], shape (q, m); arguments as for `predict`."""
@@ -246,7 +250,8 @@ class CorrectedTwinModel:
         points : array_like, shape (q, d)
             Gains in the unit cube.
         simulated : array_like, shape (q, m)
-            [signal] The twin's trajectories there, at the times of the runs.
+            [signal] The twin's trajectories there, at the times of the runs; a row of NaN where it
+            has none.
 
         Returns
         -------
@@ -259,7 +264,7 @@ class CorrectedTwinModel:
         half = solve_triangular(
             self._factor, matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
         )
-        mean = _prior_mean(where, twin, self.residual, self.cost_of)
+        mean = _prior_mean(where, twin, self.residual, self.cost_of, self.unknown)
         mean = mean + self.scale * (half.T @ self._white)
         variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
         return mean, variance
@@ -313,8 +318,13 @@ def _prior_mean(
     simulated: NDArray[np.float64],
     residual: Residual,
     cost_of: CostOf,
+    unknown: float,
 ) -> NDArray[np.float64]:
-    return np.asarray(cost_of(_corrected(points, simulated, residual)), dtype=float)
+    mean = np.full(len(points), unknown)
+    known = np.isfinite(simulated).all(axis=1)
+    if known.any():
+        mean[known] = cost_of(_corrected(points[known], simulated[known], residual))
+    return mean
 
 
 def _left_out_errors(

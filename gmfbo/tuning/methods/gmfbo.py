@@ -284,17 +284,18 @@ def log_finishing(
 def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, float]:
     """Least expected cost among the gains that were tried and finished."""
     times = sample_times(state)
-    points, simulated = twin_runs(state, times)
-    if not len(points):
+    if not any(trial.source != "IS1" and trial.status == "ok" for trial in state.trials):
         return least_expected(single_source_model(state), state)
     # Without its noise the model believes each run, and the luckiest one would be recommended.
     model = corrected_model(state, times, noise_of_one_run(state))
+    known = model.runs
 
     def predict(
         at: NDArray[np.float64], source: SourceName
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        nearest = np.argmin(((at[:, None, :] - points) ** 2).sum(axis=2), axis=1)
-        return model.predict(at, simulated[nearest])
+        # The twin beside the run itself; none right after a run, and where the twin failed.
+        same = np.argmin(((at[:, None, :] - known.points) ** 2).sum(axis=2), axis=1)
+        return model.predict(at, known.simulated[same])
 
     return least_expected_tried(predict, state)
 

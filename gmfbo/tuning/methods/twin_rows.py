@@ -75,7 +75,10 @@ def numbers_beside(state: TuningState, times: NDArray[np.float64]) -> tuple[str,
     if run is None:
         return ()
     found = state.experiment.metrics_of(times, _sampled(run, times, state.experiment.signal))
-    return tuple(name for name in weighed if np.isnan(found.get(name, np.nan)))
+    unknown = [name for name in weighed if np.isnan(found.get(name, np.nan))]
+    # A recording without the command has none of its metrics, which then count as their mean.
+    real = [one for one in state.trials if one.source == "IS1" and one.status == "ok"]
+    return tuple(n for n in unknown if not any(np.isnan(one.metrics[n]) for one in real))
 
 
 def cost_of_rows(state: TuningState, times: NDArray[np.float64]) -> CostOf:

@@ -21,6 +21,8 @@ from typing import Any
 
 import gmfbo.retuning  # noqa: F401 - adds its methods
 from gmfbo.recordings.store.memory_store import MemoryStore
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.tuning.methods import find_method
 from gmfbo.tuning.query.method import Method
 from gmfbo.tuning.query.progress import Progress
@@ -229,6 +231,12 @@ def _keep(path: Path, line: dict[str, Any]) -> None:
         file.write(json.dumps(line) + "\n")
 
 
+def in_this_process() -> None:
+    """Run all FMUs in this process: on a busy machine each turn of a worker is waited for."""
+    for twin in (FmuTwin, AugmentedTwin):
+        twin.__init__.__kwdefaults__["isolated"] = False  # type: ignore[index]
+
+
 def main() -> None:
     """Read the arguments, and run."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -237,6 +245,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="0:20", help="FIRST:END")
     parser.add_argument("--out", type=Path, default=RESULTS)
     options = parser.parse_args()
+    in_this_process()
     first, _, end = options.seeds.partition(":")
     seeds = range(int(first), int(end))
     run_all(options.plants.split(","), options.methods.split(","), seeds, options.out)
