@@ -24,6 +24,9 @@ from tests.benchmarks.plants.judge import Judge
 
 SIDE, SOBOL = 41, 20_000
 
+GENERATIONS = 40, 100
+"""Of CMA-ES from a grid of two gains, a fortieth of a side apart, and from sparser points of more."""
+
 
 def covering(gains: int, points: int | None) -> NDArray[np.float64]:
     """Points of the unit cube, shape (m, d); the last gain changes fastest in a grid.
@@ -63,7 +66,10 @@ def truth_text(judge: Judge, points: int | None = None) -> str:
     if constants.points is None:
         cost = judge.cost(dict(zip(names, table.T, strict=True)))
         best = space.to_unit(at[int(np.argmin(cost))])
-        found = space.from_unit(cma_es(lambda u: judge.true_cost(space.from_unit(u)), best))
+        count = GENERATIONS[len(space) > 2]
+        found = space.from_unit(
+            cma_es(lambda u: judge.true_cost(space.from_unit(u)), best, generations=count)
+        )
         at = np.vstack([at, found])
         table = np.vstack([table, [judge.weighed(found)[name] for name in names]])
     lines = [",".join([*space.names, *names])]
