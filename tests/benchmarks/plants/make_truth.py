@@ -25,7 +25,7 @@ from tests.benchmarks.plants.judge import Judge
 SIDE, SOBOL = 41, 20_000
 
 GENERATIONS = 40, 100
-"""Of CMA-ES from a grid of two gains, a fortieth of a side apart, and from sparser points of more."""
+"""Of CMA-ES: from a grid of two gains, a fortieth of a side apart; from sparser points of more."""
 
 
 def covering(gains: int, points: int | None) -> NDArray[np.float64]:
