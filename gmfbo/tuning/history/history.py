@@ -96,8 +96,7 @@ class History:
         self.caution = Caution(gains.space, self.envelope, starts, limited and len(starts) > 0)
         self.twin_budget = TwinBudget(study.budget, ranked)
         self.trials: list[Trial] = store.trials()
-        self._by_source: dict[str, list[Trial]] = {}
-        self._sorted = 0
+        self._by_source, self._sorted = dict[str, list[Trial]](), 0
         self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
@@ -121,11 +120,11 @@ class History:
 
     def of(self, *sources: SourceName) -> list[Trial]:
         """Trials of some sources, in order."""
-        # Asked for several times a run, and a study has thousands of twin runs.
-        for trial in self.trials[self._sorted :]:
-            self._by_source.setdefault(trial.source, []).append(trial)
-        self._sorted = len(self.trials)
         if len(sources) == 1:
+            # Asked for several times a run, and a study has thousands of twin runs.
+            for trial in self.trials[self._sorted :]:
+                self._by_source.setdefault(trial.source, []).append(trial)
+            self._sorted = len(self.trials)
             return list(self._by_source.get(sources[0], ()))
         return [trial for trial in self.trials if trial.source in sources]
 
