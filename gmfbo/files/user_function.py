@@ -42,8 +42,8 @@ def load_function(label: str, folder: Path, key: str) -> Callable[..., Any]:
     except Exception as error:
         said = " ".join(f"{type(error).__name__}: {error}".split())
         raise InputError(f"{key}: '{file}' cannot be imported: {said}") from error
-    function = getattr(module, name, None)
-    if not callable(function):
+    function: Callable[..., Any] | None = getattr(module, name, None)
+    if function is None or not callable(function):
         hint = did_you_mean(name, [n for n, value in vars(module).items() if callable(value)])
         raise InputError(f"{key}: '{file}' has no function '{name}'{hint}")
     return function
