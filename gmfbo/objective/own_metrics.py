@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from numbers import Real
@@ -12,7 +11,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from gmfbo.errors import InputError, OwnMetricsError, did_you_mean
+from gmfbo.errors import OwnMetricsError
+from gmfbo.files.user_function import load_function
 from gmfbo.objective.metrics import METRICS
 from gmfbo.recordings.recording import Recording
 
@@ -57,30 +57,9 @@ class OwnMetrics:
         InputError
             There is no such file or function, or the file cannot be imported.
         """
-        file, _, name = label.rpartition(":")
-        path = folder / file
-        if not file.endswith(".py") or not name.isidentifier():
-            raise InputError(f"[objective] metrics: expected \"FILE.py:FUNCTION\", got '{label}'")
-        if not path.is_file():
-            raise InputError(f"[objective] metrics: no file '{path}'")
-        spec = importlib.util.spec_from_file_location(f"gmfbo_own_{path.stem}", path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        try:
-            spec.loader.exec_module(module)
-        except Exception as error:
-            raise InputError(
-                f"[objective] metrics: '{file}' cannot be imported: {_one_line(error)}"
-            ) from error
-        function = getattr(module, name, None)
-        if not callable(function):
-            functions = [key for key, value in vars(module).items() if callable(value)]
-            raise InputError(
-                f"[objective] metrics: '{file}' has no function '{name}'"
-                + did_you_mean(name, functions)
-            )
-        return cls(label, function, required, hashlib.sha256(path.read_bytes()).hexdigest())
+        function = load_function(label, folder, "[objective] metrics")
+        content = (folder / label.rpartition(":")[0]).read_bytes()
+        return cls(label, function, required, hashlib.sha256(content).hexdigest())
 
     def of(self, run: Recording) -> dict[str, float]:
         """Metrics of a run that succeeded.

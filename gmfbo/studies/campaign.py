@@ -48,8 +48,8 @@ def compare(
     Parameters
     ----------
     study : str or Path
-        Study file whose plant is an FMU; its `seed` and `method` are not looked at. Its budget
-        holds for every method.
+        Study file whose plant is an FMU, or whose truth `[compare]` names; its `seed` and
+        `method` are not looked at. Its budget holds for every method.
     methods : sequence of str or Method
         Names, `NAME:N` for another number of seeds, or methods of your own; none means all.
     seeds : int
@@ -74,8 +74,8 @@ def compare(
     Raises
     ------
     InputError
-        A method is unknown, a number is too small, the plant is no FMU, or the folder is of
-        another study.
+        A method is unknown, a number is too small, nothing tells the plant's truth, or the folder
+        is of another study.
     SimulationError
         The executor broke; what is finished is kept.
     """

@@ -36,12 +36,13 @@ def landscape_of(study: Study, seed: int, side: int, truth: Path) -> Landscape |
     Returns
     -------
     Landscape or None
-        None where other than two gains are tuned. A plant that changes is shown before its change.
+        None where other than two gains are tuned, or where the truth is given. A plant that
+        changes is shown before its change.
     """
     same = seeded(study, seed, study.file.method, study.location)
     opened = TrueSources.open(same)
     with closing(opened.sources):
-        if len(opened.gains.space) != 2:
+        if len(opened.gains.space) != 2 or opened.given is not None:
             return None
         plant, twin = (
             opened.grid(source, side, truth) for source in (opened.plants[0], opened.sources.is2)

@@ -66,18 +66,13 @@ class OneRun:
         stamps = _Stamps([], [])
         with Tuner(self.study, method=self.method, store=store) as tuner:
             tuner.run(stamps.take)
-            goals = _true_goals(self.study, tuner.history, self.side, self.truth)
-            return self._outcome(tuner.history, goals, stamps), store.record
+            return self._outcome(tuner.history, stamps), store.record
 
-    def _outcome(self, history: History, goals: Sequence[Goal], stamps: _Stamps) -> Outcome:
+    def _outcome(self, history: History, stamps: _Stamps) -> Outcome:
         budget, change = self.study.file.budget, self.study.file.is1.change
-        real = history.of("IS1")
-        descent = Descent.of(
-            # A plant that is an FMU repeats exactly: what is observed is the noise-free cost.
-            [float(_true_costs(history, trial.metrics)) for trial in real],
-            goals,
-            change.after_runs if change else None,
-        )
+        after = change.after_runs if change else None
+        goals, costs = _judged(self.study, history, self.side, self.truth)
+        descent = Descent.of(costs, goals, after)
         within = _real_runs_within(history.trials, stamps.queries, PAPER_QUERIES)
         most = budget.is1_runs or budget.initial_is1 + budget.most_queries
         return Outcome(
@@ -152,12 +147,26 @@ def make_truth(study: Study, side: int, truth: Path) -> None:
             opened.grid(plant, side, truth)
 
 
-def _true_goals(study: Study, history: History, side: int, truth: Path) -> list[Goal]:
-    """Goals of the plant, and of the changed plant, by the study's own cost."""
+def _judged(
+    study: Study, history: History, side: int, truth: Path
+) -> tuple[list[Goal], list[float]]:
+    """Goals of the plant, and of the changed plant, and the noise-free cost g of each real run."""
+    file, real = study.file, history.of("IS1")
     opened = TrueSources.open(study)
     with closing(opened.sources):
-        grids = [opened.grid(plant, side, truth) for plant in opened.plants]
-    return [Goal.over(_true_costs(history, grid.metrics)) for grid in grids]
+        given = opened.given
+        if given is not None:
+            goals = [Goal.over(_true_costs(history, given.metrics))]
+        else:
+            grids = [opened.grid(plant, side, truth) for plant in opened.plants]
+            goals = [Goal.over(_true_costs(history, grid.metrics)) for grid in grids]
+        if given is None and not file.is1.noise:
+            # An FMU without noise repeats exactly: what is observed is the noise-free cost.
+            return goals, [float(_true_costs(history, trial.metrics)) for trial in real]
+        names, after = opened.gains.space.names, file.is1.change
+        points = np.array([[trial.gains[name] for name in names] for trial in real])
+        found = opened.noise_free(points, after.after_runs if after else None)
+        return goals, [float(cost) for cost in _true_costs(history, found)]
 
 
 def _true_costs(history: History, metrics: Mapping[str, ArrayLike]) -> NDArray[np.float64]:

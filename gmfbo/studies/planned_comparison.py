@@ -15,7 +15,7 @@ from gmfbo.studies.landscape import landscape_of, read_landscape
 from gmfbo.studies.one_run import seeded, seeded_file
 from gmfbo.studies.outcome import Outcome
 from gmfbo.studies.plant_grid import TrueSources
-from gmfbo.studies.study_files import Gathered, gather, seeds_apart
+from gmfbo.studies.study_files import Gathered, gather, plant_files, seeds_apart
 from gmfbo.studies.unit import Failed, Made, Unit
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.method import Method
@@ -97,7 +97,7 @@ class PlannedComparison:
         Raises
         ------
         InputError
-            The study begins with earlier runs, or its plant is no FMU.
+            The study begins with earlier runs, or nothing tells the truth of its plant.
         StoreError
             The folder holds runs of another study.
         """
@@ -210,9 +210,16 @@ def _study_key(study: Study, grid: int) -> str:
     """Hash of all that the runs share; name, folder, method and seed do not count."""
     # The twins' hashes hold the seed where the study file says so, hence always that of seed 0.
     first = seeded(study, 0, study.file.method, study.location)
-    parts = first.file.model_dump(mode="json", exclude={"name", "out", "method", "seed", "earlier"})
+    apart = {"name", "out", "method", "seed", "earlier", "compare"}
+    parts = first.file.model_dump(mode="json", exclude=apart)
     for source in ("is1", "is2"):
         parts[source].pop("twin", None)  # the twin's content counts, not its path
+    # Keys of later versions count where they are used, so that older comparisons go on.
+    if parts["is1"]["function"] is None:
+        parts["is1"].pop("function")
+    if first.file.compare.truth is not None:
+        files = [study.origin / first.file.compare.truth, *plant_files(study)]
+        parts["truth"] = [hashlib.sha256(path.read_bytes()).hexdigest() for path in files]
     opened = TrueSources.open(first)
     with closing(opened.sources):
         parts["content"] = opened.sources.content_hashes

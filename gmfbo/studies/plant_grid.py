@@ -15,7 +15,9 @@ from scipy.stats import qmc
 
 from gmfbo.errors import StudyFileError
 from gmfbo.files.durable import write_whole
+from gmfbo.objective.margins import MARGINS
 from gmfbo.sources.plants.source import Source
+from gmfbo.studies.given_truth import GivenTruth
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.study.playing import play
 from gmfbo.tuning.study.study import Study
@@ -83,42 +85,75 @@ class TrueSources:
         Experiment of every source.
     safety : SafetySection
         Safety envelope of the plant.
+    given : GivenTruth or None
+        Truth of a plant that is not run over the box.
     """
 
     sources: StudySources
     gains: GainChoice
     experiment: ExperimentSeries
     safety: SafetySection
+    given: GivenTruth | None = None
 
     @classmethod
     def open(cls, study: Study) -> TrueSources:
-        """Open the sources of a study whose plant can be simulated.
+        """Open the sources of a study whose plant can be simulated, or whose truth is given.
 
         Raises
         ------
         StudyFileError
-            The plant cannot be run over the whole box.
+            The plant cannot be run over the whole box, and no table tells its truth.
         """
         file = study.file
-        if file.is1.twin is None:
+        if file.is1.twin is None and file.compare.truth is None:
             raise StudyFileError(
-                f"{file.name}: [is1]: expected twin = FILE, the FMU that plays the plant; methods "
-                "are compared against its true optimum, for which it runs all over the box"
+                f"{file.name}: [is1]: expected twin = FILE, the FMU that plays the plant, or "
+                "[compare] truth = FILE, its noise-free metrics over the box; methods are compared "
+                "against its true optimum"
+            )
+        if file.is1.twin is None and (file.is1.ask_tell or file.is1.recorded is not None):
+            raise StudyFileError(
+                f"{file.name}: [is1]: expected twin, command or function, which run by themselves; "
+                "a comparison makes all real runs of all methods anew"
             )
         sources = StudySources.open(file, study.origin)
         try:
             gains = GainChoice.combine(sources.gains, file.gains, sources.parameters)
             experiment = experiment_of(study, sources, own_metrics(study))
+            given = None if file.compare.truth is None else _given(study, gains)
         except BaseException:
             sources.close()
             raise
-        return cls(sources, gains, experiment, file.safety)
+        return cls(sources, gains, experiment, file.safety, given)
 
     @property
     def plants(self) -> tuple[Source, ...]:
-        """The plant, and the changed plant where it changes."""
+        """Plants that are run over the box: it, and the changed one; none where truth is given."""
+        if self.given is not None:
+            return ()
         both = (self.sources.is1, self.sources.changed_is1)
         return tuple(plant for plant in both if plant is not None)
+
+    def noise_free(
+        self, points: NDArray[np.float64], changed_after: int | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Metrics of the plant without noise, shape (n,).
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, d)
+            Gains of real runs, in order [unit of each].
+        changed_after : int or None
+            Real runs before the plant changes.
+        """
+        if self.given is not None:
+            return self.given.at(self.gains.space.to_unit(points))
+        before = len(points) if changed_after is None else changed_after
+        rows = [
+            self._metrics(self.plants[0 if number < before else -1], point)
+            for number, point in enumerate(points)
+        ]
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def grid(self, source: Source, side: int, folder: Path) -> PlantGrid:
         """Run a source over the whole box, or read the grid of an earlier run.
@@ -167,3 +202,13 @@ class TrueSources:
             decisive += [share, part.horizon, list(part.reference.signals)]
             decisive += [column.tobytes().hex() for column in columns]
         return f"{hashlib.sha256(json.dumps(decisive).encode()).hexdigest()[:16]}.csv"
+
+
+def _given(study: Study, gains: GainChoice) -> GivenTruth:
+    file = study.file
+    if file.is1.change is not None:
+        raise StudyFileError(
+            f"{file.name}: expected no [is1] change beside [compare] truth, a table of one plant"
+        )
+    counted = frozenset({*file.objective.weights, *file.constraints} - {*MARGINS})
+    return GivenTruth.read(study.origin / str(file.compare.truth), gains.space, counted)

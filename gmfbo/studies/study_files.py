@@ -67,7 +67,7 @@ class Gathered:
 
 
 def gather(study: Study) -> Gathered:
-    """Find and read all files that a study names; its plant must be an FMU.
+    """Find and read all files that a study names, those in the words of a command included.
 
     Raises
     ------
@@ -86,6 +86,9 @@ def gather(study: Study) -> Gathered:
         paths.update(twin_files(origin / twin))
     file = file.model_copy(update={"is1": is1, "is2": is2})
     paths.update(origin / section.file for section in file.references if section.file)
+    paths.update(plant_files(study))
+    if file.compare.truth is not None:
+        paths.add(origin / file.compare.truth)
     if file.objective.metrics is not None:
         paths.add(origin / file.objective.metrics.rpartition(":")[0])
     named = sorted(Path(os.path.normpath(path)) for path in paths)
@@ -97,6 +100,22 @@ def gather(study: Study) -> Gathered:
         hashes[path.relative_to(root).as_posix()] = digest
         contents[digest] = content
     return Gathered(StudyFiles(file, origin.relative_to(root).as_posix(), hashes), contents)
+
+
+def plant_files(study: Study) -> list[Path]:
+    """Files that make a plant which is no FMU: of its function, and those in its command.
+
+    Parameters
+    ----------
+    study : Study
+        A word of the command is a file if it is the path of one, relative to the study's folder.
+    """
+    origin, is1 = study.origin.resolve(), study.file.is1
+    words = [word for word in is1.command or () if not Path(word).is_absolute()]
+    found = [origin / word for word in words if (origin / word).is_file()]
+    if is1.function is not None:
+        found.append(origin / is1.function.rpartition(":")[0])
+    return found
 
 
 def _resolved(origin: Path, path: str) -> str:
@@ -113,7 +132,7 @@ def _content(path: Path) -> bytes:
 
 
 def seeds_apart(study: Study) -> bool:
-    """Whether each seed has another plant; the plant must be an FMU."""
+    """Whether each seed has another plant."""
     plant = study.file.is1
     changed = plant.change.parameters if plant.change else {}
     return plant.hidden is not None or "seed" in [*plant.parameters.values(), *changed.values()]

@@ -64,6 +64,10 @@ class AxisRuns:
     extra : ndarray, shape (n,), optional
         Extra noise variance of runs from before the plant changed, over the variance of the
         process. None is zero.
+    beside : int
+        Number of last columns of the trajectories that are no samples but single numbers of a run,
+        each with a unit of its own: what counts in the objective and does not follow from the
+        signal.
     """
 
     points: NDArray[np.float64]
@@ -71,6 +75,7 @@ class AxisRuns:
     simulated: NDArray[np.float64]
     measured: NDArray[np.float64]
     extra: NDArray[np.float64] | None = None
+    beside: int = 0
 
     def __post_init__(self) -> None:
         for name in ("points", "values", "simulated", "measured"):
@@ -101,6 +106,81 @@ class AxisRuns:
 
 
 @dataclass(frozen=True, eq=False)
+class Residual:
+    """Residual of a trajectory over the gains, and of the single numbers beside it.
+
+    The numbers have units of their own, so that they get a lengthscale of their own.
+
+    Attributes
+    ----------
+    of_samples : ResidualProcess
+        Of the samples.
+    of_numbers : ResidualProcess or None
+        Of what lies beside them; None where nothing does.
+    """
+
+    of_samples: ResidualProcess
+    of_numbers: ResidualProcess | None
+
+    @staticmethod
+    def lengthscales(runs: AxisRuns, rows: NDArray[np.intp]) -> tuple[float, float]:
+        """Likeliest lengthscales of the samples and of the numbers.
+
+        Parameters
+        ----------
+        runs : AxisRuns
+            Runs of the axis.
+        rows : ndarray of int, shape (k,)
+            Which of them have both trajectories.
+        """
+        points, extra = runs.points[rows], runs.extra_of(rows)
+        samples, numbers = _parts(runs, rows)
+        spread = np.sqrt(np.mean(numbers**2, axis=0)) if len(numbers) else np.ones(runs.beside)
+        scaled = numbers / np.where(spread > 0.0, spread, 1.0)
+        return (
+            likeliest_lengthscale(points, samples, extra),
+            likeliest_lengthscale(points, scaled, extra) if runs.beside else 1.0,
+        )
+
+    @classmethod
+    def fit(cls, runs: AxisRuns, rows: NDArray[np.intp], lengths: tuple[float, float]) -> Self:
+        """Condition on some of the runs.
+
+        Parameters
+        ----------
+        runs : AxisRuns
+            Runs of the axis.
+        rows : ndarray of int, shape (k,)
+            Which of them count; they have both trajectories.
+        lengths : tuple of float
+            Lengthscales of the samples and of the numbers.
+        """
+        points, extra = runs.points[rows], runs.extra_of(rows)
+        samples, numbers = _parts(runs, rows)
+        of_samples = ResidualProcess.fit(points, samples, lengthscale=lengths[0], extra=extra)
+        if not runs.beside:
+            return cls(of_samples, None)
+        of_numbers = ResidualProcess.fit(points, numbers, lengthscale=lengths[1], extra=extra)
+        return cls(of_samples, of_numbers)
+
+    def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
+        found = self.of_samples.mean(points)
+        if self.of_numbers is None:
+            return found
+        return np.hstack([found, self.of_numbers.mean(points)])
+
+
+def _parts(
+    runs: AxisRuns, rows: NDArray[np.intp]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Residuals of some runs: samples (k, m - beside), and numbers (k, beside)."""
+    left = (runs.measured - runs.simulated)[rows]
+    samples = left.shape[1] - runs.beside
+    return left[:, :samples], left[:, samples:]
+
+
+@dataclass(frozen=True, eq=False)
 class CorrectedTwinModel:
     """Normal posterior of g at gains where the twin's trajectory is known.
 
@@ -110,17 +190,20 @@ class CorrectedTwinModel:
         Runs of the fit.
     cost_of : callable
         From trajectories, shape (q, m), to g, shape (q,).
-    residual : ResidualProcess
-        Process of measured minus simulated trajectories; zero while no run has both.
+    residual : Residual
+        Of measured minus simulated trajectories; zero while no run has both.
     scale : float
         [g] Prior standard deviation of g - m: the median error of predicting each run by the
         others, or the spread of the observed costs while there is no such error.
+    unknown : float
+        [g] Prior mean where the twin has no trajectory: the median of the runs.
     """
 
     runs: AxisRuns
     cost_of: CostOf
-    residual: ResidualProcess
+    residual: Residual
     scale: float
+    unknown: float
     _factor: NDArray[np.float64]
     _white: NDArray[np.float64]
 
@@ -137,22 +220,21 @@ class CorrectedTwinModel:
         noise : float
             [g] Standard deviation of the cost of repeated runs, beyond the nugget.
         """
-        paired = runs.paired
-        points, residuals = runs.points[paired], (runs.measured - runs.simulated)[paired]
-        extra = runs.extra_of(paired)
-        length = likeliest_lengthscale(points, residuals, extra)
-        residual = ResidualProcess.fit(points, residuals, lengthscale=length, extra=extra)
+        rows = np.flatnonzero(runs.paired)
+        lengths = Residual.lengthscales(runs, rows)
+        residual = Residual.fit(runs, rows, lengths)
         spread = float(np.ptp(runs.values)) or 1.0
-        errors = _left_out_errors(runs, cost_of, length)
+        errors = _left_out_errors(runs, cost_of, lengths)
         scale = max(
             float(np.median(np.abs(errors))) if len(errors) else spread, LEAST_SCALE * spread
         )
         everything = np.arange(len(runs.values))
         extra = runs.extra_of(everything) + (noise / scale) ** 2
         factor = cholesky(_covariance(runs.points, extra), lower=True)
-        departures = runs.values - _prior_mean(runs.points, runs.simulated, residual, cost_of)
-        white = solve_triangular(factor, departures / scale, lower=True)
-        return cls(runs, cost_of, residual, scale, factor, white)
+        unknown = float(np.median(runs.values))
+        prior = _prior_mean(runs.points, runs.simulated, residual, cost_of, unknown)
+        white = solve_triangular(factor, (runs.values - prior) / scale, lower=True)
+        return cls(runs, cost_of, residual, scale, unknown, factor, white)
 
     def trajectory(self, points: ArrayLike, simulated: ArrayLike) -> NDArray[np.float64]:
         """Expected trajectory of the axis [signal], shape (q, m); arguments as for `predict`."""
@@ -168,7 +250,8 @@ class CorrectedTwinModel:
         points : array_like, shape (q, d)
             Gains in the unit cube.
         simulated : array_like, shape (q, m)
-            [signal] The twin's trajectories there, at the times of the runs.
+            [signal] The twin's trajectories there, at the times of the runs; a row of NaN where it
+            has none.
 
         Returns
         -------
@@ -181,7 +264,7 @@ class CorrectedTwinModel:
         half = solve_triangular(
             self._factor, matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
         )
-        mean = _prior_mean(where, twin, self.residual, self.cost_of)
+        mean = _prior_mean(where, twin, self.residual, self.cost_of, self.unknown)
         mean = mean + self.scale * (half.T @ self._white)
         variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
         return mean, variance
@@ -225,7 +308,7 @@ def likeliest_lengthscale(
 def _corrected(
     points: NDArray[np.float64],
     simulated: NDArray[np.float64],
-    residual: ResidualProcess,
+    residual: Residual,
 ) -> NDArray[np.float64]:
     return simulated + residual.mean(points)
 
@@ -233,13 +316,20 @@ def _corrected(
 def _prior_mean(
     points: NDArray[np.float64],
     simulated: NDArray[np.float64],
-    residual: ResidualProcess,
+    residual: Residual,
     cost_of: CostOf,
+    unknown: float,
 ) -> NDArray[np.float64]:
-    return np.asarray(cost_of(_corrected(points, simulated, residual)), dtype=float)
+    mean = np.full(len(points), unknown)
+    known = np.isfinite(simulated).all(axis=1)
+    if known.any():
+        mean[known] = cost_of(_corrected(points[known], simulated[known], residual))
+    return mean
 
 
-def _left_out_errors(runs: AxisRuns, cost_of: CostOf, lengthscale: float) -> NDArray[np.float64]:
+def _left_out_errors(
+    runs: AxisRuns, cost_of: CostOf, lengths: tuple[float, float]
+) -> NDArray[np.float64]:
     """Errors of predicting each paired run from the others, in prior standard deviations [g].
 
     A run close to another one is predicted well by any twin. So each error is divided by the
@@ -248,16 +338,9 @@ def _left_out_errors(runs: AxisRuns, cost_of: CostOf, lengthscale: float) -> NDA
     rows = np.flatnonzero(runs.paired)
     if len(rows) == 0:
         return np.empty(0)
-    residuals = runs.measured - runs.simulated
     predicted = []
     for row in rows:
-        others = rows[rows != row]
-        residual = ResidualProcess.fit(
-            runs.points[others],
-            residuals[others],
-            lengthscale=lengthscale,
-            extra=runs.extra_of(others),
-        )
+        residual = Residual.fit(runs, rows[rows != row], lengths)
         predicted.append(_corrected(runs.points[[row]], runs.simulated[[row]], residual)[0])
     errors = runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float)
     extra = runs.extra_of(rows)

@@ -97,9 +97,48 @@ def test_failed_runs_push_the_search_away_and_do_not_spoil_the_residual(
     measured, values = whole.measured.copy(), whole.values.copy()
     measured[3], values[3] = np.nan, 50.0
     model = CorrectedTwinModel.fit(AxisRuns(points, values, whole.simulated, measured), reach)
-    assert len(model.residual.points) == 7
+    assert len(model.residual.of_samples.points) == 7
     there, _ = model.predict(points[[3]], whole.simulated[[3]])
     assert there[0] > 40.0
+
+
+def test_a_run_without_the_twin_beside_it_is_believed_as_it_was_observed(
+    points: NDArray[np.float64],
+) -> None:
+    whole = runs(points, gain=0.8)
+    simulated = whole.simulated.copy()
+    simulated[3] = np.nan
+    model = CorrectedTwinModel.fit(AxisRuns(points, whole.values, simulated, whole.measured), reach)
+    mean, variance = model.predict(points, simulated)
+    np.testing.assert_allclose(mean, whole.values, atol=1e-3 * np.ptp(whole.values) + 1e-3)
+    assert np.isfinite(variance).all()
+
+
+def numbered(points: NDArray[np.float64], gain: float, offset: float) -> AxisRuns:
+    """Runs with one number beside the trajectory, which the twin misses by an offset."""
+    number = 3.0 * points[:, :1]
+    measured = np.hstack([response(points), number])
+    simulated = np.hstack([response(points, gain=gain), number - offset])
+    return AxisRuns(points, costs_beside(measured), simulated, measured, beside=1)
+
+
+def costs_beside(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    return reach(rows[:, :-1]) + rows[:, -1]
+
+
+def test_numbers_beside_a_trajectory_are_corrected_and_count(points: NDArray[np.float64]) -> None:
+    asked = np.random.default_rng(7).random((100, 2))
+    true = costs_beside(np.hstack([response(asked), 3.0 * asked[:, :1]]))
+    seen = numbered(points, gain=1.0, offset=0.4)
+    model = CorrectedTwinModel.fit(seen, costs_beside)
+    mean, _ = model.predict(asked, np.hstack([response(asked), 3.0 * asked[:, :1] - 0.4]))
+    left = np.abs(mean - true).mean()
+    assert left < 0.1  # of an offset of 0.4
+    # The negative control: without them the cost of the number is not known.
+    blind = AxisRuns(points, seen.values, seen.simulated[:, :-1], seen.measured[:, :-1])
+    without = CorrectedTwinModel.fit(blind, reach)
+    mean, _ = without.predict(asked, response(asked))
+    assert np.abs(mean - true).mean() > 3.0 * left
 
 
 def test_no_pair_at_all_leaves_the_twin_as_it_is() -> None:

@@ -39,7 +39,7 @@ def confirm_first_runs(study: Study, random_start: bool) -> None:
         The answer was no, or there is nobody to ask.
     """
     file = study.file
-    real = file.is1.command is not None or file.is1.ask_tell
+    real = file.is1.command is not None or file.is1.function is not None or file.is1.ask_tell
     known = file.safety.start or file.earlier or any(g.now is not None for g in file.gains.values())
     if random_start or not real or known or study.begun:
         return

@@ -96,6 +96,7 @@ class History:
         self.caution = Caution(gains.space, self.envelope, starts, limited and len(starts) > 0)
         self.twin_budget = TwinBudget(study.budget, ranked)
         self.trials: list[Trial] = store.trials()
+        self._by_source, self._sorted = dict[str, list[Trial]](), 0
         self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
@@ -119,6 +120,12 @@ class History:
 
     def of(self, *sources: SourceName) -> list[Trial]:
         """Trials of some sources, in order."""
+        if len(sources) == 1:
+            # Asked for several times a run, and a study has thousands of twin runs.
+            for trial in self.trials[self._sorted :]:
+                self._by_source.setdefault(trial.source, []).append(trial)
+            self._sorted = len(self.trials)
+            return list(self._by_source.get(sources[0], ()))
         return [trial for trial in self.trials if trial.source in sources]
 
     def children(self, parent: Trial, source: SourceName) -> list[Trial]:
@@ -205,7 +212,7 @@ class History:
     @property
     def best(self) -> Trial | None:
         """Real run with the least cost since the plant changed, if possible within the limits."""
-        return best_run(self.trials, self.limits, self.changed_after)
+        return best_run(self.of("IS1"), self.limits, self.changed_after)
 
     @property
     def settled(self) -> bool:

@@ -135,7 +135,10 @@ class TuningState:
         return self.ranked and bool(real) and not any(seen.settled for seen in real)
 
     def cost_of(
-        self, times: NDArray[np.float64], trajectories: NDArray[np.float64]
+        self,
+        times: NDArray[np.float64],
+        trajectories: NDArray[np.float64],
+        numbers: Mapping[str, NDArray[np.float64]] | None = None,
     ) -> NDArray[np.float64]:
         """Cost of bare trajectories, as that of the observations, shape (q,).
 
@@ -145,10 +148,13 @@ class TuningState:
             [s] See `ExperimentSeries.scored_times`.
         trajectories : ndarray, shape (q, m)
             The scored signal.
+        numbers : mapping of str to ndarray, shape (q,), optional
+            Metrics that do not follow from it, as far as they are known.
         """
         if self.unsettled:
             return short_of_settling(self.late_error_of(times, trajectories))
-        return self.objective.value(self.experiment.metrics_of(times, trajectories))
+        metrics = self.experiment.metrics_of(times, trajectories)
+        return self.objective.value({**metrics, **(numbers or {})})
 
     def late_error_of(
         self, times: NDArray[np.float64], trajectories: NDArray[np.float64]

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.margins import MARGINS
-from gmfbo.recordings.store.trial import SourceName, Trial
-from gmfbo.tuning.experiment.run_values import at_times
-from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.recordings.store.trial import SourceName
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.history.worth import noise_of_one_run
 from gmfbo.tuning.methods.beliefs import (
     axis_and_twin,
@@ -29,20 +28,23 @@ from gmfbo.tuning.methods.beliefs import (
     least_expected_tried,
     single_source_model,
 )
+from gmfbo.tuning.methods.twin_rows import (
+    axis_runs,
+    cost_of_rows,
+    modelled_runs,
+    sample_times,
+    twin_runs,
+)
 from gmfbo.tuning.query.method import CorrectionOptions, Proposal
-from gmfbo.tuning.twin.runs_beside import runs_beside
 
 if TYPE_CHECKING:
-    from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel, CostOf
+    from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
 
 SURVEY = 400
 """Runs of the twin over the box; a region of one percent of two gains then holds about four."""
 
 CLOSER = 16
 """Runs of the twin in each stage of a closer look; two stages before a query."""
-
-MOST_SAMPLES = 400
-"""Samples of a trajectory that are compared; metrics interpolate between them."""
 
 REPEAT_RADIUS, FAILED_RADIUS = 0.002, 0.05
 """Distances in the unit cube that are kept from real runs, and from those that failed."""
@@ -124,7 +126,7 @@ class _Belief:
             return cls(points, np.empty(0), np.empty(0), np.empty(0))
         if not modelled_runs(state):
             # No run ended well: the twin as it is, about as wrong as its costs differ.
-            mean = state.cost_of(times, simulated)
+            mean = cost_of_rows(state, times)(simulated)
             variance = np.full(len(points), float(np.var(mean)) or 1.0)
             corrected, weight = simulated, np.zeros(len(points))
         else:
@@ -133,7 +135,7 @@ class _Belief:
             corrected = model.trajectory(points, simulated)
             weight = log_limit_weight(state, times, points, simulated)
         if state.ranked:
-            weight = weight + log_finishing(state, times, points, corrected)
+            weight = weight + log_finishing(state, times, points, corrected[:, : times.size])
         return cls(points, mean, variance, weight)
 
     def most_promising(self, state: TuningState) -> NDArray[np.float64] | None:
@@ -178,7 +180,7 @@ class _Belief:
 def twin_at_points(
     state: TuningState, times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points (q, d) that a proposal may be, and the twin's trajectories (q, m) there.
+    """Points (q, d) that a proposal may be, and the twin there, see `twin_runs`.
 
     Parameters
     ----------
@@ -194,7 +196,8 @@ def twin_at_points(
     if not len(points) or not state.fixed:
         return points, simulated
     # Held gains lie off the simulated points: the twin is interpolated there.
-    length = likeliest_lengthscale(points, simulated - simulated.mean(axis=0))
+    samples = simulated[:, : times.size]
+    length = likeliest_lengthscale(points, samples - samples.mean(axis=0))
     emulator = ResidualProcess.fit(points, simulated, lengthscale=length, centred=True)
     held = state.hold(points)
     return held, emulator.mean(held)
@@ -224,7 +227,7 @@ def log_limit_weight(
         def limited_of(
             trajectories: NDArray[np.float64], name: str = name, middle: float = values.mean()
         ) -> NDArray[np.float64]:
-            metrics = state.experiment.metrics_of(times, trajectories)
+            metrics = state.experiment.metrics_of(times, trajectories[:, : times.size])
             found = state.limits.limited(metrics)[name]
             # What needs other signals than the scored one is known from real runs alone.
             return np.where(np.isnan(found), middle, found)
@@ -232,11 +235,6 @@ def log_limit_weight(
         model = CorrectedTwinModel.fit(replace(runs, values=values), limited_of)
         total += log_feasibility(*model.predict(points, simulated), most)
     return total
-
-
-def sample_times(state: TuningState) -> NDArray[np.float64]:
-    """Times at which trajectories are compared [s], shape (m,)."""
-    return state.experiment.scored_times(MOST_SAMPLES)
 
 
 def corrected_model(
@@ -247,47 +245,6 @@ def corrected_model(
 
     runs, cost_of = axis_runs(state, times)
     return CorrectedTwinModel.fit(runs, cost_of, noise)
-
-
-def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns, CostOf]:
-    """All real runs with the twin's beside them, and the cost of a trajectory.
-
-    Parameters
-    ----------
-    state : TuningState
-        With at least one real run.
-    times : ndarray, shape (m,)
-        [s] See `sample_times`.
-    """
-    from gmfbo.surrogate.corrected_twin import AxisRuns
-
-    signal = state.experiment.signal
-    beside = runs_beside(state.trials)
-    modelled = modelled_runs(state)
-    real = [trial for trial, _ in modelled]
-    runs = AxisRuns(
-        points=np.stack([_point(state, trial) for trial in real]),
-        values=np.array([seen.objective for _, seen in modelled]),
-        simulated=np.stack([_sampled(beside.get(trial.number), times, signal) for trial in real]),
-        measured=np.stack([_sampled(trial, times, signal) for trial in real]),
-        extra=np.array([seen.outdated for _, seen in modelled]),
-    )
-
-    def cost_of(trajectories: NDArray[np.float64]) -> NDArray[np.float64]:
-        return state.cost_of(times, trajectories)
-
-    return runs, cost_of
-
-
-def modelled_runs(state: TuningState) -> list[tuple[Trial, Observation]]:
-    """Real runs that the corrected twin learns from, with their observations.
-
-    Where runs are ranked, a run that failed has no cost and is left out. One that is bounded but
-    did not settle shows the error of the twin as well as a settled one does.
-    """
-    seen = {one.number: one for one in state.of("IS1")}
-    real = [(trial, seen[trial.number]) for trial in state.trials if trial.source == "IS1"]
-    return [(trial, one) for trial, one in real if not (state.ranked and one.failed)]
 
 
 def log_finishing(
@@ -327,51 +284,20 @@ def log_finishing(
 def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, float]:
     """Least expected cost among the gains that were tried and finished."""
     times = sample_times(state)
-    points, simulated = twin_runs(state, times)
-    if not len(points):
+    if not any(trial.source != "IS1" and trial.status == "ok" for trial in state.trials):
         return least_expected(single_source_model(state), state)
     # Without its noise the model believes each run, and the luckiest one would be recommended.
     model = corrected_model(state, times, noise_of_one_run(state))
+    known = model.runs
 
     def predict(
         at: NDArray[np.float64], source: SourceName
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        nearest = np.argmin(((at[:, None, :] - points) ** 2).sum(axis=2), axis=1)
-        return model.predict(at, simulated[nearest])
+        # The twin beside the run itself; none right after a run, and where the twin failed.
+        same = np.argmin(((at[:, None, :] - known.points) ** 2).sum(axis=2), axis=1)
+        return model.predict(at, known.simulated[same])
 
     return least_expected_tried(predict, state)
-
-
-def twin_runs(
-    state: TuningState, times: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points (q, d) and trajectories (q, m) of all that the twin was run for, IS3 included."""
-    signal = state.experiment.signal
-    points, runs = [np.empty((0, len(state.space)))], [np.empty((0, times.size))]
-    for trial in state.trials:
-        if trial.source == "IS1" or trial.status != "ok":
-            continue
-        values = trial.uncorrected.get(signal)
-        runs.append(_sampled(trial, times, signal, values)[None, :])
-        points.append(_point(state, trial)[None, :])
-    return np.concatenate(points), np.concatenate(runs)
-
-
-def _sampled(
-    trial: Trial | None,
-    times: NDArray[np.float64],
-    signal: str,
-    values: NDArray[np.float64] | None = None,
-) -> NDArray[np.float64]:
-    """The signal of a run, or other values of it, at given times, shape (m,); NaN if it failed."""
-    if trial is None or trial.status != "ok":
-        return np.full(times.size, np.nan)
-    recording = trial.recording
-    return at_times(recording, recording.signal(signal) if values is None else values, times)
-
-
-def _point(state: TuningState, trial: Trial) -> NDArray[np.float64]:
-    return state.space.to_unit([trial.gains[name] for name in state.space.names])
 
 
 def is_new(points: NDArray[np.float64], state: TuningState) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from gmfbo.errors import InputError, NotTheGainsError, SimulationError, StudyFileError
+from gmfbo.files.user_function import load_function
 from gmfbo.objective.limits import Limits
 from gmfbo.recordings.columns.signal import SignalReading
 from gmfbo.recordings.recording import Recording, Trajectory
@@ -226,6 +227,10 @@ class _Opener:
             )
             plant.check()
             return plant
+        if section.function is not None:
+            return PythonPlant(
+                load_function(section.function, self.folder, "[is1] function"), reading
+            )
         if section.recorded is not None:
             return RecordedGrid.open(self.folder / section.recorded, reading)
         return None

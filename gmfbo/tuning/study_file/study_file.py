@@ -13,6 +13,7 @@ from gmfbo.tuning.study_file.drift_section import DriftSection
 from gmfbo.tuning.study_file.reference_section import DisturbanceSection, ReferenceSection
 from gmfbo.tuning.study_file.study_sections import (
     BudgetSection,
+    CompareSection,
     Normalisation,
     ObjectiveSection,
     PlantChange,
@@ -32,9 +33,11 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "objective.normalise": Normalisation,
     "budget": BudgetSection,
     "drift": DriftSection,
+    "compare": CompareSection,
 }
 _TABLES = {
-    *("is1", "is2", "gains", "reference", "objective", "constraints", "safety", "drift", "budget")
+    *("is1", "is2", "gains", "reference", "objective", "constraints", "safety", "drift", "budget"),
+    "compare",
 }
 
 

@@ -145,6 +145,7 @@ class PlantSection(Section):
 
     twin: str | None = None
     command: Annotated[list[str], BeforeValidator(_as_words)] | None = None
+    function: str | None = None  # FILE.py:FUNCTION of the user
     recorded: str | None = None
     ask_tell: bool = False
     time_limit: Positive = 600.0  # [s] of one run of the command
@@ -156,11 +157,11 @@ class PlantSection(Section):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        kinds = (self.twin, self.command, self.recorded, self.ask_tell or None)
+        kinds = (self.twin, self.command, self.function, self.recorded, self.ask_tell or None)
         if sum(kind is not None for kind in kinds) != 1:
             raise ValueError(
                 'expected exactly one of twin = FILE, command = ["program", ...], '
-                "recorded = FOLDER and ask_tell = true"
+                'function = "FILE.py:FUNCTION", recorded = FOLDER and ask_tell = true'
             )
         if self.twin is None and (self.parameters or self.hidden or self.change):
             raise ValueError("parameters, hidden and change need a twin that plays the plant")
@@ -294,6 +295,12 @@ class BudgetSection(Section):
         return max(left, 0)
 
 
+class CompareSection(Section):
+    """What a comparison of methods is judged by, where the plant is no FMU."""
+
+    truth: str | None = None  # table of gains and noise-free metrics
+
+
 class StudyFile(Section):
     """A validated study file; paths in it are relative to its folder."""
 
@@ -315,6 +322,7 @@ class StudyFile(Section):
     safety: SafetySection = SafetySection()
     drift: DriftSection = DriftSection()
     budget: BudgetSection = BudgetSection()
+    compare: CompareSection = CompareSection()
 
     @model_validator(mode="after")
     def _normalised_by_initial_runs(self) -> Self:

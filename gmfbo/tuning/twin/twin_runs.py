@@ -88,8 +88,9 @@ class TwinRuns:
         count = budget.initial_is2 + history.survey + each * real
         seconds = first.seconds * count
         if seconds > WORTH_A_LINE_S:
+            took = f"{first.seconds:.2g}" if first.seconds < 9.5 else f"{first.seconds:.0f}"
             self.say(
-                f"a twin run takes {first.seconds:.2g} s: about {count} runs, "
+                f"a twin run takes {took} s: about {count} runs, "
                 f"{seconds / 60.0:.0f} min; [budget] is2_runs or is2_seconds "
                 f"(now {budget.is2_seconds:g}) end them earlier, and method 'bo_ei' makes "
                 f"{budget.initial_is2} of them"

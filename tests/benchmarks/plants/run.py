@@ -19,11 +19,17 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 import gmfbo.retuning  # noqa: F401 - adds its methods
 from gmfbo.recordings.store.memory_store import MemoryStore
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods import find_method
-from gmfbo.tuning.query.method import Method
-from gmfbo.tuning.query.progress import Progress
+from gmfbo.tuning.query.method import Method, Proposal
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.tuner import Tuner
 from gmfbo.version import __version__
@@ -109,69 +115,100 @@ def make(judge: Judge, method: str, seed: int, line: Line, *, judged: bool = Tru
         study = seeded(judge.study, seed, method, Path(place))
         axis = PlantAxis(judge.plant, seed)
         store = MemoryStore(study.location, study.text)
-        began, used, aside = time.perf_counter(), processor_s(), _Aside()
+        began, used = time.perf_counter(), processor_s()
         chosen = method_of(method, judge.plant, line.initial)
-        with Tuner(study, is1=axis, method=chosen, store=store) as tuner:
-
-            def judge_run(step: Progress) -> None:
-                if step.phase not in ("initial", "query") or step.source != "IS1":
-                    return
-                with aside:
-                    _note(tuner, judge, line, judged)
-
+        watched = RecommendingMethod(chosen, line.initial if judged else None)
+        with Tuner(study, is1=axis, method=watched, store=store) as tuner:
             try:
-                tuner.run(judge_run)
+                tuner.run()
             except Exception as error:
                 line.stopped = " ".join(f"{type(error).__name__}: {error}".split())
+            line.seconds = time.perf_counter() - began - watched.seconds
+            line.processor_s = processor_s() - used - watched.processor_s
             line.twin_runs = len(tuner.history.of("IS2"))
+            _note_runs(tuner.history, judge, line)
+            if judged:
+                _judge(tuner.history, watched, judge, line)
         axis.close()
-    line.seconds = time.perf_counter() - began - aside.seconds
-    line.processor_s = processor_s() - used - aside.processor_s
-    line.recommend_seconds = aside.processor_s
+    line.recommend_seconds = processor_s() - used - line.processor_s
     return line
+
+
+@dataclass(eq=False)
+class RecommendingMethod:
+    """Notes what a method would recommend, whenever it is asked to propose.
+
+    By then the twin has made all runs that the last real run causes, as at the end of a study.
+
+    Attributes
+    ----------
+    method : Method
+        What is watched; all its other properties are those of this one.
+    initial : int or None
+        Real runs from which on it is asked; None never asks.
+    points : dict of int to ndarray or None
+        By number of real runs: gains in the unit cube, None where none are recommended.
+    seconds, processor_s : float
+        [s] Spent on it, which is no part of a study.
+    """
+
+    method: Method
+    initial: int | None
+    points: dict[int, NDArray[np.float64] | None] = field(default_factory=dict)
+    seconds: float = 0.0
+    processor_s: float = 0.0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.method, name)
+
+    def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal | None:
+        """Note the recommendation, and propose."""
+        began, used = time.perf_counter(), processor_s()
+        self.note(state)
+        self.seconds += time.perf_counter() - began
+        self.processor_s += processor_s() - used
+        return self.method.propose(state, rng)
+
+    def note(self, state: TuningState) -> None:
+        """Note what is recommended now."""
+        real = len(state.of("IS1"))
+        if self.initial is not None and real >= self.initial:
+            settled = any(one.settled for one in state.of("IS1"))
+            self.points[real] = self.method.recommend(state)[0] if settled else None
+
+
+def _note_runs(history: History, judge: Judge, line: Line) -> None:
+    """Add all real runs."""
+    for trial in history.of("IS1"):
+        settled = (trial.late_error or 0.0) <= 1.0
+        line.gains.append([trial.gains[name] for name in judge.gains.space.names])
+        line.cost.append(float(f"{trial.objective:.6g}"))
+        line.status.append("unsettled" if trial.status == "ok" and not settled else trial.status)
+        line.motion_s += float(trial.recording.time[-1] - trial.recording.time[0])
+
+
+def _judge(history: History, watched: RecommendingMethod, judge: Judge, line: Line) -> None:
+    """Add the noise-free cost of what was recommended after each real run."""
+    watched.note(history.state({}))
+    known: dict[tuple[float, ...], float] = {}
+    for count in range(line.initial, len(line.gains) + 1):
+        # A run that the study repeats by itself is not proposed, and changes no recommendation.
+        unit = watched.points.setdefault(count, watched.points.get(count - 1))
+        if unit is None:
+            line.recommended.append(None)
+            line.true.append(None)
+            continue
+        point = judge.gains.space.from_unit(unit)
+        key = tuple(point.tolist())
+        known[key] = true = known[key] if key in known else judge.true_cost(point)
+        line.recommended.append([float(f"{v:.6g}") for v in point])
+        line.true.append(float(f"{true:.6g}") if abs(true) < float("inf") else None)
 
 
 def processor_s() -> float:
     """[s] Processor time of this process, and of workers that have ended."""
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
-
-
-@dataclass(eq=False)
-class _Aside:
-    """Time spent on judging, which is no part of a study."""
-
-    seconds: float = 0.0
-    processor_s: float = 0.0
-
-    def __enter__(self) -> None:
-        self._began = time.perf_counter(), processor_s()
-
-    def __exit__(self, *error: object) -> None:
-        self.seconds += time.perf_counter() - self._began[0]
-        self.processor_s += processor_s() - self._began[1]
-
-
-def _note(tuner: Tuner, judge: Judge, line: Line, judged: bool) -> None:
-    """Add the last real run, and what would be recommended after it."""
-    trial = tuner.history.of("IS1")[-1]
-    settled = (trial.late_error or 0.0) <= 1.0
-    line.gains.append([trial.gains[name] for name in judge.gains.space.names])
-    line.cost.append(float(f"{trial.objective:.6g}"))
-    line.status.append("unsettled" if trial.status == "ok" and not settled else trial.status)
-    time_of = trial.recording.time
-    line.motion_s += float(time_of[-1] - time_of[0])
-    if not judged or len(line.gains) < line.initial:
-        return
-    found = tuner.result().recommendation
-    if found is None:
-        line.recommended.append(None)
-        line.true.append(None)
-    else:
-        point = judge.gains.space.point({n: found.gains[n] for n in judge.gains.space.names})
-        true = judge.true_cost(point)
-        line.recommended.append([float(f"{v:.6g}") for v in point])
-        line.true.append(float(f"{true:.6g}") if abs(true) < float("inf") else None)
 
 
 def finished(path: Path) -> set[int]:
@@ -229,6 +266,12 @@ def _keep(path: Path, line: dict[str, Any]) -> None:
         file.write(json.dumps(line) + "\n")
 
 
+def in_this_process() -> None:
+    """Run all FMUs in this process: on a busy machine each turn of a worker is waited for."""
+    for twin in (FmuTwin, AugmentedTwin):
+        twin.__init__.__kwdefaults__["isolated"] = False  # type: ignore[index]
+
+
 def main() -> None:
     """Read the arguments, and run."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -237,6 +280,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="0:20", help="FIRST:END")
     parser.add_argument("--out", type=Path, default=RESULTS)
     options = parser.parse_args()
+    in_this_process()
     first, _, end = options.seeds.partition(":")
     seeds = range(int(first), int(end))
     run_all(options.plants.split(","), options.methods.split(","), seeds, options.out)

@@ -77,4 +77,4 @@ def linear_axis(
     gains: Mapping[str, float], reference: Recording, conditions: Conditions
 ) -> dict[str, Vector]:
     """Linear axis under the law of the EMPS rig."""
-    return _play(AXIS, gains, reference, conditions, ("position", "drive_voltage"), 1e-6)
+    return _play(AXIS, gains, reference, conditions, ("position", "drive_voltage"), 2e-5)

@@ -179,7 +179,7 @@ def six_gains(
     named = _short(gains)
     filter_time = named.pop("filter_time")
     law = Cascade(named, sample=SAMPLE, filter_time=filter_time, limits=(-30.0, 30.0))
-    return _of_position(SIX, law, reference, conditions, 5e-5)
+    return _of_position(SIX, law, reference, conditions, 2e-4)
 
 
 SPINDLE = Rotary(
@@ -200,6 +200,6 @@ def velocity_loop(
     wanted = reference.signal("reference")
     law = Pid(_short(gains), sample=SAMPLE, limits=(-20.0, 20.0), anti_windup=50.0)
     rubbed = replace(SPINDLE, coulomb=conditions.friction * SPINDLE.coulomb)
-    noise = conditions.noise(1e-4, len(wanted))
+    noise = conditions.noise(3e-4, len(wanted))
     _, current, speed = rubbed.play(law, wanted, noise, speed=Rate(2e-3, SAMPLE))
     return {"time": reference.time, "reference": wanted, "velocity": speed, "current": current}
