@@ -115,9 +115,9 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 #
 # Two effects are named. The first is a force that closes its loop over about a millimetre. The
 # second stands for friction that grows with speed: 6 N near standstill and 17 N well above
-# 0.02 m/s. The viscous coefficient rests at the end of its range, and the sentence says so: part
-# of what the second name holds may be a larger coefficient, so widen the range before you believe
-# it.
+# 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the sentence says so:
+# the second name rises with speed too and takes its place, so widen the range before you believe
+# how the two share it.
 #
 # Fits of a Bouc-Wen model with all of its coefficients free reached 80.8 % on these rows, a lag
 # and a stiffness besides Coulomb friction 54.4 %. The exponent here is fixed at 1 and the loop
@@ -128,7 +128,7 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 # %%
 assert diagnosis.verdict == "missing_physics"
 assert next(iter(named)) == "hysteresis"
-assert diagnosis.parameters["viscous"].at_bound == "high"
+assert diagnosis.parameters["viscous"].at_bound == "low"
 assert diagnosis.remainder is not None
 assert 0.05 < diagnosis.remainder.share < 0.15
 assert diagnosis.remainder.against == "position"

@@ -23,7 +23,18 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TESTS = Path(__file__).parent
-LONGEST = (TESTS / "notebooks", TESTS / "cli" / "test_demo_command.py", TESTS / "tuning")
+LONGEST = [
+    TESTS / "notebooks",
+    TESTS / "test_readme.py",
+    TESTS / "cli" / "test_demo_command.py",
+    TESTS / "diagnosis" / "test_honest_degradation.py",
+    TESTS / "diagnosis" / "test_kinds_of_twins.py",
+    TESTS / "test_reference.py",
+    TESTS / "fmu_build" / "test_build.py",
+    TESTS / "diagnosis",
+    TESTS / "tuning",
+]
+"""A file is one process' work: one that takes a minute must not be the last to begin."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -23,6 +23,8 @@ extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "myst_
 html_theme = "furo"
 html_title = f"gmfbo {release}"
 html_show_sourcelink = False
+html_static_path = ["style"]
+html_css_files = ["narrow.css"]
 man_pages = [("reference/commands", "gmfbo", "tune a controller, diagnose its twin", [], 1)]
 
 nitpicky = True

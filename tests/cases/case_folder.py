@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
+import io
 import json
 import os
 import shutil
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from gmfbo import models_folder
+from gmfbo.cli import main
 
 CASES = Path(os.environ.get("GMFBO_CASES", ""))
 PLACEHOLDER = "MODELS"
@@ -103,14 +104,14 @@ class CaseFolder:
         arguments: list[str] = []
         for word in command.split():
             arguments += sorted(p.name for p in self.path.glob(word)) if "*" in word else [word]
-        done = subprocess.run(
-            [sys.executable, "-m", "gmfbo", *arguments],
-            cwd=self.path,
-            capture_output=True,
-            encoding="utf-8",
-            check=False,
-        )
-        return Answer(done.returncode, " ".join(done.stdout.split()), " ".join(done.stderr.split()))
+        out, err = io.StringIO(), io.StringIO()
+        with (
+            contextlib.chdir(self.path),
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+        ):
+            code = main(arguments)
+        return Answer(code, " ".join(out.getvalue().split()), " ".join(err.getvalue().split()))
 
     def json(self, name: str) -> Any:
         """Content of a JSON file, below the folder."""

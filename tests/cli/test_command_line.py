@@ -215,7 +215,9 @@ def test_an_interrupt_that_python_drops_ends_the_study_all_the_same(study_file: 
     assert list((study_file.with_name("small.study") / "trials").glob("*.h5"))
 
 
-def test_an_interrupted_study_keeps_its_runs_and_resumes(study_file: Path) -> None:
+def test_an_interrupted_study_keeps_its_runs_and_resumes(
+    study_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     study_file.write_text(study_file.read_text().replace("iterations = 3", "iterations = 400"))
     program = [sys.executable, "-m", "gmfbo", "tune", str(study_file)]
     trials = study_file.with_name("small.study") / "trials"
@@ -236,9 +238,9 @@ def test_an_interrupted_study_keeps_its_runs_and_resumes(study_file: Path) -> No
     study_file.write_text(
         study_file.read_text().replace("iterations = 400", f"iterations = {kept}")
     )
-    resumed = subprocess.run([*program, "--resume"], check=False, capture_output=True, text=True)
-    assert resumed.returncode == 0
-    assert "--resume" not in resumed.stdout, "a study that has ended is not gone on with"
+    assert main(["tune", str(study_file), "--resume"]) == 0
+    resumed = capsys.readouterr().out
+    assert "--resume" not in resumed, "a study that has ended is not gone on with"
     assert len(list(trials.glob("*.h5"))) >= kept
 
 

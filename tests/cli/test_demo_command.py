@@ -1,8 +1,11 @@
-"""`gmfbo demo` as a person meets it: a process of its own, from tuning to the broken seal."""
+"""`gmfbo demo` from tuning to the broken seal; the slow half as a person meets it."""
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import hashlib
+import io
 import json
 import os
 import re
@@ -12,28 +15,59 @@ from pathlib import Path
 
 import pytest
 
+from gmfbo.cli import demo as command
+from gmfbo.cli import main
+from gmfbo.cli.diagnosis.diagnose import diagnose_and_show
 from gmfbo.cli.hidden.draw import NOTHING, draw
+from gmfbo.physics import CATALOGUE
 
 QUIET_SEED = 25  # nothing is hidden: the shortest diagnosis
+WORDS = ["demo", "--seed", str(QUIET_SEED), "--runs", "3", "--out"]
+TRIED = ("coulomb_friction", "transport_delay")
 
 
-@pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+@pytest.fixture(scope="module", params=["parts", pytest.param("whole", marks=pytest.mark.slow)])
+def demo(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[str, Path]:
     """What it prints, and its folder."""
     folder = tmp_path_factory.mktemp("demo") / "shown"
-    command = [sys.executable, "-m", "gmfbo", "demo", "--seed", str(QUIET_SEED), "--runs", "3"]
+    status, shown, said = (_whole if request.param == "whole" else _with_less_to_do)(folder)
+    assert status == 0
+    # No terminal is there, so each stage of the diagnosis is a line, and nothing else is.
+    assert re.fullmatch(r"([a-z0-9 ]+: \d+\.\d s\n)+", said)
+    return shown, folder
+
+
+def _whole(folder: Path) -> tuple[int, str, str]:
+    """Run it as a person does, in a process of its own."""
     done = subprocess.run(
-        [*command, "--out", str(folder)],
+        [sys.executable, "-m", "gmfbo", *WORDS, str(folder)],
         capture_output=True,
         text=True,
         timeout=600,
         env={**os.environ, "OMP_NUM_THREADS": "1"},
         check=False,
     )
-    assert done.returncode == 0
-    # No terminal is there, so each stage of the diagnosis is a line, and nothing else is.
-    assert re.fullmatch(r"([a-z0-9 ]+: \d+\.\d s\n)+", done.stderr)
-    return done.stdout, folder
+    return done.returncode, done.stdout, done.stderr
+
+
+def _with_less_to_do(folder: Path) -> tuple[int, str, str]:
+    """Run it in this process, with a method that needs no twin, and two effects to try."""
+    others = [name for name in CATALOGUE if name not in TRIED]
+    shown, said = io.StringIO(), io.StringIO()
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        contextlib.redirect_stdout(shown),
+        contextlib.redirect_stderr(said),
+    ):
+        patch.setattr(
+            "gmfbo.cli.diagnosis.diagnose.diagnose_and_show",
+            functools.partial(diagnose_and_show, exclude=others),
+        )
+        patch.setattr(command, "STUDY", command.STUDY.replace('"gmfbo"', '"bo_ei"', 1))
+        status = main([*WORDS, str(folder)])
+    return status, shown.getvalue(), said.getvalue()
 
 
 def test_the_folder_holds_what_the_readme_says(demo: tuple[str, Path]) -> None:

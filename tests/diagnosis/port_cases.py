@@ -77,7 +77,7 @@ def open_servo(
     """
     rng = np.random.default_rng(5)
     recordings = []
-    with AugmentedTwin(FmuTwin(SERVO), substeps=10) as simulator:
+    with AugmentedTwin(FmuTwin(SERVO), substeps=10, isolated=False) as simulator:
         for k, (time, reference) in enumerate(_references()):
             asked = Recording(
                 time=time, signals={"reference": reference}, name=f"rec{k}.csv", parameters=GAINS

@@ -47,7 +47,7 @@ def hidden_servo(
     rng = np.random.default_rng(5)
     time, columns = references()
     recordings = []
-    with AugmentedTwin(FmuTwin(SERVO), substeps=10) as simulator:
+    with AugmentedTwin(FmuTwin(SERVO), substeps=10, isolated=False) as simulator:
         for k, column in enumerate(columns):
             recording = Recording(
                 time=time, signals={"reference": column}, name=f"rec{k}.csv", parameters=GAINS

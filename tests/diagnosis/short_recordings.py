@@ -119,7 +119,8 @@ class Axis:
         rng = np.random.default_rng(seed)
         time = np.arange(round(seconds * 1000), dtype=np.float64) * 1e-3
         made = []
-        with AugmentedTwin(twin or self.twin(), substeps=10) as simulator:
+        # In this process: a worker takes ten times as long to start as these runs take.
+        with AugmentedTwin(twin or self.twin(), substeps=10, isolated=False) as simulator:
             for k, reference in enumerate(references):
                 asked = Recording(
                     time=time,

@@ -207,10 +207,12 @@ def main(arguments: Sequence[str]) -> None:
     with tempfile.TemporaryDirectory(prefix="notebooks-") as place:
         os.environ["TMPDIR"] = place
         for name in (one for one in names() if one.startswith(begins)):
-            if text_alone:
+            if not text_alone:
+                print(f"{name}: {refresh(name):.0f} s", flush=True)
+            elif (PAGES / f"{name}.md").exists():
                 (PAGES / f"{name}.md").write_text(rewrite(name), encoding="utf-8")
             else:
-                print(f"{name}: {refresh(name):.0f} s", flush=True)
+                print(f"{name}: has not been run yet; {COMMAND} {name.partition('_')[0]}")
 
 
 if __name__ == "__main__":

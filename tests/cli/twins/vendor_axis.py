@@ -68,7 +68,9 @@ def axis_runs(runs: int = len(HERTZ), rows: int = 2500) -> list[Recording]:
     time: Array = np.arange(rows, dtype=np.float64) * STEP
     rng = np.random.default_rng(0)
     made = []
-    with AugmentedTwin(FmuTwin(models_folder() / "servo_axis.toml"), substeps=10) as axis:
+    with AugmentedTwin(
+        FmuTwin(models_folder() / "servo_axis.toml"), substeps=10, isolated=False
+    ) as axis:
         for hertz in HERTZ[:runs]:
             wave = {"reference": 0.4 * np.sin(2.0 * np.pi * hertz * time)}
             plan = axis.plan(Recording(time=time, signals=wave), {})

@@ -162,7 +162,7 @@ def measured_factor(name: str) -> float:
     reference = 0.4 * np.sin(2.0 * np.pi * 0.5 * time) * np.minimum(1.0, time / 0.3) ** 2
     wave = Recording(time=time, signals={"reference": reference})
     physics = {f"{name}.{key}": value for key, value in VALUES[name].items()}
-    with AugmentedTwin(FmuTwin(SERVO), substeps=10) as axis:
+    with AugmentedTwin(FmuTwin(SERVO), substeps=10, isolated=False) as axis:
         plan = axis.plan(wave, {})
         nominal = axis.run(plan, {})
         at = {"position": nominal.held["position"], "velocity": np.gradient(reference, time)}
@@ -188,7 +188,7 @@ def test_a_compensation_with_its_sign_turned_makes_it_worse() -> None:
     time = np.arange(1500, dtype=np.float64) * 1e-3
     wave = Recording(time=time, signals={"reference": 0.2 * np.sin(6.0 * time)})
     wrong = compensation_of(diagnosis_of(turned), "found")
-    with AugmentedTwin(FmuTwin(SERVO), substeps=10) as axis:
+    with AugmentedTwin(FmuTwin(SERVO), substeps=10, isolated=False) as axis:
         plan = axis.plan(wave, {})
         nominal = axis.run(plan, {}).held["position"]
         physics = {"constant_torque_offset.level": -0.15}

@@ -55,7 +55,7 @@ def simulated_along(reference: np.ndarray[tuple[int], np.dtype[np.float64]]) -> 
     plain = Recording(time=time, signals={"reference": reference}, name="own.csv", parameters=GAINS)
     twin = FmuTwin(SERVO)
     rng = np.random.default_rng(3)
-    with AugmentedTwin(twin, substeps=10) as simulator:
+    with AugmentedTwin(twin, substeps=10, isolated=False) as simulator:
         run = simulator.run(simulator.plan(plain, {}), {})
     signals = {
         "reference": reference,

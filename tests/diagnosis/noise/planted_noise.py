@@ -72,7 +72,7 @@ def planted(
     twin = twin or axis.twin()
     time = STEP * np.arange(1400, dtype=np.float64)
     recordings, columns = [], []
-    with AugmentedTwin(twin, substeps=10) as simulator:
+    with AugmentedTwin(twin, substeps=10, isolated=False) as simulator:
         for k, reference in enumerate(references):
             asked = Recording(
                 time=time,

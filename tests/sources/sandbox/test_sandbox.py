@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording
+from gmfbo.cli import main
 from gmfbo.errors import InputError
 from gmfbo.sources.sandbox import system_calls
 from gmfbo.sources.sandbox.enclosure import Enclosure, available, protection
@@ -356,27 +357,24 @@ def test_inspect_says_what_protects_the_user(monkeypatch: pytest.MonkeyPatch) ->
     assert protection(Policy(enclosed=False))[1] == ("GMFBO_SANDBOX=off: it can do what you can do")
 
 
-def test_the_command_says_it_too(tmp_path: Path) -> None:
-    def inspect(
-        *options: str, fmu: Path = HOSTILE, **variables: str
-    ) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-m", "gmfbo", "inspect", str(fmu), *options],
-            capture_output=True,
-            text=True,
-            env={**os.environ, **variables},
-        )
+def test_the_command_says_it_too(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def inspect(*options: str, fmu: Path = HOSTILE) -> tuple[int, str, str]:
+        status = main(["inspect", str(fmu), *options])
+        return status, *capsys.readouterr()
 
-    done = inspect()
-    assert done.returncode == 0
-    told = done.stdout.split("protection when it runs")[1]
+    status, shown, _ = inspect()
+    assert status == 0
+    told = shown.split("protection when it runs")[1]
     assert all(line in told for line in protection(Policy()))
-    wrong = inspect(GMFBO_SANDBOX="of")
-    assert wrong.returncode == 2
-    assert wrong.stderr.startswith("gmfbo: GMFBO_SANDBOX: expected 'off', or any of")
-    assert inspect("--run").stdout.endswith("tried: 2 steps of 0.001 s went well\n")
+    assert inspect("--run")[1].endswith("tried: 2 steps of 0.001 s went well\n")
     crash = HOSTILE.with_name("segfault_on_initialise.fmu")
-    assert inspect(fmu=crash).returncode == 0
-    tried_and_fell = inspect("--run", fmu=crash)
-    assert tried_and_fell.returncode == 3
-    assert "crashed (SIGSEGV) while initialising; check its" in tried_and_fell.stderr
+    assert inspect(fmu=crash)[0] == 0
+    status, _, said = inspect("--run", fmu=crash)
+    assert status == 3
+    assert "crashed (SIGSEGV) while initialising; check its" in said
+    monkeypatch.setenv("GMFBO_SANDBOX", "of")
+    status, _, said = inspect()
+    assert status == 2
+    assert said.startswith("gmfbo: GMFBO_SANDBOX: expected 'off', or any of")

@@ -189,7 +189,14 @@ def test_older_real_runs_and_what_they_corrected_count_less_and_the_twin_does_no
     assert aged.incumbent() == min(seen.objective for seen in aged.of("IS1")[1:])
 
 
-@pytest.mark.parametrize("method", sorted(set(QUICK) - {"random", "twin_once"}))
+@pytest.mark.parametrize(
+    "method",
+    [
+        # Its acquisition function takes longest; its model is that of mfbo_caei.
+        pytest.param(name, marks=pytest.mark.slow if name == "mfbo_takg" else ())
+        for name in sorted(set(QUICK) - {"random", "twin_once"})
+    ],
+)
 def test_every_method_goes_on_from_runs_that_count_less(tmp_path: Path, method: str) -> None:
     study = study_at(tmp_path, 2, "is1_runs = {runs}\n", method)
     chosen, store = QUICK[method], MemoryStore(study.location, study.text)

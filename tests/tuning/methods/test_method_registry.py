@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -61,19 +59,12 @@ def test_a_package_adds_a_method_that_the_loop_runs(packages: Path, tmp_path: Pa
     assert asked == pytest.approx([30.0 + 170.0 * 0.8, 30.0 + 170.0 * 0.7])
 
 
-def test_the_program_lists_it_with_its_source(packages: Path) -> None:
+def test_the_program_lists_it_with_its_source(
+    packages: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     install(packages, "corner_listed", CORNER, "corner = corner_listed:Corner")
-    printed = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            f"import sys; sys.path.insert(0, {str(packages)!r}); "
-            "from gmfbo.cli import main; sys.argv = ['gmfbo', 'methods']; main()",
-        ],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    assert main(["methods"]) == 0
+    printed = capsys.readouterr().out
     assert "corner           walks from the upper corner" in printed
     assert "source: a test, 2026" in printed
     assert all(name in printed for name in METHODS)
