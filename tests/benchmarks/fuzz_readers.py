@@ -121,7 +121,7 @@ def table(done: list[dict[str, Any]], given: argparse.Namespace, commit: str) ->
         f"{'worst [s]':>10} {'worst [MB]':>11} {'faults':>7}",
     ]
     faults: Counter[str] = Counter()
-    for name in TARGETS:
+    for name in given.only:
         entries = [entry for entry in done if entry["target"] == name]
         if not entries:
             continue
