@@ -54,6 +54,7 @@ _OTHER: dict[str, tuple[Fraction, bool, str]] = {
     "Nmm": (Fraction(1, 1000), False, "N.m"),
     "deg": (Fraction(1, 180), True, "rad"),
     "rev": (Fraction(2), True, "rad"),
+    "gon": (Fraction(1, 200), True, "rad"),
     "rpm": (Fraction(1, 30), True, "rad/s"),
     "dps": (Fraction(1, 180), True, "rad/s"),
     "arcmin": (Fraction(1, 180 * 60), True, "rad"),
@@ -105,10 +106,22 @@ _ALIASES: dict[str, str] = {
     "volt": "V", "volts": "V", "Volt": "V", "Volts": "V",
     "amp": "A", "amps": "A", "Amp": "A", "Amps": "A", "ampere": "A", "amperes": "A",
     "NM": "Nm", "newton": "N", "newtons": "N", "hertz": "Hz", "watt": "W", "watts": "W",
+    # German; without its own entry `Grad` would be a gigaradian, and so would `Gradian`.
+    "Grad": "deg", "umdrehung": "rev", "umdrehungen": "rev", "umdr": "rev", "Umdr": "rev",
+    "sekunde": "s", "sekunden": "s", "newtonmeter": "Nm",
+    "gradian": "gon", "gradians": "gon", "Gradian": "gon", "Gradians": "gon",
     "kelvin": "K", "joule": "J", "joules": "J", "pascal": "Pa", "pascals": "Pa",
 }  # fmt: skip
 
-_PREFIX_WORDS = {"nano": "n", "micro": "u", "milli": "m", "centi": "c", "kilo": "k", "mega": "M"}
+_PREFIX_WORDS = {
+    "nano": "n",
+    "micro": "u",
+    "mikro": "u",
+    "milli": "m",
+    "centi": "c",
+    "kilo": "k",
+    "mega": "M",
+}
 
 # From three letters on no other unit differs from these only by capitals.
 _WORDS = {

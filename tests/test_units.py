@@ -55,6 +55,12 @@ KNOWN = [
     ("Nm/A", 1.0, "N.m/A"),
     ("in", 0.0254, "m"),
     ("lbf", 4.4482216152605, "N"),
+    ("Grad", 0.017453292519943295, "rad"),
+    ("Grad/s", 0.017453292519943295, "rad/s"),
+    ("Umdr/min", 0.10471975511965977, "rad/s"),
+    ("Millisekunden", 1e-3, "s"),
+    ("gon", 0.015707963267948967, "rad"),
+    ("Gradian", 0.015707963267948967, "rad"),
     ("counts", 1.0, "counts"),
     ("inc", 1.0, "counts"),
 ]
@@ -75,7 +81,9 @@ def test_twenty_degrees_in_kelvins(text: str, kelvins: float) -> None:
     assert unit.to_si(np.array([20.0]))[0] == pytest.approx(kelvins)
 
 
-@pytest.mark.parametrize("text", ["", "foo", "N.", "(N", "N)", "PS", "rad//s", "/s", "m^99", "µ"])
+@pytest.mark.parametrize(
+    "text", ["", "foo", "N.", "(N", "N)", "PS", "rad//s", "/s", "m^99", "µ", "grad"]
+)
 def test_what_is_no_unit_is_not_guessed(text: str) -> None:
     assert parse_unit(text) is None
 

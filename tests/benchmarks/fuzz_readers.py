@@ -4,8 +4,8 @@ python tests/benchmarks/fuzz_readers.py [--seed 0] [--share 1.0] [--only "CSV" .
                                         [--state FILE.jsonl] [--out FILE]
 
 Files are drawn by Hypothesis in batches of 250, each in a process of its own with 6 GiB of
-address space. A batch is done or not: an interrupted campaign repeats the batch that it was in.
-Files that are faults are kept beside the state.
+address space. A batch is done or not: an interrupted campaign repeats the batch that it was in,
+and batches that other code did are done again. Files that are faults are kept beside the state.
 """
 
 from __future__ import annotations
@@ -39,27 +39,42 @@ def main() -> None:
     parser.add_argument("--state", type=Path, default=Path("fuzz_readers.jsonl"))
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
-    done = _done(given.state, given.seed)
+    commit = _commit()
+    done = _done(given.state, given.seed, commit)
     for name in given.only:
         batches = math.ceil(given.share * TARGETS[name].inputs / BATCH)
         for batch in range(batches):
             if (name, batch) not in {(entry["target"], entry["batch"]) for entry in done}:
                 entry = _run(name, batch, given.seed, given.state.with_suffix(".faults"))
+                entry["commit"] = commit
                 done.append(entry)
                 with given.state.open("a", encoding="utf-8") as state:
                     state.write(json.dumps(entry) + "\n")
-    text, faults = table(done, given)
+    text, faults = table(done, given, commit)
     print(text, end="")
     if given.out:
         given.out.write_text(text, encoding="utf-8")
     sys.exit(1 if faults else 0)
 
 
-def _done(state: Path, seed: int) -> list[dict[str, Any]]:
+def _commit() -> str:
+    """Commit of this checkout; it says so where files differ from it."""
+    git = ["git", "-C", str(ROOT)]
+    head, changes = (
+        subprocess.run([*git, *words], capture_output=True, text=True, check=True).stdout.strip()
+        for words in (
+            ["rev-parse", "--short=7", "HEAD"],
+            ["status", "--porcelain", "--untracked-files=no", "--", "gmfbo", "tests/fuzz"],
+        )
+    )
+    return f"{head} with changes" if changes else head
+
+
+def _done(state: Path, seed: int, commit: str) -> list[dict[str, Any]]:
     if not state.exists():
         return []
     entries = [json.loads(line) for line in state.read_text(encoding="utf-8").splitlines()]
-    return [entry for entry in entries if entry["seed"] == seed]
+    return [entry for entry in entries if (entry["seed"], entry.get("commit")) == (seed, commit)]
 
 
 def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
@@ -93,19 +108,20 @@ def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
     return entry
 
 
-def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, int]:
+def table(done: list[dict[str, Any]], given: argparse.Namespace, commit: str) -> tuple[str, int]:
     """Result as text, and the number of faults."""
     share = f" --share {given.share:g}" if given.share != 1.0 else ""
     only = "" if given.only == list(TARGETS) else " --only " + " ".join(map(repr, given.only))
     lines = [
         f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{share}{only}",
+        f"commit {commit}",
         f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
         "",
         f"{'reader':<16} {'files':>6} {'read':>6} {'refused':>8} {'reader ended':>13} "
         f"{'worst [s]':>10} {'worst [MB]':>11} {'faults':>7}",
     ]
     faults: Counter[str] = Counter()
-    for name in TARGETS:
+    for name in given.only:
         entries = [entry for entry in done if entry["target"] == name]
         if not entries:
             continue

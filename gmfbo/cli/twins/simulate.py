@@ -85,7 +85,8 @@ def simulate(
             remarks += _write_page(source, reference, followed, trajectory, given, remarks, out)
         else:
             write_recording(trajectory, out)
-        typer.echo(f"{source.name}: {len(trajectory)} rows, {trajectory.duration:g} s -> {out}")
+        rows = "1 row" if len(trajectory) == 1 else f"{len(trajectory)} rows"
+        typer.echo(f"{source.name}: {rows}, {trajectory.duration:g} s -> {out}")
         if trajectory.status != "ok":
             raise SimulationError(f"{trajectory.message}; the rows before it are in {out}")
         if reference:

@@ -59,9 +59,11 @@ def one_row_an_instant(file: RecordedColumns, clock: Column) -> tuple[RecordedCo
             f"{time[first[instant]]:.9g} s stands twice with different values, as in many rows; "
             "log time with enough digits"
         )
+    shared = int((last > first).sum())
+    some = "1 instant stands" if shared == 1 else f"{shared} instants stand"
     note = (
-        f"{file.label}: {int((last > first).sum())} instants stand in several rows, which are "
-        "taken as one; of two values the last counts"
+        f"{file.label}: {some} in several rows, which are taken as one; of two values the last "
+        "counts"
     )
     place = file.row_name
     whole = replace(file, columns=tuple(joined), row_name=lambda row: place(int(first[row])))

@@ -155,11 +155,20 @@ def _clock(
         if _is_clock(base) and known is not None and known.si == "s":
             return MappedColumn(column, unit)
     first = next(iter(units), "")
+    for column, base, unit in readings:
+        known = parse_unit(unit)
+        if column == first and known is not None and known.si == "s" and _speaks_of_time(base):
+            return MappedColumn(column, unit)
     nameless = _NAMELESS_CLOCK.fullmatch(first)
     known = parse_unit(nameless["unit"]) if nameless else None
     if nameless and known is not None and known.si == "s":
         return MappedColumn(first, nameless["unit"])
     return None
+
+
+def _speaks_of_time(name: str) -> bool:
+    """Whether a clock's name is one of its words: `Elapsed time`, `rel_time`."""
+    return not set(re.split(r"[\W_]+", name.lower())).isdisjoint(set(CLOCK_NAMES) - {"t"})
 
 
 def _is_clock(name: str) -> bool:

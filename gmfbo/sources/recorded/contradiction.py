@@ -10,7 +10,7 @@ recorded measurement, where no plant takes part.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,6 +24,7 @@ from gmfbo.sources.recorded.controlled_signal import controlled, seen_signal, un
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
 from gmfbo.sources.recorded.motion_unit import MotionUnit, motion_unit
+from gmfbo.sources.recorded.range_ends import at_range_ends, explains
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.units import parse_unit
 
@@ -163,7 +164,7 @@ def _refuse_motions(twin: FmuTwin, recording: Recording, run: Recording, signal:
     """Raise where the controlled signal, or another motion, contradicts the run."""
     if signal in recording.signals:
         told = _contradicts(twin, recording, run, signal)
-        if told and not _may_follow(twin, recording, signal):
+        if told and not _may_follow(twin, recording, run, signal):
             raise RecordingError(told)
     _refuse_other_motions(twin, recording, run, signal)
 
@@ -194,7 +195,7 @@ def _off_scale(twin: FmuTwin, recording: Recording, run: Recording, signal: str)
     name, seen = recording.name or "recording", seen_signal(twin, recording, signal, run)
     if seen is None:
         return ""
-    path = np.cumsum(np.abs(np.diff(run.signal(signal), prepend=run.signal(signal)[:1])))
+    path = _way(run, signal)
     if seen.is_flipped and _in_both_halves(
         twin, recording, run, signal, lambda s: s.is_flipped, path
     ):
@@ -276,14 +277,23 @@ def _in_both_halves(
     An axis that becomes unstable may differ by as much, but only in the end.
     """
     if path is None:
-        path = np.cumsum(np.abs(np.diff(recording.signal("reference"), prepend=np.nan)[1:]))
-        middle = int(np.searchsorted(path, 0.5 * path[-1])) + 1 if path.size else 0
+        steps = np.abs(np.diff(recording.signal("reference")))
+        if not steps.size or steps.max() > 0.5 * steps.sum():
+            path = _way(run, signal)  # one step: what follows it moves, the reference does not
+    if path is None:
+        path = np.cumsum(steps)
+        middle = int(np.searchsorted(path, 0.5 * path[-1])) + 1
         halves = (np.arange(len(recording)) < middle, np.arange(len(recording)) >= middle)
     else:
         half = run.time[int(np.searchsorted(path, 0.5 * path[-1]))]
         halves = (recording.time < half, recording.time >= half)
     seen = [seen_signal(twin, recording, signal, run, rows=half) for half in halves]
     return all(one is not None and holds(one) for one in seen)
+
+
+def _way(run: Recording, signal: str) -> NDArray[np.float64]:
+    """How far a signal has gone up and down until each row."""
+    return np.cumsum(np.abs(np.diff(run.signal(signal), prepend=run.signal(signal)[:1])))
 
 
 def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) -> bool:
@@ -304,37 +314,23 @@ def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) ->
     )
 
 
-def _may_follow(twin: FmuTwin, recording: Recording, signal: str) -> bool:
+def _may_follow(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> bool:
     """Whether an uncertain parameter at an end of its range makes the contradiction go away."""
+    seen = seen_signal(twin, recording, signal, run)
     return any(
-        not _contradicts(twin, recording, run, signal) for run in _at_range_ends(twin, recording)
+        explains(seen_signal(twin, recording, signal, end), seen)
+        and not _contradicts(twin, recording, end, signal)
+        for end in at_range_ends(twin, recording)
     )
 
 
 def _is_scaled_by_range(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> bool:
     """Whether an end of an uncertain range brings the size most of the way, or turns the sign."""
     seen = seen_signal(twin, recording, signal, run)
-    for other in _at_range_ends(twin, recording) if seen is not None else ():
-        then = seen_signal(twin, recording, signal, other)
-        if seen is None or then is None or not then.gain:
-            continue
-        if seen.gain * then.gain < 0.0:
-            return True
-        if abs(math.log(abs(then.gain))) < 0.5 * abs(math.log(abs(seen.gain))):
-            return not seen.is_flipped
-    return False
-
-
-def _at_range_ends(twin: FmuTwin, recording: Recording) -> Iterator[Recording]:
-    """Simulations with one uncertain parameter at an end of its range each."""
-    for name, ends in twin.file.uncertain.items():
-        for value in ends:
-            variable = twin.binding.variables[name].variable
-            low = -math.inf if variable.minimum is None else variable.minimum
-            high = math.inf if variable.maximum is None else variable.maximum
-            run = twin.run({}, recording, parameters={name: min(max(value, low), high)})
-            if run.status == "ok":
-                yield run
+    return seen is not None and any(
+        explains(seen_signal(twin, recording, signal, end), seen)
+        for end in at_range_ends(twin, recording)
+    )
 
 
 def _is_doubtful(twin: FmuTwin, recording: Recording, run: Recording) -> bool:

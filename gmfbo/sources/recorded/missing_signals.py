@@ -60,8 +60,16 @@ def missing_signals(twin: FmuTwin, recordings: Sequence[Recording]) -> list[Miss
             role = name if name in _WITHOUT else roles.get(entry.variable, "")
             without = _WITHOUT.get(role, "effects that show in it alone are not found")
             wanted = entry.column or name
-            what = f"no column {wanted}{did_you_mean(wanted, others)}"
+            what = f"no column {wanted}{_nearest(wanted, others)}"
             if column is not None:
                 what = f"column {wanted} holds no value"
             found.append(MissingSignal(recording.name or "recording", name, what, without))
     return found
+
+
+def _nearest(wanted: str, columns: Sequence[str]) -> str:
+    """End of a message: the columns of that name in several groups, or else the nearest one."""
+    groups = [name for name in columns if name.replace("/", ".").endswith(f".{wanted}")]
+    if len(groups) < 2:
+        return did_you_mean(wanted, columns)
+    return f" but {len(groups)} in groups: {', '.join(repr(name) for name in groups[:4])}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
 
 CONTROLLER_KINDS = ("pd_filtered", "cascade_p_pi", "pid")
 
@@ -14,6 +14,16 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)]
 Text = Annotated[str, Field(min_length=1)]
+
+
+def _is_stop_time(value: object) -> object:
+    # Checked here, since a union of a Boolean and a number would report both failures.
+    if isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value)):
+        return value
+    raise ValueError(f"expected true, false or a number of seconds, got {value!r:.60}")
+
+
+StopTime = Annotated[StrictBool | float, BeforeValidator(_is_stop_time)]
 
 
 def _as_number(value: object) -> object:

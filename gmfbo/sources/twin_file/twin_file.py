@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Self
 
-from pydantic import Field, StrictBool, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from gmfbo.errors import TwinFileError, did_you_mean
 from gmfbo.files.toml_text import parse_toml, read_toml_text
@@ -30,6 +30,7 @@ from gmfbo.sources.twin_file.entries import (
     Positive,
     RecordingTable,
     SignalEntry,
+    StopTime,
     Table,
     TableEntry,
     Text,
@@ -134,7 +135,7 @@ class TwinFile(Table):
     recording: RecordingTable = Field(default_factory=RecordingTable)
     limits: LimitsTable = Field(default_factory=LimitsTable)
     words: dict[str, str] = Field(default_factory=dict)
-    stop_time: StrictBool | Number = False
+    stop_time: StopTime = False
     time_limit: Positive | None = None
     origin: Text | None = None
 

@@ -221,6 +221,31 @@ def test_a_range_that_explains_the_gain_speaks_for_the_axis(
     refuse_contradictions(free, [stated])
 
 
+@pytest.mark.parametrize("size", [0.2, 3.5])
+def test_a_single_step_tells_the_unit_and_the_sign(size: float, twin: FmuTwin) -> None:
+    """The reference moves in one row: halves of the motion are those of what follows it."""
+    (moved,) = SERVO.recordings({}, [lambda t: size * (t > 0.1)])
+    refuse_contradictions(twin, [moved])
+    for factor, said in (
+        (DEGREES, "as if it were in deg"),
+        (0.5 / np.pi, "as if it were in rev"),
+        (-1.0, "has the opposite sign"),
+    ):
+        with pytest.raises(RecordingError, match=f"position .*{said}"):
+            refuse_contradictions(twin, [scaled(moved, position=factor)])
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(DEGREES, "deg"), (0.5 / np.pi, "rev")])
+def test_a_range_at_whose_end_the_loop_swings_explains_no_unit(
+    factor: float, unit: str, twin: FmuTwin
+) -> None:
+    """At twice the inertia the twin moves otherwise, but not 57 times as far."""
+    (moved,) = SERVO.recordings({}, [lambda t: 3.5 * (1.0 - np.exp(-t / 0.06))])
+    refuse_contradictions(twin, [moved])
+    with pytest.raises(RecordingError, match=f"position is .* as if it were in {unit}"):
+        refuse_contradictions(twin, [scaled(moved, position=factor)])
+
+
 def test_open_loop_plants_are_not_judged(tmp_path: Path) -> None:
     """Without a loop, physics decides how far an axis moves, and where to."""
     bench = Axis("motor_bench", "current", {}, {}, {})

@@ -115,6 +115,17 @@ def test_a_group_is_no_unit() -> None:
     assert list(names_and_units("group 0/position")) == []
 
 
+@pytest.mark.parametrize(
+    "clock", ["Elapsed time in milliseconds", "rel_time_ms", "Zeit seit Start/ms"]
+)
+def test_the_first_column_is_the_clock_where_it_speaks_of_time_and_a_unit_of_it(
+    clock: str, tmp_path: Path
+) -> None:
+    recording = read(tmp_path, f"{clock},angle in deg")
+    np.testing.assert_allclose(recording.time, [0.0, 1e-3])
+    assert f"{clock} as time [" in recording.notes[0]
+
+
 @pytest.mark.parametrize("clock", ["in ms", "time(ms)"])
 def test_a_clock_of_an_oscilloscope_has_its_unit_in_its_name(tmp_path: Path, clock: str) -> None:
     recording = read(tmp_path, f"{clock},angle in deg")
@@ -122,7 +133,17 @@ def test_a_clock_of_an_oscilloscope_has_its_unit_in_its_name(tmp_path: Path, clo
     np.testing.assert_allclose(recording.signal("angle"), [0.0, np.pi / 90])
 
 
-@pytest.mark.parametrize("header", ["in deg,angle", "in,angle", "angle,in ms", "der(s),angle"])
+@pytest.mark.parametrize(
+    "header",
+    [
+        "in deg,angle",
+        "in,angle",
+        "angle,in ms",
+        "der(s),angle",
+        "angle,dead_time_ms",
+        "x_min,angle",
+    ],
+)
 def test_what_does_not_name_a_time_is_no_clock(tmp_path: Path, header: str) -> None:
     with pytest.raises(RecordingError, match="expected a column 'time'"):
         read(tmp_path, header)

@@ -39,6 +39,13 @@ def test_nearest_column_is_named(twin: FmuTwin, sound: list[Recording]) -> None:
     assert "motion is not compared" in found.without
 
 
+def test_all_columns_of_its_name_are_named(twin: FmuTwin, sound: list[Recording]) -> None:
+    signals = {name: column for name, column in sound[0].signals.items() if name != "position"}
+    both = dict.fromkeys(("a/position", "b/position"), sound[0].signal("position"))
+    (found,) = missing_signals(twin, [replace(sound[0], signals={**signals, **both})])
+    assert found.what == "no column position but 2 in groups: 'a/position', 'b/position'"
+
+
 def test_column_without_values_is_missing(twin: FmuTwin, sound: list[Recording]) -> None:
     blank = sound[0].with_signals({"torque_command": np.full(len(sound[0]), np.nan)})
     (found,) = missing_signals(twin, [blank])

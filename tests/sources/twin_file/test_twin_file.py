@@ -110,6 +110,14 @@ def test_fmus_are_paths_or_our_own_controllers() -> None:
             MINIMAL.replace("1e-3", "-1e-3"),
             "ax7.toml: step: expected greater than 0, got -0.001",
         ),
+        (
+            "stop_time = 'end'\n" + MINIMAL,
+            "ax7.toml: stop_time: expected true, false or a number of seconds, got 'end'",
+        ),
+        (
+            "stop_time = inf\n" + MINIMAL,
+            "ax7.toml: stop_time: expected true, false or a number of seconds, got inf",
+        ),
         (MINIMAL.replace("1e-3", "'fast'"), "ax7.toml: step: expected number, got 'fast'"),
         (
             MINIMAL.replace("1e-3", "inf"),
