@@ -17,6 +17,8 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 
 Array = NDArray[np.float64]
 
+_DAMPING = 1e-3  # of a first step
+
 SETTLED, AT_THE_END = 0.1, 0.02
 """[nats] Gain that a step promises, below which a search has ended. Evidence is that of a
 parabola's top, whether or not a search has come there; values that are told come to the end."""
@@ -187,17 +189,18 @@ class ModeSearch:
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float
     ) -> Fitted:
-        damping = 1e-3
+        damping = _DAMPING
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
-            if gain < settled:
+            if gain < (settled if damping <= _DAMPING else AT_THE_END):
                 return replace(at, columns=columns, converged=True)
             moved = self._moved(at, step)
             fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
             while fall <= 0.0 and damping < 1e4:
                 damping *= 10.0
+                # A short step promises little, wherever it begins.
                 step, gain = self._step(at, columns, damping)
-                if gain < settled:
+                if gain < AT_THE_END:
                     return replace(at, columns=columns, converged=True)
                 moved = self._moved(at, step)
                 fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
@@ -205,7 +208,7 @@ class ModeSearch:
                 return replace(at, columns=columns, converged=False)
             at, damping = moved, max(0.1 * damping, 1e-7)
             columns = self._columns(at)
-            if fall < settled:
+            if fall < AT_THE_END:
                 return replace(at, columns=columns, converged=True)
         return replace(at, columns=columns, converged=False)
 

@@ -224,7 +224,7 @@ def test_a_range_that_explains_the_gain_speaks_for_the_axis(
 @pytest.mark.parametrize("size", [0.2, 3.5])
 def test_a_single_step_tells_the_unit_and_the_sign(size: float, twin: FmuTwin) -> None:
     """The reference moves in one row: halves of the motion are those of what follows it."""
-    (moved,) = SERVO.recordings({}, [lambda t: size * (t > 0.1)])
+    (moved,) = SERVO.recordings({}, [lambda t: np.where(t > 0.1, size, 0.0)])
     refuse_contradictions(twin, [moved])
     for factor, said in (
         (DEGREES, "as if it were in deg"),
