@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 
 Columns = tuple[tuple[Array, ...], ...]
 
-_ROUNDS = 3  # of backfitting: errors of a recording and of its stretches are little alike
 _LINEAR = 0.01  # of its linear answer: less than this noise makes in an axis without friction
 
 
@@ -75,7 +74,9 @@ class SimulationErrors:
     def taken_out(
         self, problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels
     ) -> Fitted:
-        """A fit whose residual lacks what these errors most likely made of it.
+        """A fit whose residual lacks what the constant errors most likely made of it.
+
+        Those that vary are as many in each stretch as would take noise with them.
 
         Parameters
         ----------
@@ -94,19 +95,12 @@ class SimulationErrors:
             fitted.residual,
             rates,
             self.on(problem, fitted),
-            problem.stretches(),
             strict=True,
         )
         left = []
-        for segment, residual, rate, (constant, varying), stretches in parts:
+        for segment, residual, rate, (constant, _) in parts:
             whitener = segment_whitener(segment, kernels, levels, rate)
-            by_recording = by_stretch = np.zeros(residual.shape)
-            for _ in range(_ROUNDS):
-                by_recording = whitener.mean_of(
-                    constant, [slice(0, residual.shape[1])], residual - by_stretch
-                )
-                by_stretch = whitener.mean_of(varying, stretches, residual - by_recording)
-            left.append(residual - by_recording - by_stretch)
+            left.append(residual - whitener.mean_of(constant, residual))
         return replace(fitted, residual=left)
 
 
@@ -136,7 +130,10 @@ def errors_of(
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
-    constant = [simulations.input_errors(point, runs), *_averaging(simulations, runs)]
+    # Noise that is played is in the rows that are averaged, and would be taken for an error.
+    quiet = replace(point, noise=None)
+    still = runs if point.noise is None else simulations.run([quiet])[0]
+    constant = [simulations.input_errors(quiet, still), *_averaging(simulations, still)]
     found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)

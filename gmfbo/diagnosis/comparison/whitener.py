@@ -127,27 +127,22 @@ class SegmentWhitener:
             logs[rows] += np.log1p(sizes**2).sum() / (rows.stop - rows.start)
         return replace(self, log_determinants=logs, spreads=(*self.spreads, *spreads))
 
-    def mean_of(self, errors: Array, stretches: Sequence[slice], residual: Array) -> Array:
+    def mean_of(self, errors: Array, residual: Array) -> Array:
         """What errors beside the noise most likely made of a residual, shape (m, n).
 
         Parameters
         ----------
         errors : ndarray, shape (k, m, n)
-            Each of one standard deviation, of an own size in each stretch.
-        stretches : sequence of slice
-            Rows.
+            Each of one standard deviation, of one size in the segment.
         residual : ndarray, shape (m, n)
             [SI] Of the segment.
         """
-        made = np.zeros(residual.shape)
         if not len(errors):
-            return made
-        white, seen = self._filtered(errors), self._filtered(residual)
-        for rows in stretches:
-            flat = white[:, :, rows].reshape(len(white), -1)
-            precision = np.eye(len(white)) + flat @ flat.T
-            sizes = np.linalg.solve(precision, flat @ seen[:, rows].ravel())
-            made[:, rows] = np.tensordot(sizes, errors[:, :, rows], axes=1)
+            return np.zeros(residual.shape)
+        flat = self._filtered(errors).reshape(len(errors), -1)
+        precision = np.eye(len(errors)) + flat @ flat.T
+        sizes = np.linalg.solve(precision, flat @ self._filtered(residual).ravel())
+        made: Array = np.tensordot(sizes, errors, axes=1)
         return made
 
     def _filtered(self, columns: Array) -> Array:
