@@ -12,7 +12,7 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import SegmentWhitener
 from gmfbo.diagnosis.runs.scored_record import scored_record
-from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO
@@ -150,6 +150,20 @@ def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulat
     late = 1e-3 * (5 - 1) / (2 * 5)  # [s] of five samples in a row of 1 ms
     assert averaged @ speed / (speed @ speed) == pytest.approx(-late, rel=0.01)
     assert not other.any()
+
+
+def test_played_noise_is_no_error_of_one_size(axis: Simulations) -> None:
+    rows = axis.records[0].plan.grid.size
+    noise = 10.0 * LEVEL * np.random.default_rng(4).standard_normal(rows)
+    silent = tuple(np.zeros(signal.time.size) for signal in axis.records[0].signals)
+    played = Point(noise=(PlayedNoise(noise, silent),))
+    errors, _ = measured(axis, played)
+    quiet, _ = measured(axis, Point())
+    assert (
+        np.std(axis.run([played])[0][0].signals[0] - axis.run([Point()])[0][0].signals[0]) > LEVEL
+    )
+    for own, other in zip(errors.constant[0], quiet.constant[0], strict=True):
+        np.testing.assert_allclose(own, other, atol=1e-12)
 
 
 def test_a_reference_drawn_straight_moves_a_loop_ahead_by_half_a_row(axis: Simulations) -> None:
