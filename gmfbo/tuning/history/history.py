@@ -30,6 +30,7 @@ from gmfbo.tuning.history.ranked import by_rank
 from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import StandingStore, real_runs_at_ask
 from gmfbo.tuning.history.state import Observation, TuningState
+from gmfbo.tuning.history.trials_by_source import TrialsBySource
 from gmfbo.tuning.history.twin_budget import EVENT, TwinBudget
 from gmfbo.tuning.history.worth import worth_remarks
 from gmfbo.tuning.study_file.gain_choice import GainChoice
@@ -96,7 +97,7 @@ class History:
         self.caution = Caution(gains.space, self.envelope, starts, limited and len(starts) > 0)
         self.twin_budget = TwinBudget(study.budget, ranked)
         self.trials: list[Trial] = store.trials()
-        self._by_source, self._sorted = dict[str, list[Trial]](), 0
+        self._by_source = TrialsBySource()
         self.waiting: dict[int, Mapping[str, float]] = {}
         self.twin: str | None = None
         events = store.events()
@@ -121,11 +122,7 @@ class History:
     def of(self, *sources: SourceName) -> list[Trial]:
         """Trials of some sources, in order."""
         if len(sources) == 1:
-            # Asked for several times a run, and a study has thousands of twin runs.
-            for trial in self.trials[self._sorted :]:
-                self._by_source.setdefault(trial.source, []).append(trial)
-            self._sorted = len(self.trials)
-            return list(self._by_source.get(sources[0], ()))
+            return self._by_source.of(self.trials, sources[0])
         return [trial for trial in self.trials if trial.source in sources]
 
     def children(self, parent: Trial, source: SourceName) -> list[Trial]:
