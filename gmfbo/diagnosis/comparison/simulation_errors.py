@@ -17,7 +17,6 @@ from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.segments import Segment
 from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.whitener import segment_whitener
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
@@ -57,19 +56,21 @@ class SimulationErrors:
         fitted : Fitted
             Signals and errors of the logger about which they are stored.
         """
-        logging, nuisances = problem.logging, fitted.nuisances
+        constant, varying = (
+            self._stored(columns, problem, fitted) for columns in (self.constant, self.varying)
+        )
+        return list(zip(constant, varying, strict=True))
 
-        def stored(columns: Columns, segment: Segment, values: Array) -> Array:
+    def _stored(self, columns: Columns, problem: Problem, fitted: Fitted) -> list[Array]:
+        logging, nuisances = problem.logging, fitted.nuisances
+        found = []
+        for segment, values in zip(problem.segments, fitted.values, strict=True):
             own = columns[segment.record] if problem.simulations is self.simulations else ()
             errors = [segment.read(one) for one in zip(*own, strict=True)]
             seen = logging.seen(segment, values, nuisances) if errors else values
             made = [logging.seen(segment, values + error, nuisances) - seen for error in errors]
-            return np.array(made).reshape(len(made), *values.shape)
-
-        return [
-            (stored(self.constant, *there), stored(self.varying, *there))
-            for there in zip(problem.segments, fitted.values, strict=True)
-        ]
+            found.append(np.array(made).reshape(len(made), *values.shape))
+        return found
 
     def taken_out(
         self, problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels
@@ -89,18 +90,16 @@ class SimulationErrors:
         levels : Levels
             Of the noise beside them.
         """
+        constant = self._stored(self.constant, problem, fitted)
+        if not any(len(errors) for errors in constant):
+            return fitted
         rates = problem.rates(fitted.values)
-        parts = zip(
-            problem.segments,
-            fitted.residual,
-            rates,
-            self.on(problem, fitted),
-            strict=True,
-        )
         left = []
-        for segment, residual, rate, (constant, _) in parts:
+        for segment, residual, rate, errors in zip(
+            problem.segments, fitted.residual, rates, constant, strict=True
+        ):
             whitener = segment_whitener(segment, kernels, levels, rate)
-            left.append(residual - whitener.mean_of(constant, residual))
+            left.append(residual - whitener.mean_of(errors, residual))
         return replace(fitted, residual=left)
 
 

@@ -125,12 +125,7 @@ class Simulations:
         finer = self.half_step
         if finer is None:
             return [None] * len(runs)
-        return [
-            tuple(after - before for before, after in zip(one.signals, fine.signals, strict=True))
-            if fine.finite
-            else None
-            for one, fine in zip(runs, finer.run([point])[0], strict=True)
-        ]
+        return _changes(runs, finer.run([point])[0])
 
     def input_errors(
         self, point: Point, runs: Sequence[Simulated]
@@ -150,13 +145,7 @@ class Simulations:
         """
         if not self.unstated or self.tracking is not None:
             return [None] * len(runs)
-        straight = self.map(lambda k: self._run_straight(point, k), range(len(runs)))
-        return [
-            tuple(after - before for before, after in zip(one.signals, other.signals, strict=True))
-            if other.finite
-            else None
-            for one, other in zip(runs, straight, strict=True)
-        ]
+        return _changes(runs, self.map(lambda k: self._run_straight(point, k), range(len(runs))))
 
     def averaged(self, run: Simulated, record: int) -> tuple[NDArray[np.float64], ...]:
         """[SI] Scored signals of a run as a logger stores them that averages over its rows.
@@ -172,12 +161,10 @@ class Simulations:
         return tuple(_at(own.plan, run.response.mean[s.name], s.time) for s in own.signals)
 
     def _run_straight(self, point: Point, record: int) -> Simulated:
-        physics = point.physics_in(record)
-        plan = self._plan(record, physics).straight(self.unstated)
-        values = tuple(point.parameters.items())
-        run = _Run(plan, record, values, tuple(physics.items()), self.tracking)
-        response = self._logged(self._simulate(run))
-        return Simulated(self.read(response, record), response)
+        run = self._ordered(point, record, self.tracking)
+        return self._seen(
+            self._simulate(replace(run, plan=run.plan.straight(self.unstated))), record
+        )
 
     @property
     def settings(self) -> dict[str, float]:
@@ -250,20 +237,19 @@ class Simulations:
         measured_noise: NDArray[np.float64] | None,
         tracking: Tracking | None,
     ) -> Simulated:
-        physics = point.physics_in(record)
-        run = _Run(
-            self._plan(record, physics),
-            record,
-            tuple(point.parameters.items()),
-            tuple(physics.items()),
-            tracking,
-        )
+        run = self._ordered(point, record, tracking)
         if excitation is None and measured_noise is None:
-            response = self._remembered(run)
-        else:
-            response = self._simulate(run, excitation, measured_noise)
-        response = self._logged(response)
-        return Simulated(self.read(response, record), response)
+            return self._seen(self._remembered(run), record)
+        return self._seen(self._simulate(run, excitation, measured_noise), record)
+
+    def _ordered(self, point: Point, record: int, tracking: Tracking | None) -> _Run:
+        physics = point.physics_in(record)
+        plan, values = self._plan(record, physics), tuple(point.parameters.items())
+        return _Run(plan, record, values, tuple(physics.items()), tracking)
+
+    def _seen(self, response: Response, record: int) -> Simulated:
+        logged = self._logged(response)
+        return Simulated(self.read(logged, record), logged)
 
     def _plan(self, record: int, physics: Mapping[str, float]) -> RunPlan:
         plan = self.records[record].plan
@@ -376,6 +362,18 @@ class Simulations:
         with self._lock:
             self.runs += 1
         self.on_run()
+
+
+def _changes(
+    runs: Sequence[Simulated], others: Sequence[Simulated]
+) -> list[tuple[NDArray[np.float64], ...] | None]:
+    """[SI] By how much other runs of the recordings differ; None where one ended early."""
+    return [
+        tuple(after - before for before, after in zip(one.signals, other.signals, strict=True))
+        if other.finite
+        else None
+        for one, other in zip(runs, others, strict=True)
+    ]
 
 
 def _after_rest(plan: RunPlan, rest: int) -> RunPlan:
