@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.numbers import SAME
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SAME, SETTLED
 from gmfbo.diagnosis.comparison.priors import Prior, bounds_of, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -18,10 +18,6 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 _DAMPING = 1e-3  # of a first step
-
-SETTLED, AT_THE_END = 0.1, 0.02
-"""[nats] Gain that a step promises, below which a search has ended. Evidence is that of a
-parabola's top, whether or not a search has come there; values that are told come to the end."""
 
 _POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration

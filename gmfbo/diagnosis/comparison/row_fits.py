@@ -9,7 +9,8 @@ import numpy as np
 
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
-from gmfbo.diagnosis.comparison.posterior_mode import AT_THE_END, Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END
+from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
