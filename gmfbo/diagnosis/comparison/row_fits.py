@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -154,7 +155,7 @@ class RowFits:
 
 def chi(row: Fitted, whitening: Whitening) -> float:
     """Whitened square of what a row leaves."""
-    return whitening.square(row.residual)
+    return row.beside_own_parts(whitening).square(row.residual)
 
 
 def limits_in(elements: frozenset[str]) -> int:

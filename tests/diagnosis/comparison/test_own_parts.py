@@ -1,0 +1,80 @@
+"""Spreads of own parts, against the density of all recordings at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gmfbo.diagnosis.comparison.own_parts import restricted, spreads
+
+ROWS = 60
+PLACES = np.array([0, 1])
+
+
+def recordings(spread: float, seed: int, count: int = 6) -> tuple[np.ndarray, np.ndarray]:
+    """Columns (count, 3, rows) and residuals (count, rows) of noise 1."""
+    rng = np.random.default_rng(seed)
+    columns = rng.standard_normal((count, 3, ROWS))
+    own = spread * rng.standard_normal(count)
+    return columns, own[:, None] * columns[:, 0] + rng.standard_normal((count, ROWS))
+
+
+def grams(columns: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return (
+        np.einsum("rin,rjn->rij", columns, columns),
+        np.einsum("rin,rn->ri", columns, residual),
+    )
+
+
+def dense(columns: np.ndarray, residual: np.ndarray, sizes: np.ndarray) -> float:
+    """Log density of all residuals: common values with unit priors, own parts, noise."""
+    count = len(columns)
+    common = columns.transpose(1, 0, 2).reshape(3, -1)
+    cov = np.eye(count * ROWS) + common.T @ common
+    for r in range(count):
+        rows = slice(r * ROWS, (r + 1) * ROWS)
+        own = columns[r, PLACES] * sizes[:, None]
+        cov[rows, rows] += own.T @ own
+    z = residual.ravel()
+    return -0.5 * float(z @ np.linalg.solve(cov, z)) - 0.5 * float(np.linalg.slogdet(cov)[1])
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 1000), st.tuples(st.floats(0.0, 2.0), st.floats(0.0, 2.0)))
+def test_density_is_that_of_all_recordings_at_once(seed: int, pair: tuple[float, float]) -> None:
+    columns, residual = recordings(0.5, seed)
+    inner, sizes = grams(columns, residual), np.array(pair)
+    found = [
+        restricted(*inner, np.ones(3), np.zeros(3), PLACES, size) for size in (sizes, 0.0 * sizes)
+    ]
+    exact = [dense(columns, residual, size) for size in (sizes, 0.0 * sizes)]
+    assert found[0] - found[1] == pytest.approx(exact[0] - exact[1], abs=1e-6)
+
+
+def test_a_spread_is_recovered() -> None:
+    columns, residual = recordings(0.6, 5, count=40)
+    found = spreads(*grams(columns, residual), np.ones(3), np.zeros(3), PLACES, np.full(2, 0.5))
+    assert found[0] == pytest.approx(0.6, rel=0.3)
+    assert found[1] < 0.1
+
+
+def test_an_even_quantity_has_none_or_little() -> None:
+    """Negative control: a spread of no more than a value of one recording is uncertain by."""
+    found = []
+    for seed in range(20):
+        inner = grams(*recordings(0.0, seed, count=5))
+        found.append(spreads(*inner, np.ones(3), np.zeros(3), PLACES, np.full(2, 0.5)))
+    assert np.mean(np.array(found) == 0.0) > 0.5
+    assert np.max(found) < 2.0 / np.sqrt(ROWS)
+
+
+def test_of_one_recording_no_spread_is_learned() -> None:
+    """Common and own part are the same there: only the prior speaks."""
+    columns, residual = recordings(0.0, 7, count=1)
+    residual = residual + 3.0 * columns[:, 0]
+    found = spreads(
+        *grams(columns, residual), np.full(3, 1e-6), np.zeros(3), PLACES, np.full(2, 0.5)
+    )
+    np.testing.assert_allclose(found, 0.0)
