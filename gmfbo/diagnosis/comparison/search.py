@@ -79,7 +79,7 @@ class Search:
         errors = noise.errors(base, kernels, None)
         for _ in range(2):
             levels = noise.levels(base, kernels, levels, errors)
-            errors = noise.errors(base, kernels, levels)
+            errors = replace(noise.errors(base, kernels, levels), spreads={})
             whitening = noise.scaled(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
