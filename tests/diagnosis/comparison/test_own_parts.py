@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.comparison.own_parts import restricted, spreads
+from gmfbo.diagnosis.comparison.own_parts import eliminated, restricted, spreads
 
 ROWS = 60
 PLACES = np.array([0, 1])
@@ -78,3 +78,33 @@ def test_of_one_recording_no_spread_is_learned() -> None:
         *grams(columns, residual), np.full(3, 1e-6), np.zeros(3), PLACES, np.full(2, 0.5)
     )
     np.testing.assert_allclose(found, 0.0)
+
+
+def test_a_step_and_own_parts_are_those_of_one_joint_fit() -> None:
+    columns, residual = recordings(0.8, 11, count=4)
+    count, sizes = len(columns), np.array([0.5, 0.2])
+    left = eliminated(*grams(columns, residual), PLACES, sizes)
+    step = np.linalg.solve(left.matrix + np.eye(3), left.product)
+    design = np.zeros((count, ROWS, 3 + 2 * count))
+    for r in range(count):
+        design[r, :, :3] = columns[r].T
+        design[r, :, 3 + 2 * r : 5 + 2 * r] = columns[r, PLACES].T
+    flat = design.reshape(count * ROWS, -1)
+    prior = np.diag(np.concatenate([np.ones(3), np.tile(sizes**-2, count)]))
+    joint = np.linalg.solve(flat.T @ flat + prior, flat.T @ residual.ravel())
+    np.testing.assert_allclose(step, joint[:3], rtol=1e-9)
+    np.testing.assert_allclose(left.parts(step).ravel(), joint[3:], rtol=1e-8)
+
+
+def test_the_gain_of_own_parts_is_what_a_joint_fit_gains_by_them() -> None:
+    columns, residual = recordings(0.8, 12, count=3)
+    sizes, began = np.array([0.5, 0.2]), np.full((3, 2), 0.1)
+    left = eliminated(*grams(columns, residual), PLACES, sizes)
+
+    def cost(parts: np.ndarray) -> float:
+        made = np.einsum("rk,rkn->rn", parts, columns[:, PLACES])
+        return 0.5 * float(np.sum((residual - made) ** 2) + np.sum((parts / sizes) ** 2))
+
+    best = left.parts(np.zeros(3))
+    assert left.gain(began) == pytest.approx(cost(began) - cost(best))
+    assert left.gain(best) == pytest.approx(0.0, abs=1e-12)
