@@ -116,6 +116,8 @@ def spreads(
         )
 
     zero = np.zeros(places.size)
+    if not places.size:
+        return zero
     best, least = zero, cost(zero)
     for start in _STARTS:
         found = minimize(

@@ -70,6 +70,12 @@ def test_an_even_quantity_has_none_or_little() -> None:
     assert np.max(found) < 2.0 / np.sqrt(ROWS)
 
 
+def test_without_quantities_there_are_no_spreads() -> None:
+    none = np.zeros(0)
+    found = spreads(np.zeros((4, 0, 0)), np.zeros((4, 0)), none, none, [], none)
+    assert found.size == 0
+
+
 def test_of_one_recording_no_spread_is_learned() -> None:
     """Common and own part are the same there: only the prior speaks."""
     columns, residual = recordings(0.0, 7, count=1)
@@ -84,7 +90,7 @@ def test_a_step_and_own_parts_are_those_of_one_joint_fit() -> None:
     columns, residual = recordings(0.8, 11, count=4)
     count, sizes = len(columns), np.array([0.5, 0.2])
     left = eliminated(*grams(columns, residual), PLACES, sizes)
-    step = np.linalg.solve(left.matrix + np.eye(3), left.product)
+    step = np.linalg.solve(left.matrix + np.eye(3), left.product).astype(np.float64)
     design = np.zeros((count, ROWS, 3 + 2 * count))
     for r in range(count):
         design[r, :, :3] = columns[r].T
