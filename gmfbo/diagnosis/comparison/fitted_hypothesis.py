@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -70,6 +71,15 @@ class Fitted:
     def own_values(self) -> list[dict[str, float]]:
         """By recording, the values of quantities that have own parts."""
         return own_values(self.priors, self.hypothesis.names, self.u, self.own)
+
+    def own_of(self, names: Sequence[str]) -> Array:
+        """Own parts of quantities by name, shape (n_recordings, n_names); 0 of others."""
+        places = {name: i for i, name in enumerate(self.hypothesis.names)}
+        found = np.zeros((self.own.shape[0], len(names)))
+        for k, name in enumerate(names):
+            if name in places and self.own.size:
+                found[:, k] = self.own[:, places[name]]
+        return found
 
     @property
     def parameters(self) -> dict[str, float]:

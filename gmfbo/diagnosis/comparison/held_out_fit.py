@@ -102,7 +102,7 @@ def part_of(
     """
     part = _stated_on(case, search, ledger, row, windows)
     found = ModeSearch(part.problem, part.whitening, row.hypothesis, row.freed).fitted(
-        row.parameters, row.nuisances, iterations=20, settled=AT_THE_END
+        row.parameters, row.nuisances, iterations=20, settled=AT_THE_END, near=row
     )
     return part if found is None else replace(part, fitted=found)
 

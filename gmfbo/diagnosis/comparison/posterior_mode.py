@@ -64,6 +64,7 @@ class ModeSearch:
         nuisances: Array | None = None,
         iterations: int = 10,
         settled: float = SETTLED,
+        near: Fitted | None = None,
     ) -> Fitted | None:
         """Search from these values of the twin's parameters; None where they cannot be simulated.
 
@@ -77,8 +78,10 @@ class ModeSearch:
             Most points with a Jacobian.
         settled : float
             [nats] Gain that is no longer worth a step.
+        near : Fitted, optional
+            Whose own parts are a start.
         """
-        own = np.zeros((len(self._problem.simulations.records), self._spread.size))
+        own = self._own_near(near)
         at = self._at(self._inside(self._start(parameters)), nuisances, own)
         return None if at is None else self._searched(at, self._columns(at), iterations, settled)
 
@@ -96,7 +99,7 @@ class ModeSearch:
         settled : float
             [nats] Gain that is no longer worth a step.
         """
-        own = self._own_of(row)
+        own = self._own_near(row)
         if row.hypothesis.noise is self._hypothesis.noise and np.array_equal(own, row.own):
             residual = self._beside(row.residual, row.columns, -own)
             there = replace(row, residual=residual)
@@ -139,12 +142,12 @@ class ModeSearch:
         residual = self._beside(at.residual, columns, at.own)
         return replace(at, residual=residual, columns=columns, converged=converged)
 
-    def _own_of(self, row: Fitted) -> Array:
-        """Own parts of a row, of the quantities that have any."""
+    def _own_near(self, row: Fitted | None) -> Array:
+        """Own parts of another fit, of the quantities that have any here."""
         count = len(self._problem.simulations.records)
-        if row.own.shape != (count, self._spread.size):
+        if row is None or len(row.own) != count:
             return np.zeros((count, self._spread.size))
-        return np.where(self._spread > 0.0, row.own, 0.0)
+        return np.where(self._spread > 0.0, row.own_of(self._hypothesis.names), 0.0)
 
     def _beside(self, residual: list[Array], columns: list[Array], own: Array) -> list[Array]:
         """A residual with what own parts make of it, as the columns show it."""
