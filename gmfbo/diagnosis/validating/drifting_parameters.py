@@ -25,7 +25,8 @@ def drifts_of(case: Case, compared: Compared, row: Fitted) -> dict[str, dict[str
     """Value of each drifting parameter in each recording.
 
     A parameter has an own part in each recording, by the parabola about the fit. It drifts if
-    these differ by more than chance (Wald 1943), and by more than is usual.
+    these differ by more than chance (Wald 1943), and by more than is usual. What is told are the
+    values at which the recordings were simulated, where the model has such.
 
     Parameters
     ----------
@@ -57,9 +58,12 @@ def drifts_of(case: Case, compared: Compared, row: Fitted) -> dict[str, dict[str
         statistic = float(steps @ np.linalg.solve(contrasts @ spread @ contrasts.T, steps))
         if chi2_distribution.sf(statistic, len(steps)) > _CHANCE / len(uncertain):
             continue
-        # What hardly shows in a recording says nothing of its value there.
-        mean = 1.0 / np.diag(spread) @ parts / np.sum(1.0 / np.diag(spread))
-        values = [_value(row, i, float(part - mean)) for part in parts]
+        if row.own.size and row.own[:, i].any():
+            changes = row.own[:, i]
+        else:
+            # What hardly shows in a recording says nothing of its value there.
+            changes = parts - 1.0 / np.diag(spread) @ parts / np.sum(1.0 / np.diag(spread))
+        values = [_value(row, i, float(change)) for change in changes]
         if max(values) - min(values) > OWN_SPREAD * abs(float(row.x[i])):
             found[one.name] = dict(zip((r.name for r in records), values, strict=True))
     return found
