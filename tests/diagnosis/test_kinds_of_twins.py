@@ -16,7 +16,15 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.servo_recordings import rewritten
-from tests.diagnosis.short_recordings import BENCH, LOOP, PLANT, SERVO, Axis, diagnosed, named
+from tests.diagnosis.short_recordings import (
+    BENCH,
+    LOOP,
+    PLANT,
+    SERVO,
+    Axis,
+    diagnosed,
+    named,
+)
 
 FRICTION = {"coulomb_friction.level": 0.25, "coulomb_friction.deflection": 1e-6}
 SPLIT = Axis(
