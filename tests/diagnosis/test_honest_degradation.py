@@ -109,7 +109,7 @@ def test_each_kind_of_gap_alone_does_no_harm(spoil: Callable[[Recording], Record
 @pytest.mark.parametrize("logged", ["held", pytest.param("new", marks=pytest.mark.slow)])
 def test_an_unknown_loggers_convention_is_found(logged: str) -> None:
     new = ["torque_command"] if logged == "new" else []
-    recordings = SERVO.recordings(FRICTION, written_by="", logged_new=new)
+    recordings = SERVO.recordings(FRICTION, (multisine,), written_by="", logged_new=new)
     diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
     assert diagnosis.alignment["torque_command"].logged == logged
     assert diagnosis.alignment["position"].logged == "held"
