@@ -69,12 +69,14 @@ class Logging:
             [standard deviations]
         """
         total = values.copy()
+        rates = [np.gradient(column, segment.spacing) for column in values]
         for (kind, name), nu in zip(self.names, nuisances, strict=True):
             if nu == 0.0 or (kind != "clock" and name not in segment.names):
                 continue
             rows = [segment.names.index(name)] if name else list(range(len(values)))
             for row in rows:
-                total[row] += self._change(kind, name, segment, values[row], float(nu))
+                column, rate = values[row], rates[row]
+                total[row] += self._change(kind, name, segment, column, rate, float(nu))
         return total
 
     def slopes(self, segment: Segment, values: Array, nuisances: Array) -> Array:
@@ -96,11 +98,12 @@ class Logging:
                 columns[i, row] = self._slope(kind, name, segment, column, rate, float(nu))
         return columns
 
-    def _change(self, kind: str, name: str, segment: Segment, column: Array, nu: float) -> Array:
+    def _change(
+        self, kind: str, name: str, segment: Segment, column: Array, rate: Array, nu: float
+    ) -> Array:
         if kind == "filter":
             time = LOW_PASS_SHARE * segment.spacing * np.expm1(nu)
             return _filtered(column, time, segment.spacing) - column
-        rate = np.gradient(column, segment.spacing)
         return nu * self._slope(kind, name, segment, column, rate, 0.0)
 
     def _slope(
