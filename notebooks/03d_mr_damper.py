@@ -114,7 +114,7 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 # ## What this says, and what it does not
 #
 # Two effects are named. The first is a force that closes its loop over about a millimetre. The
-# second stands for friction that grows with speed: 6 N near standstill and 17 N well above
+# second stands for friction that grows with speed: 7 N near standstill and 17 N well above
 # 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the sentence says so:
 # the second name rises with speed too and takes its place, so widen the range before you believe
 # how the two share it.
@@ -136,6 +136,10 @@ hysteresis = named["hysteresis"]
 assert not set(hysteresis.indistinguishable_from) & {"coulomb_friction", "stribeck_friction"}
 assert 40.0 < hysteresis.parameters["level"].value < 60.0  # [N] of 80 N at most
 assert 5e-4 < hysteresis.parameters["deflection"].value < 2e-3  # [m]
+rising = named["stribeck_friction"].parameters
+assert 5.0 < rising["breakaway"].value < 9.0  # [N]
+assert 15.0 < rising["level"].value < 19.0  # [N]
+assert 0.015 < rising["velocity"].value < 0.025  # [m/s]
 
 assert abs(viscous - 0.368) < 0.005, "as others have measured it"
 assert abs(coulomb - 0.447) < 0.01, "as others have measured it"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from pathlib import Path
@@ -9,6 +10,9 @@ from pathlib import Path
 # Before NumPy and torch load: see gmfbo/__init__.py.
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
+
+# Millions of objects of torch, of other packages and of the tests themselves stay to the end.
+gc.disable()
 
 import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402
@@ -35,6 +39,12 @@ LONGEST = [
     TESTS / "tuning",
 ]
 """A file is one process' work: one that takes a minute must not be the last to begin."""
+
+
+def pytest_collection_finish() -> None:
+    """Collect garbage from now on, but look at nothing that was there before the first test."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

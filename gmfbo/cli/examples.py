@@ -14,6 +14,9 @@ from gmfbo.errors import InputError
 MODELS = ("servo_axis", "demo_axis")
 """Twin files, with their FMU, that lie in models/ and go beside the recordings."""
 
+PARTS = ("cascade_p_pi", "motor_bench")
+"""FMUs in models/ that `p_pi_axis.toml` joins."""
+
 MANUAL = Manual(
     files={
         "DIR/README.md": "what each file is",
@@ -21,6 +24,7 @@ MANUAL = Manual(
         "DIR/limits.toml": "what that axis may do",
         "DIR/joint.toml": "a tuning study of the same axis",
         "DIR/servo_axis.toml": "a twin, with four recordings run0.csv to run3.csv of its axis",
+        "DIR/p_pi_axis.toml": "a twin for an axis without an FMU: a motor under P-PI control",
     },
     examples={"Then cd tour, and type README's commands:": "gmfbo examples tour"},
     see_also=("gmfbo demo", "gmfbo diagnose", "README.md"),
@@ -67,6 +71,7 @@ def _models() -> list[tuple[Path, Path]]:
     from gmfbo.sources.fmu_file.models import models_folder
 
     names = [f"{model}.{ending}" for model in MODELS for ending in ("toml", "fmu")]
+    names += [f"{part}.fmu" for part in PARTS]
     return [(Path(name), models_folder() / name) for name in names]
 
 

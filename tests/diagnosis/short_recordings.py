@@ -22,6 +22,10 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
 
 Reference = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
+PLANT = ("coulomb_friction", "viscous_friction", "constant_torque_offset", "gravity_torque")
+LOOP = (*PLANT, "actuator_gain_loss", "transport_delay", "sensor_lag")
+"""Effects of the plant, and of all ports of a loop."""
+
 SERVO_GAINS = {"kp": 40.0, "kd": 0.8}
 SERVO_NOISE = {"position": 3e-5, "torque_command": 0.02}
 SERVO_TRUTH = {"inertia": 0.0105, "viscous": 0.03}

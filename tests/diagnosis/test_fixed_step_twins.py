@@ -6,11 +6,11 @@ from pathlib import Path
 
 from gmfbo import FmuTwin
 from gmfbo.sources.export.export import export_augmented
-from tests.diagnosis.short_recordings import SERVO, diagnosed, named
+from tests.diagnosis.short_recordings import SERVO, diagnosed, multisine, named
 
 
 def test_friction_is_found_in_a_twin_that_refuses_finer_steps(tmp_path: Path) -> None:
-    recordings = SERVO.recordings({"coulomb_friction.level": 0.2})
+    recordings = SERVO.recordings({"coulomb_friction.level": 0.2}, (multisine,))
     with SERVO.twin() as twin:
         # Exported at one substep, the FMU answers anything but whole steps with an error.
         fixed = export_augmented(twin, tmp_path, parameters={}, physics=[], settings={}, substeps=1)

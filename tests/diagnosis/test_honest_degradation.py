@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -64,38 +64,52 @@ def from_row(recording: Recording, first: int) -> Recording:
     )
 
 
-def test_one_recording_is_enough_where_friction_is_plain() -> None:
-    diagnosis = diagnosed(SERVO.twin(), SERVO.recordings(FRICTION, (multisine,)), only=FEW)
-    assert finds_friction(diagnosis)
-    assert diagnosis.fit.held_out
+def at_a_quarter_of_the_rate(recording: Recording) -> Recording:
+    position = recording.signals["position"].copy()
+    position[np.arange(position.size) % 4 != 0] = np.nan
+    return recording.with_signals({"position": position})
 
 
-def test_the_position_alone_tells_friction() -> None:
-    recordings = SERVO.recordings(FRICTION, signals=["position"])
+def with_lost_rows(recording: Recording) -> Recording:
+    """40 rows on end, and one."""
+    lost = {n: recording.signals[n].copy() for n in ("position", "torque_command")}
+    for column in lost.values():
+        column[300:340], column[700] = np.nan, np.nan
+    return recording.with_signals(lost)
+
+
+def without_command(recording: Recording) -> Recording:
+    signals = {n: c for n, c in recording.signals.items() if n != "torque_command"}
+    return replace(recording, signals=signals)
+
+
+def test_one_recording_of_the_position_alone_tells_plain_friction() -> None:
+    recordings = SERVO.recordings(FRICTION, (multisine,), signals=["position"])
     diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
     assert finds_friction(diagnosis)
+    assert diagnosis.fit.held_out
     assert list(diagnosis.fit.signals) == ["position"]
 
 
-def test_a_position_at_a_quarter_of_the_rate_leaves_blank_cells_that_do_no_harm() -> None:
-    recordings = []
-    for recording in SERVO.recordings(FRICTION):
-        position = recording.signals["position"].copy()
-        position[np.arange(position.size) % 4 != 0] = np.nan
-        recordings.append(recording.with_signals({"position": position}))
-    assert decides_on_friction(recordings)
-
-
-def test_a_recording_without_one_of_the_signals_counts_by_the_others() -> None:
+def test_lost_rows_blank_cells_and_a_missing_signal_do_no_harm() -> None:
+    """A line across 40 lost rows is no motion: taken for one, friction was 7 % off."""
     first, second = SERVO.recordings(FRICTION)
-    signals = {n: c for n, c in second.signals.items() if n != "torque_command"}
-    assert decides_on_friction([first, replace(second, signals=signals)])
+    spoilt = with_lost_rows(at_a_quarter_of_the_rate(first))
+    assert decides_on_friction([spoilt, without_command(second)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("spoil", [at_a_quarter_of_the_rate, with_lost_rows, without_command])
+def test_each_kind_of_gap_alone_does_no_harm(spoil: Callable[[Recording], Recording]) -> None:
+    first, second = SERVO.recordings(FRICTION)
+    both = spoil is not without_command  # one has to hold the command
+    assert decides_on_friction([spoil(first) if both else first, spoil(second)])
 
 
 @pytest.mark.parametrize("logged", ["held", pytest.param("new", marks=pytest.mark.slow)])
 def test_an_unknown_loggers_convention_is_found(logged: str) -> None:
     new = ["torque_command"] if logged == "new" else []
-    recordings = SERVO.recordings(FRICTION, written_by="", logged_new=new)
+    recordings = SERVO.recordings(FRICTION, (multisine,), written_by="", logged_new=new)
     diagnosis = diagnosed(SERVO.twin(), recordings, only=FEW)
     assert diagnosis.alignment["torque_command"].logged == logged
     assert diagnosis.alignment["position"].logged == "held"
@@ -111,17 +125,6 @@ def test_a_start_in_motion_is_scored_once_it_is_forgotten() -> None:
     assert finds_friction(diagnosis, within=0.05)
     assert diagnosis.parameters["inertia"].value == pytest.approx(0.0105, rel=0.03)
     assert diagnosis.alignment["torque_command"].scale == pytest.approx(1.0, abs=0.03)
-
-
-def test_rows_that_a_logger_lost_are_not_made_up() -> None:
-    """A line across 40 lost rows is no motion: taken for one, friction was 7 % off."""
-    recordings = []
-    for recording in SERVO.recordings(FRICTION):
-        lost = {n: recording.signals[n].copy() for n in ("position", "torque_command")}
-        for column in lost.values():
-            column[300:340], column[700] = np.nan, np.nan
-        recordings.append(recording.with_signals(lost))
-    assert decides_on_friction(recordings)
 
 
 def test_a_climb_without_reversals_is_insufficient_and_friction_is_not_excited() -> None:
@@ -154,7 +157,13 @@ def test_without_noise_a_perfect_twin_lacks_nothing() -> None:
     assert diagnosis.verdict == "none"
 
 
-@pytest.mark.parametrize("axis", [SERVO, QUIET_SERVO], ids=["noisy", "silent"])
+@pytest.mark.parametrize(
+    "axis",
+    [
+        pytest.param(SERVO, id="noisy", marks=pytest.mark.slow),
+        pytest.param(QUIET_SERVO, id="silent"),
+    ],
+)
 def test_an_axis_at_rest_tells_nothing_and_is_said_to(axis: Axis) -> None:
     diagnosis = diagnosed(SERVO.twin(), axis.recordings({}, (np.zeros_like, np.zeros_like)))
     assert (diagnosis.verdict, diagnosis.evidence) == ("none", "insufficient")

@@ -1,4 +1,7 @@
-"""Twins with all ports, some and none, open and on wires, each diagnosed as far as it can be."""
+"""Twins with all ports, some and none, open and on wires, each diagnosed as far as it can be.
+
+Friction that is found with all ports: see runs/test_reported_trajectories.py.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,17 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.fmu_file.models import models_folder
 from tests.diagnosis.servo_recordings import rewritten
-from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, diagnosed, named
+from tests.diagnosis.short_recordings import (
+    BENCH,
+    LOOP,
+    PLANT,
+    SERVO,
+    Axis,
+    diagnosed,
+    named,
+)
 
 FRICTION = {"coulomb_friction.level": 0.25, "coulomb_friction.deflection": 1e-6}
-PLANT = ("coulomb_friction", "viscous_friction", "constant_torque_offset", "gravity_torque")
-LOOP = (*PLANT, "actuator_gain_loss", "transport_delay", "sensor_lag")
 SPLIT = Axis(
     "drive_split",
     "reference",
@@ -53,18 +62,6 @@ def swing(t: NDArray[np.float64]) -> NDArray[np.float64]:
 def pushes(t: NDArray[np.float64]) -> NDArray[np.float64]:
     """A current one way, then the other."""
     return 1.5 * np.sign(np.sin(2.2 * np.pi * t + 0.3))
-
-
-def test_with_all_ports_friction_is_named_at_its_size_out_of_the_library() -> None:
-    diagnosis = diagnosed(SERVO.twin(), SERVO.recordings(FRICTION), only=LOOP)
-    assert diagnosis.verdict == "missing_physics"
-    assert diagnosis.evidence == "sufficient"
-    assert friction_level(diagnosis) == pytest.approx(0.25, rel=0.02)
-    assert diagnosis.location.signal_path == "plant"
-    assert diagnosis.parameters["inertia"].value == pytest.approx(0.0105, rel=0.02)
-    removed = diagnosis.fit.explainable_error_removed
-    assert removed is not None
-    assert removed > 0.95
 
 
 def test_what_a_sensor_does_is_named_at_its_port() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo import Recording, Study, models_folder
+from gmfbo import FmuTwin, Recording, Study, models_folder, step_reference
 from gmfbo.cli import main
 from tests.examples.make import ARM, EXAMPLES, servo_runs, vendor_fmu, vendor_run, vendor_runs
 
@@ -107,3 +107,26 @@ def test_a_folder_that_cannot_be_made_is_told_in_one_line(
     said = capsys.readouterr().err
     assert "expected a folder that can be made" in said
     assert said.count("\n") == 1
+
+
+def test_the_axis_under_p_pi_is_the_loop_that_its_file_states(tour: Path) -> None:
+    """Against a loop written out here: a mass with viscous friction, current held for a sample."""
+    inertia, torque_constant, viscous, step = 0.005, 0.5, 0.02, 1e-3
+    kp, kv, ki = 30.0, 1.0, 10.0
+    with FmuTwin(tour / "p_pi_axis.toml") as twin:
+        gains = {"controller.kp": kp, "controller.kv": kv, "controller.ki": ki}
+        run = twin.run(gains, step_reference(1.0, at=0.05, horizon=0.4))
+    decay = np.exp(-viscous / inertia * step)
+    position = before = velocity = integral = 0.0
+    expected = []
+    for asked in run.signal("reference"):
+        expected.append(position)
+        error = kp * (asked - position) - (position - before) / step
+        current = np.clip(kv * error + integral, -20.0, 20.0)
+        integral += step * ki * error
+        before, last = position, torque_constant * current / viscous  # speed that it tends to
+        position += last * step + (velocity - last) * (1.0 - decay) * inertia / viscous
+        velocity = last + (velocity - last) * decay
+    assert np.max(run.signal("current_command")) == 20.0  # the limit acts
+    np.testing.assert_allclose(run.signal("position"), expected, rtol=0.0, atol=1e-9)
+    assert position == pytest.approx(1.0, abs=1e-3)

@@ -156,7 +156,7 @@ def _next(diagnosis: Diagnosis) -> str:
     if planned is None:
         return ""
     apart = " from ".join(words(name) for name in planned.separates)
-    told = f"play {planned.reference}"
+    told = f"play {planned.reference}" if planned.reference else "record more"
     return f"{told} to tell {apart}: {planned.why}" if apart else f"{told}: {planned.why}"
 
 

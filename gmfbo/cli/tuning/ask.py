@@ -13,7 +13,6 @@ from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import console, parse_settings
 from gmfbo.cli.manual import Manual
 from gmfbo.cli.tuning.first_runs import RandomStart, confirm_first_runs
-from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
     from gmfbo import Tuner
@@ -96,6 +95,7 @@ def ask(
 
 def _print_end(tuner: Tuner, json: bool) -> None:
     """Say that there is nothing more to ask, and what the study came to."""
+    from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
     from gmfbo.tuning.told.next_run import remove_next_run
 
     remove_next_run(tuner.study.location, len(tuner.experiment.parts))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Self
 from rich.progress import BarColumn, Progress, TextColumn
 
 from gmfbo.cli.console import gains_text
-from gmfbo.plain_words import duration
+from gmfbo.plain_words import time_left
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -98,7 +98,7 @@ def real_run_text(step: progress.Progress) -> str:
 def _state(step: progress.Progress) -> str:
     parts = []
     if step.seconds_left is not None:
-        parts.append(f"{duration(step.seconds_left)} left")
+        parts.append(f"{time_left(step.seconds_left)} left")
     if step.best_objective is not None:
         parts.append(f"best {step.best_objective:.4f}")
     if step.mismatch is not None:

@@ -11,7 +11,6 @@ import typer
 from gmfbo.cli.arguments import StudyFile
 from gmfbo.cli.console import gains_text, parse_settings
 from gmfbo.cli.manual import Manual
-from gmfbo.cli.tuning.study_result import metric_lines
 from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
@@ -177,6 +176,7 @@ def _waiting_tuner(told: Study, study: Path) -> Tuner:
 
 
 def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: bool) -> None:
+    from gmfbo.cli.tuning.study_result import metric_lines
     from gmfbo.tuning.history.incumbent import has_settled
 
     budget, made = tuner.study.file.budget, tuner.history.made

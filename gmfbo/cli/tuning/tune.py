@@ -10,7 +10,6 @@ from gmfbo.cli.arguments import LivePage, StudyFile
 from gmfbo.cli.console import console
 from gmfbo.cli.manual import Manual
 from gmfbo.cli.tuning.first_runs import RandomStart, confirm_first_runs
-from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -63,6 +62,7 @@ def tune(
     the box of gains, the reference and the budget of real runs. The recommended gains and,
     separately, the best observed ones are printed at the end. The objective is minimised.
     """
+    from gmfbo.cli.tuning.study_result import refuse_without_success
     from gmfbo.tuning.study.study import Study
 
     asked = Study.read(study)
@@ -96,6 +96,7 @@ def run_study(study: Study, *, resume: bool, html: Path | None = None) -> Tuning
     from gmfbo import Tuner
     from gmfbo.cli.tuning.live_study import LiveStudy
     from gmfbo.cli.tuning.study_display import StudyDisplay
+    from gmfbo.cli.tuning.study_result import print_result
     from gmfbo.interrupt import remembered_interrupt
 
     live = LiveStudy.begin(html)

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from gmfbo.cli.console import gains_text
 from gmfbo.cli.tuning.study_display import real_run_text
-from gmfbo.plain_words import duration
+from gmfbo.plain_words import time_left
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -60,7 +60,7 @@ class WatchDisplay:
 
     def _lines(self) -> Group | Text:
         file, step = self._follower.file, self._newest
-        silent = f"{duration(time.monotonic() - self._news)} since the last run"
+        silent = f"{time_left(time.monotonic() - self._news)} since the last run"
         head = f"{file.name}: {file.method}, seed {file.seed}; {silent}"
         if step is None:
             return Text(f"{head}\nwaiting for the first runs")
@@ -93,7 +93,7 @@ class WatchDisplay:
             if most is None
             else ("real runs", step.is1_runs, most)
         )
-        left = "" if step.seconds_left is None else f", about {duration(step.seconds_left)} left"
+        left = "" if step.seconds_left is None else f", about {time_left(step.seconds_left)} left"
         line = Table.grid(padding=(0, 1))
         bar = ProgressBar(total=end, completed=min(done, end), width=24)
         line.add_row(bar, Text(f"{done} of {end} {what}{left}"))

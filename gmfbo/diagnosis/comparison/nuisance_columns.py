@@ -69,12 +69,14 @@ class Logging:
             [standard deviations]
         """
         total = values.copy()
+        rates = [np.gradient(column, segment.spacing) for column in values]
         for (kind, name), nu in zip(self.names, nuisances, strict=True):
             if nu == 0.0 or (kind != "clock" and name not in segment.names):
                 continue
             rows = [segment.names.index(name)] if name else list(range(len(values)))
             for row in rows:
-                total[row] += self._change(kind, name, segment, values[row], float(nu))
+                column, rate = values[row], rates[row]
+                total[row] += self._change(kind, name, segment, column, rate, float(nu))
         return total
 
     def slopes(self, segment: Segment, values: Array, nuisances: Array) -> Array:
@@ -86,31 +88,36 @@ class Logging:
             As of `seen`.
         """
         columns = np.zeros((len(self.names), *values.shape))
+        rates = [np.gradient(column, segment.spacing) for column in values]
         for i, ((kind, name), nu) in enumerate(zip(self.names, nuisances, strict=True)):
             if kind != "clock" and name not in segment.names:
                 continue
             rows = [segment.names.index(name)] if name else list(range(len(values)))
             for row in rows:
-                columns[i, row] = self._slope(kind, name, segment, values[row], float(nu))
+                column, rate = values[row], rates[row]
+                columns[i, row] = self._slope(kind, name, segment, column, rate, float(nu))
         return columns
 
-    def _change(self, kind: str, name: str, segment: Segment, column: Array, nu: float) -> Array:
+    def _change(
+        self, kind: str, name: str, segment: Segment, column: Array, rate: Array, nu: float
+    ) -> Array:
         if kind == "filter":
             time = LOW_PASS_SHARE * segment.spacing * np.expm1(nu)
             return _filtered(column, time, segment.spacing) - column
-        return nu * self._slope(kind, name, segment, column, 0.0)
+        return nu * self._slope(kind, name, segment, column, rate, 0.0)
 
-    def _slope(self, kind: str, name: str, segment: Segment, column: Array, nu: float) -> Array:
+    def _slope(
+        self, kind: str, name: str, segment: Segment, column: Array, rate: Array, nu: float
+    ) -> Array:
         if kind == "clock":
             since = segment.time - segment.times[0][0]
-            drift: Array = CLOCK_PRIOR * since * np.gradient(column, segment.spacing)
+            drift: Array = CLOCK_PRIOR * since * rate
             return drift
         if kind == "scale":
             usual = POSITION_SCALE_PRIOR if name in self.positions else SCALE_PRIOR
             return max(usual, self.alignments[name].scale) * column
         if kind == "offset":
             return np.full(column.size, self._offset(name))
-        rate: Array = np.gradient(column, segment.spacing)
         if kind == "shift":
             return (self.alignments[name].shift or SHIFT_SHARE * segment.spacing) * rate
         size = LOW_PASS_SHARE * segment.spacing

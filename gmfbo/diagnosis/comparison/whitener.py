@@ -23,15 +23,15 @@ _MASKED_ROWS = 20  # at each end, where a filter sees beyond it
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Directions of a stretch in which whitened signals vary by more than noise.
+    """Directions of stretches in which whitened signals vary by more than noise.
 
     Attributes
     ----------
     rows : slice
-        Of the stretch.
-    directions : ndarray, shape (m * n_rows, k)
+        Of the stretches, which have one length and lie end to end: they are taken together.
+    directions : ndarray, shape (n_stretches, m * length, k)
         Orthonormal.
-    lost : ndarray, shape (k,)
+    lost : ndarray, shape (n_stretches, 1, k)
         Share of each that is taken out, so that what is left varies as noise does.
     """
 
@@ -42,9 +42,12 @@ class Spread:
     def take_out(self, white: Array) -> None:
         """Whiten these rows of whitened columns, shape (..., m, n), in place."""
         own = white[..., self.rows]
-        flat = own.reshape(*own.shape[:-2], own.shape[-2] * own.shape[-1])
-        flat = flat - ((flat @ self.directions) * self.lost) @ self.directions.T
-        white[..., self.rows] = flat.reshape(own.shape)
+        *lead, m, _ = own.shape
+        count, size, _ = self.directions.shape
+        split = np.moveaxis(own.reshape(*lead, m, count, size // m), -2, 0)
+        flat = split.reshape(count, -1, size)
+        flat = flat - ((flat @ self.directions) * self.lost) @ self.directions.swapaxes(1, 2)
+        white[..., self.rows] = np.moveaxis(flat.reshape(split.shape), 0, -2).reshape(own.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,11 +144,13 @@ class SegmentWhitener:
         """What errors beside all else spread, and the log determinants with them."""
         white, logs = self(errors), self.log_determinants.copy()
         spreads = []
-        for rows in stretches:
-            flat = white[:, :, rows].reshape(len(white), -1).T
-            directions, sizes, _ = np.linalg.svd(flat, full_matrices=False)
-            spreads.append(Spread(rows, directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)))
-            logs[rows] += np.log1p(sizes**2).sum() / (rows.stop - rows.start)
+        for rows in _of_one_length(stretches):
+            flat = [white[:, :, one].reshape(len(white), -1).T for one in rows]
+            directions, sizes, _ = np.linalg.svd(np.stack(flat), full_matrices=False)
+            lost = 1.0 - 1.0 / np.sqrt(1.0 + sizes[:, None, :] ** 2)
+            spreads.append(Spread(slice(rows[0].start, rows[-1].stop), directions, lost))
+            for one, size in zip(rows, sizes, strict=True):
+                logs[one] += np.log1p(size**2).sum() / (one.stop - one.start)
         return spreads, logs
 
     def mean_of(self, errors: Array, residual: Array) -> Array:
@@ -179,6 +184,19 @@ class SegmentWhitener:
         out[..., :_MASKED_ROWS] = 0.0
         out[..., n - _MASKED_ROWS :] = 0.0
         return out
+
+
+def _of_one_length(stretches: Sequence[slice]) -> list[list[slice]]:
+    """Stretches in groups of one length that lie end to end."""
+    groups: list[list[slice]] = []
+    for rows in stretches:
+        last = groups[-1][-1] if groups else slice(0, 0)
+        alike = rows.stop - rows.start == last.stop - last.start and rows.start == last.stop
+        if groups and alike:
+            groups[-1].append(rows)
+        else:
+            groups.append([rows])
+    return groups
 
 
 def _mixed(factor: Spectrum, spectrum: Spectrum) -> Spectrum:

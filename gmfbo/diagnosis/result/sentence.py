@@ -160,6 +160,6 @@ def _unseen(diagnosis: Findings) -> str:
     told = f" They do not excite {silent} of the known effects." if silent else ""
     if diagnosis.verdict != "none":
         told = f" These recordings cannot tell more.{told}"
-    if diagnosis.next_experiment is not None:
+    if diagnosis.next_experiment is not None and diagnosis.next_experiment.reference:
         told += f" Record {diagnosis.next_experiment.reference} next."
     return told

@@ -52,7 +52,7 @@ def test_initial_runs_of_the_twin_are_counted_against_their_number() -> None:
 
 
 def test_the_time_left_is_read_at_a_glance_and_never_cut_off() -> None:
-    assert any("1 h 12 min left" in line for line in lines(step()))
+    assert any("72 min left" in line for line in lines(step()))
 
 
 def test_control_gains_that_fit_are_shown_whole() -> None:

@@ -98,6 +98,7 @@ def test_a_terminal_of_80_columns_shows_where_the_study_is(
     shown = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", screen.file.getvalue())  # type: ignore[attr-defined]
     assert shown.count("real run ") == 5
     assert "4 of 4 queries" in shown
+    assert re.search(r"; \d+ s since the last run", shown)  # no fractions, which would flicker
     last, best = review.runs[-1].trial, review.best
     assert best is not None
     assert f"run {last.number}, corrected twin: " in shown

@@ -14,7 +14,15 @@ from fmpy.validation import validate_fmu
 
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.recordings.recording import Recording
-from tests.diagnosis.short_recordings import SERVO, SERVO_GAINS, diagnosed, moves, multisine
+from tests.diagnosis.short_recordings import (
+    LOOP,
+    SERVO,
+    SERVO_GAINS,
+    diagnosed,
+    moves,
+    multisine,
+    named,
+)
 
 ALONE = """
 import json, sys
@@ -44,16 +52,27 @@ def recordings() -> list[Recording]:
 
 @pytest.fixture(scope="module")
 def found(recordings: list[Recording]) -> Diagnosis:
-    """Their diagnosis, friction alone being in question."""
+    """Their diagnosis with all ports."""
     with SERVO.twin() as twin:
-        return diagnosed(twin, recordings, only=["coulomb_friction"])
+        return diagnosed(twin, recordings, only=LOOP)
+
+
+def test_friction_is_named_at_its_size_out_of_what_all_ports_show(found: Diagnosis) -> None:
+    assert found.verdict == "missing_physics"
+    assert found.evidence == "sufficient"
+    assert named(found) == ["coulomb_friction"]
+    assert found.effects[0].parameters["level"].value == pytest.approx(0.2, rel=0.02)
+    assert found.location.signal_path == "plant"
+    assert found.parameters["inertia"].value == pytest.approx(0.0105, rel=0.02)
+    removed = found.fit.explainable_error_removed
+    assert removed is not None
+    assert removed > 0.95
 
 
 def test_plain_fmpy_gives_the_trajectories_that_are_reported(
     found: Diagnosis, recordings: list[Recording], tmp_path: Path
 ) -> None:
     found.save(tmp_path)
-    assert [effect.name for effect in found.effects] == ["coulomb_friction"]
     for recording in recordings:
         curves = {c.signal: c for c in found.curves if c.recording == recording.name}
         asked = recording.signal("reference").tolist()
