@@ -71,6 +71,12 @@ class ColumnMapping:
         clock = self.columns.get("time")
         return None if clock is None else clock.sample_time
 
+    @property
+    def states_time(self) -> bool:
+        """Whether it says in which unit the clock is; then that is the last word."""
+        clock = self.columns.get("time")
+        return clock is not None and (clock.converts or clock.sample_time is not None)
+
 
 @runtime_checkable
 class MappedReading(Protocol):

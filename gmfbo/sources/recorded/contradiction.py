@@ -20,6 +20,7 @@ from gmfbo.errors import RecordingError
 from gmfbo.plain_words import number
 from gmfbo.recordings.columns.unit_in_name import note_on_header
 from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.recorded.clock_unit import clock_unit
 from gmfbo.sources.recorded.controlled_signal import controlled, seen_signal, unit_of
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
@@ -72,7 +73,8 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
     Raises
     ------
     RecordingError
-        A controlled signal contradicts the twin at each end of every uncertain range.
+        A controlled signal contradicts the twin at each end of every uncertain range, or the
+        clock seems to be in minutes or hours.
     """
     signal = controlled(twin)
     position, command = set(), set()
@@ -81,6 +83,9 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
         if "reference" not in recording.signals:
             continue
         run = twin.run({}, recording)
+        clock = clock_unit(twin, recording, run)
+        if clock is not None:
+            raise RecordingError(clock.told(recording.name or "recording"))
         moved = motion_unit(twin, recording, run)
         if moved is not None:
             motion[k] = moved
@@ -113,6 +118,9 @@ def contradiction(twin: FmuTwin, recording: Recording, run: Trajectory) -> str:
         The twin along it.
     """
     signal = controlled(twin)
+    clock = clock_unit(twin, recording, run)
+    if clock is not None:
+        return clock.told(recording.name or "recording")
     if not signal:
         return "; ".join(_off_scales(twin, recording, run))
     moved = motion_unit(twin, recording, run)
@@ -146,6 +154,9 @@ def scale_doubts(twin: FmuTwin, recording: Recording) -> list[str]:
     if controlled(twin) or not twin.file.outputs.keys() & recording.signals.keys():
         return []
     run = twin.run({}, recording)
+    clock = clock_unit(twin, recording, run)
+    if clock is not None:
+        return [clock.told(recording.name or "recording")]
     return _off_scales(twin, recording, run) if run.status == "ok" else []
 
 

@@ -1,0 +1,102 @@
+"""A clock in minutes or hours that is read as seconds, by how the twin moves on either.
+
+Rows of such a clock lie closer than usual, which a fast logger's do too: the simulation decides.
+Clocks in fractions of a second show by the spacing of their rows alone, when they are read.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gmfbo.plain_words import percent
+from gmfbo.recordings.columns.row_spacing import FEWEST_ROWS, MOST_STEPS, is_round
+from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.recorded.controlled_signal import controlled
+from gmfbo.sources.recorded.motion_unit import MUCH_BETTER, is_met, is_unlike, mean_error
+from gmfbo.sources.twin.twin import FmuTwin
+
+_LONGER = {"min": 60.0, "h": 3600.0}
+"""Units of time above a second [s]."""
+
+
+@dataclass(frozen=True)
+class ClockUnit:
+    """Another unit of a recording's clock, in which the twin meets the recording far better.
+
+    Attributes
+    ----------
+    unit : str
+        `min` or `h`.
+    error, stated : float
+        Mean NRMSE of the compared signals in that unit, and in seconds [1]; infinite where the
+        twin did not run to the end.
+    column : str
+        Of the clock, where the twin file names it.
+    """
+
+    unit: str
+    error: float
+    stated: float
+    column: str = "COLUMN"
+
+    def told(self, name: str) -> str:
+        """Say it in one line, for a recording of this name."""
+        before = percent(self.stated) if math.isfinite(self.stated) else "no run to the end"
+        return (
+            f"{name}: the time seems to be in {self.unit}: read so, the twin's mean error is "
+            f'{percent(self.error)}, not {before}; write time = {{ column = "{self.column}", '
+            f'unit = "{self.unit}" }} in [columns] of the twin file, or unit = "s" there if it is right'
+        )
+
+
+def clock_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> ClockUnit | None:
+    """Find the longer unit of time in which a recording leaves less than half of the twin's error.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    recording : Recording
+        As it was read, its clock in seconds.
+    run : Trajectory
+        The twin along it.
+
+    Returns
+    -------
+    ClockUnit or None
+        None where the twin file states the unit, where gmfbo wrote the file, and where the
+        simulated signals have the shape and size of the recorded ones.
+    """
+    mapping = twin.column_mapping()
+    if recording.written_by or mapping.states_time or len(recording) < FEWEST_ROWS:
+        return None
+    clock = mapping.columns.get("time")
+    column = "COLUMN" if clock is None else clock.column
+    units = [unit for unit in _LONGER if _may_be_in(twin, recording, unit)]
+    if not units or (run.status == "ok" and not is_unlike(twin, recording, run)):
+        return None
+    stated = mean_error(twin, recording, run)
+    best, least = None, MUCH_BETTER * stated
+    for unit in units:
+        other = replace(recording, time=_LONGER[unit] * recording.time, use=None)
+        along = twin.run({}, other)
+        error = mean_error(twin, other, along)
+        if error < least and is_met(twin, other, along, controlled(twin)):
+            best, least = ClockUnit(unit, error, stated, column), error
+    return best
+
+
+def _may_be_in(twin: FmuTwin, recording: Recording, unit: str) -> bool:
+    """Whether rows would lie at a usual distance, and lie at an unusual one in seconds.
+
+    Unusual is closer than the twin steps, or a distance that is only in that unit a round one.
+    """
+    apart = float(np.median(np.diff(recording.time)))
+    longer = apart * _LONGER[unit]
+    if longer > MOST_STEPS * twin.step:
+        return False
+    mean = recording.duration / (len(recording) - 1)
+    return apart < twin.step or (is_round(_LONGER[unit] * mean) and not is_round(mean))
