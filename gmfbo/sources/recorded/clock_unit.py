@@ -48,7 +48,8 @@ class ClockUnit:
         return (
             f"{name}: the time seems to be in {self.unit}: read so, the twin's mean error is "
             f'{percent(self.error)}, not {before}; write time = {{ column = "{self.column}", '
-            f'unit = "{self.unit}" }} in [columns] of the twin file, or unit = "s" there if it is right'
+            f'unit = "{self.unit}" }} in [columns] of the twin file, or unit = "s" there if it is '
+            "right"
         )
 
 
