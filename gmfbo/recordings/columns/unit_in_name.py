@@ -112,7 +112,7 @@ def notes_on_units(
     read : ColumnMapping
         The same with what the names of columns say.
     """
-    units = {column.name: column.unit for column in file.columns}
+    units = {column.name: column.unit for column in file.columns if not column.assumed}
     by_name = [
         f"{entry.column} as {name} [{entry.unit}]"
         for name, entry in read.columns.items()
