@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Self
 
 from rich.progress import BarColumn, Progress, TextColumn
 
-from gmfbo.cli.console import gains_text
-from gmfbo.plain_words import duration, wrapped
+from gmfbo.cli.console import gains_text, whole_words
+from gmfbo.plain_words import duration
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -72,7 +72,7 @@ class StudyDisplay:
     def _note(self, text: str) -> None:
         """Print a note; in whole words on a terminal, elsewhere in one line."""
         head = "note: "
-        lines = wrapped(text, head) if self._console.is_terminal else [f"{head}{text}"]
+        lines = whole_words(text, head) if self._console.is_terminal else [f"{head}{text}"]
         for line in lines:
             self._bar.console.print(line, markup=False)
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gmfbo.cli.console import console, gains_text
+from gmfbo.cli.console import console, gains_text, whole_words
 from gmfbo.cli.tuning.objective_text import metric_text, objective_table
 from gmfbo.errors import SimulationError
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
-from gmfbo.plain_words import words, wrapped
+from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
     from gmfbo.recordings.store.trial import Trial
@@ -118,7 +118,7 @@ def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
 
 
 def _print_entry(name: str, text: str) -> None:
-    for line in wrapped(text, f"{name:<19}"):
+    for line in whole_words(text, f"{name:<19}"):
         console.print(line, markup=False)
 
 
