@@ -196,13 +196,30 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
 
 
 def _print_fit(source: FmuTwin, trajectory: Trajectory, recorded: Recording) -> None:
+    import numpy as np
+
+    from gmfbo.errors import RecordingError
     from gmfbo.objective.fit import nrmse
 
-    compared = [name for name in source.file.outputs if name in recorded.signals]
+    compared = [
+        name
+        for name in source.file.outputs
+        if name in recorded.signals and np.isfinite(recorded.signals[name]).any()
+    ]
     if not compared:
         typer.echo("the recording holds none of the twin's outputs; nothing to compare")
         return
     typer.echo("signal                    NRMSE (RMS error over range)")
+    faults = []
     for name in compared:
-        share = nrmse(trajectory, recorded, name, warmup=source.file.warmup or 0.0)
-        typer.echo(f"{name:<24}  {100.0 * share:.4g} %")
+        try:
+            share = nrmse(trajectory, recorded, name, warmup=source.file.warmup or 0.0)
+        except RecordingError as error:
+            faults.append(error)
+            typer.echo(f"{name:<24}  -")
+        else:
+            typer.echo(f"{name:<24}  {100.0 * share:.4g} %")
+    for error in faults:
+        if len(faults) == len(compared):
+            raise error
+        typer.echo(f"! {error}")

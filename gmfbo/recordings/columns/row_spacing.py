@@ -11,8 +11,9 @@ from gmfbo.recordings.columns.columns import Column, RecordedColumns
 from gmfbo.units import number, parse_unit
 
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_LONGER_UNITS = {"min": 60.0, "h": 3600.0}
-"""Units that count only where rows lie at a round distance in them and in no shorter one."""
+LONGER_UNITS = {"min": 60.0, "h": 3600.0, "d": 86400.0}
+"""Units above a second [s], days as of a spreadsheet; here they count only where rows lie at a
+round distance in them and in no shorter one."""
 
 MOST_STEPS = 100.0
 """Steps of a twin between two rows, beyond which the rows show nothing of what it computes.
@@ -35,6 +36,8 @@ FEWEST_ROWS = 64
 def check_spacing(file: RecordedColumns, clock: Column, name: str, step: float) -> None:
     """Raise where rows lie as far apart, or as close, as only another unit of time explains.
 
+    A recording of many rows within one step has nothing to compare, whatever its unit.
+
     Parameters
     ----------
     file : RecordedColumns
@@ -52,19 +55,23 @@ def check_spacing(file: RecordedColumns, clock: Column, name: str, step: float) 
         The message names the likely unit, and the line that states it.
     """
     likely = mistaken_time_unit(clock, step)
-    unit = parse_unit(clock.unit or "s")
-    if likely is None or unit is None:
+    recorded, unit = _instants(clock), parse_unit(clock.unit or "s")
+    if recorded.size < 2 or unit is None:
         return
-    time = unit.to_si(_instants(clock))
+    time = unit.to_si(recorded)
     spacing, duration = float(np.median(np.diff(time))), float(time[-1] - time[0])
+    close = _is_close(time, step)
+    if likely is None and not (close and duration < step):
+        return
     steps = round(spacing / step)
     seen = f"rows {spacing:,.9g} s apart, {steps:,} steps of the twin each"
-    if _is_close(time, step):
+    if close:
         seen = f"{time.size:,} rows in {number(duration / step)} steps of the twin"
     stated = clock.unit or "s"
+    asked = f"is the time in {likely}?" if likely else "is the time in another unit?"
     raise file.refuse(
-        f'{seen}; is the time in {likely}? write time = {{ column = "{name}", unit = "{likely}" }} '
-        f'in [columns] of the twin file, or unit = "{stated}" there if it is right'
+        f'{seen}; {asked} write time = {{ column = "{name}", unit = "{likely or "UNIT"}" }} in '
+        f'[columns] of the twin file, or unit = "{stated}" there if it is right'
     )
 
 
@@ -94,7 +101,7 @@ def mistaken_time_unit(clock: Column, step: float) -> str | None:
         return None
     mean = float(recorded[-1] - recorded[0]) / (recorded.size - 1)
     likely = _likely(apart, mean, step)
-    seconds = {**_UNITS, **_LONGER_UNITS}[likely]
+    seconds = {**_UNITS, **LONGER_UNITS}[likely]
     return None if math.isclose(spacing, apart * seconds) else likely
 
 
@@ -124,5 +131,5 @@ def _likely(spacing: float, mean: float, step: float) -> str:
     """Unit of time in which a spacing is nearest to the step, by its logarithm."""
     units = dict(_UNITS)
     if not is_round(mean):
-        units |= {unit: s for unit, s in _LONGER_UNITS.items() if is_round(mean * s)}
+        units |= {unit: s for unit, s in LONGER_UNITS.items() if is_round(mean * s)}
     return min(units, key=lambda unit: abs(math.log(spacing * units[unit] / step)))

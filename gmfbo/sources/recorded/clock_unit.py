@@ -1,4 +1,4 @@
-"""A clock in minutes or hours that is read as seconds, by how the twin moves on either.
+"""A clock in minutes, hours or days that is read as seconds, by how the twin moves on either.
 
 Rows of such a clock lie closer than usual, which a fast logger's do too: the simulation decides.
 Clocks in fractions of a second show by the spacing of their rows alone, when they are read.
@@ -12,14 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gmfbo.plain_words import percent
-from gmfbo.recordings.columns.row_spacing import FEWEST_ROWS, MOST_STEPS, is_round
+from gmfbo.recordings.columns.row_spacing import (
+    FEWEST_ROWS,
+    LONGER_UNITS,
+    MOST_STEPS,
+    is_round,
+)
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.recorded.controlled_signal import controlled
 from gmfbo.sources.recorded.motion_unit import MUCH_BETTER, is_met, is_unlike, mean_error
 from gmfbo.sources.twin.twin import FmuTwin
-
-_LONGER = {"min": 60.0, "h": 3600.0}
-"""Units of time above a second [s]."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class ClockUnit:
     Attributes
     ----------
     unit : str
-        `min` or `h`.
+        `min`, `h` or `d`.
     error, stated : float
         Mean NRMSE of the compared signals in that unit, and in seconds [1]; infinite where the
         twin did not run to the end.
@@ -76,13 +78,13 @@ def clock_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> ClockUni
         return None
     clock = mapping.columns.get("time")
     column = "COLUMN" if clock is None else clock.column
-    units = [unit for unit in _LONGER if _may_be_in(twin, recording, unit)]
+    units = [unit for unit in LONGER_UNITS if _may_be_in(twin, recording, unit)]
     if not units or (run.status == "ok" and not is_unlike(twin, recording, run)):
         return None
     stated = mean_error(twin, recording, run)
     best, least = None, MUCH_BETTER * stated
     for unit in units:
-        other = replace(recording, time=_LONGER[unit] * recording.time, use=None)
+        other = replace(recording, time=LONGER_UNITS[unit] * recording.time, use=None)
         along = twin.run({}, other)
         error = mean_error(twin, other, along)
         if error < least and is_met(twin, other, along, controlled(twin)):
@@ -96,8 +98,8 @@ def _may_be_in(twin: FmuTwin, recording: Recording, unit: str) -> bool:
     Unusual is closer than the twin steps, or a distance that is only in that unit a round one.
     """
     apart = float(np.median(np.diff(recording.time)))
-    longer = apart * _LONGER[unit]
+    longer = apart * LONGER_UNITS[unit]
     if longer > MOST_STEPS * twin.step:
         return False
     mean = recording.duration / (len(recording) - 1)
-    return apart < twin.step or (is_round(_LONGER[unit] * mean) and not is_round(mean))
+    return apart < twin.step or (is_round(LONGER_UNITS[unit] * mean) and not is_round(mean))

@@ -59,7 +59,7 @@ def test_seconds_that_are_called_milliseconds_are_told(tmp_path: Path) -> None:
         read_recording(log(tmp_path, "time [ms]", 1e-3), TWIN)
 
 
-@pytest.mark.parametrize(("unit", "seconds"), [("min", 60.0), ("h", 3600.0)])
+@pytest.mark.parametrize(("unit", "seconds"), [("min", 60.0), ("h", 3600.0), ("d", 86400.0)])
 def test_few_steps_in_seconds_and_a_round_distance_in_a_longer_unit_are_told(
     unit: str, seconds: float, tmp_path: Path
 ) -> None:
@@ -67,7 +67,13 @@ def test_few_steps_in_seconds_and_a_round_distance_in_a_longer_unit_are_told(
         read_recording(log(tmp_path, "t", 1e-3 / seconds, 400), TWIN)
 
 
-@pytest.mark.parametrize("spacing", [1e-6, 2.5e-6, 1e-5])
+def test_many_rows_within_one_step_show_nothing(tmp_path: Path) -> None:
+    told = r"401 rows in 0\.8 steps of the twin; is the time in another unit\?"
+    with pytest.raises(RecordingError, match=told):
+        read_recording(log(tmp_path, "t", 2e-6, 401), TWIN)
+
+
+@pytest.mark.parametrize("spacing", [3e-6, 1e-5])
 def test_a_short_shot_of_an_oscilloscope_is_read(spacing: float, tmp_path: Path) -> None:
     """Negative control: it is short too, and its distance of rows is round in seconds."""
     assert len(read_recording(log(tmp_path, "t", spacing, 400), TWIN)) == 400
