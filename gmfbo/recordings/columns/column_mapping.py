@@ -131,7 +131,9 @@ def rename_columns(
     return replace(file, columns=(*renamed.values(), *kept)), changed
 
 
-def check_settings(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
+def check_settings(
+    settings: Mapping[str, MappedColumn], file: RecordedColumns, units: Mapping[str, str]
+) -> None:
     """Refuse what `--set` says of columns, where it cannot be.
 
     Parameters
@@ -140,11 +142,13 @@ def check_settings(settings: Mapping[str, MappedColumn], file: RecordedColumns) 
         Columns by name; entries without a column are left to others.
     file : RecordedColumns
         As read.
+    units : mapping of str to str
+        SI unit by name; of the others any known unit is taken.
 
     Raises
     ------
     InputError
-        There is no such column, or its unit is not known.
+        There is no such column, or its unit is not known or of another quantity.
     """
     names = [column.name for column in file.columns]
     for name, entry in settings.items():
@@ -153,9 +157,16 @@ def check_settings(settings: Mapping[str, MappedColumn], file: RecordedColumns) 
                 f"--set: {file.label} has no column '{entry.column}' for '{name}'"
                 + did_you_mean(entry.column, names)
             )
-        if entry.unit and parse_unit(entry.unit) is None:
+        unit, wanted = parse_unit(entry.unit), parse_unit(units.get(name, ""))
+        if entry.unit and unit is None:
             raise InputError(
                 f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
+            )
+        scaled = entry.scale is not None or (unit is not None and unit.needs_scale)
+        if unit and wanted and unit.dimension != wanted.dimension and not scaled:
+            raise InputError(
+                f"--set: [{entry.unit}] is no unit of '{name}'; expected [{units[name]}] or "
+                "another of its quantity"
             )
 
 

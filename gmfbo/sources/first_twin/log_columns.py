@@ -130,7 +130,8 @@ def read_log(path: Path, signals: Signals, stated: StatedColumns) -> LogColumns:
     """
     file = read_columns(path, stated.dialect, (), every=True)
     given = _by_signal(stated.settings, signals)
-    check_settings(given, file)
+    units = {name: signal.spec.unit for name, signal in signals.known.items()}
+    check_settings(given, file, {"time": "s", **units})
     left_out = {name for name, e in given.items() if not e.column and e.sample_time is None}
     entries = {name: entry for name, entry in given.items() if name not in left_out}
     why: dict[str, str] = {}
