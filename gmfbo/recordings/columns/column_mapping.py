@@ -150,24 +150,42 @@ def check_settings(
     InputError
         There is no such column, or its unit is not known or of another quantity.
     """
-    names = [column.name for column in file.columns]
     for name, entry in settings.items():
-        if entry.column and entry.column not in names:
-            raise InputError(
-                f"--set: {file.label} has no column '{entry.column}' for '{name}'"
-                + did_you_mean(entry.column, names)
-            )
-        unit, wanted = parse_unit(entry.unit), parse_unit(units.get(name, ""))
-        if entry.unit and unit is None:
-            raise InputError(
-                f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
-            )
-        scaled = entry.scale is not None or (unit is not None and unit.needs_scale)
-        if unit and wanted and unit.dimension != wanted.dimension and not scaled:
-            raise InputError(
-                f"--set: [{entry.unit}] is no unit of '{name}'; expected [{units[name]}] or "
-                "another of its quantity"
-            )
+        fault = setting_fault(name, entry, file, units.get(name, ""))
+        if fault:
+            raise InputError(f"--set: {fault}")
+
+
+def setting_fault(name: str, entry: MappedColumn, file: RecordedColumns, unit: str) -> str:
+    """Say why a column cannot be that of a signal; empty where it can.
+
+    Parameters
+    ----------
+    name : str
+        Of the signal, or `time`.
+    entry : MappedColumn
+        What was stated; an entry without a column is left to others.
+    file : RecordedColumns
+        As read.
+    unit : str
+        SI unit of the signal; empty where any is taken.
+    """
+    names = [column.name for column in file.columns]
+    if entry.column and entry.column not in names:
+        return f"{file.label} has no column '{entry.column}' for '{name}'" + did_you_mean(
+            entry.column, names
+        )
+    stated, wanted = parse_unit(entry.unit), parse_unit(unit)
+    if not entry.unit:
+        return ""
+    if stated is None:
+        return f"unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
+    scaled = entry.scale is not None or stated.needs_scale
+    if wanted is not None and stated.dimension != wanted.dimension and not scaled:
+        return (
+            f"[{entry.unit}] is no unit of '{name}'; expected [{unit}] or another of its quantity"
+        )
+    return ""
 
 
 def _counted(file: RecordedColumns, sample_time: float | None) -> RecordedColumns:
