@@ -184,6 +184,7 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
     """Lines on what is not compared, and on a recording that contradicts the twin."""
     from gmfbo.sources.recorded.contradiction import contradiction
     from gmfbo.sources.recorded.missing_signals import missing_signals
+    from gmfbo.sources.recorded.still_signals import still_lines
 
     if not recorded.signals.keys() - source.file.inputs.keys():
         return []  # a reference alone: there is nothing to compare
@@ -192,6 +193,7 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
         f"{m.recording}: {m.what}; {m.signal} is not compared, unless 'gmfbo columns' maps it"
         for m in missing
     ]
+    lines += still_lines(source, recorded)
     return lines + list(filter(None, [contradiction(source, recorded, run)]))
 
 

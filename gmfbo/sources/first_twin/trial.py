@@ -22,6 +22,7 @@ from gmfbo.sources.fmu_file.job import STOP_TIME_LINE
 from gmfbo.sources.recorded.contradiction import contradiction
 from gmfbo.sources.recorded.missing_signals import missing_signals
 from gmfbo.sources.recorded.motion_unit import MUCH_BETTER
+from gmfbo.sources.recorded.still_signals import still_lines
 from gmfbo.sources.recorded.wrapped_angle import unwrapped
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -181,7 +182,8 @@ def _tried(source: FmuTwin, path: Path) -> TriedLog:
         raise SimulationError(f"{path.name}: {run.message}")
     compared = [name for name in source.file.outputs if name in recording.signals]
     missing = [f"{m.recording}: {m.what}" for m in missing_signals(source, [recording])]
-    doubts = [*recording.notes, *notes, *missing, contradiction(source, recording, run)]
+    doubts = [*recording.notes, *notes, *missing, *still_lines(source, recording)]
+    doubts.append(contradiction(source, recording, run))
     return TriedLog(
         recording,
         run,

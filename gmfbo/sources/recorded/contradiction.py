@@ -26,6 +26,7 @@ from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
 from gmfbo.sources.recorded.motion_unit import MotionUnit, motion_unit
 from gmfbo.sources.recorded.range_ends import at_range_ends, explains
+from gmfbo.sources.recorded.still_signals import still_signals
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.units import parse_unit
 
@@ -37,7 +38,7 @@ class Doubts:
     Attributes
     ----------
     position : frozenset of int
-        Those in which the controlled signal hardly follows its reference.
+        Those in which the controlled signal hardly follows its reference, or never moves.
     command : frozenset of int
         Those whose command is of opposite sign, or far in size, from the simulated one.
     motion : mapping of int to MotionUnit
@@ -98,7 +99,8 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
                 raise
             otherwise[k] = str(error)
         seen = seen_signal(twin, recording, signal, run) if signal in recording.signals else None
-        if seen is not None and seen.may_be_unrelated:
+        is_still = signal in still_signals(twin, recording)
+        if is_still or (seen is not None and seen.may_be_unrelated):
             position.add(k)
         if _is_doubtful(twin, recording, run):
             command.add(k)
