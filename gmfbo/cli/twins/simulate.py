@@ -221,7 +221,7 @@ def _print_fit(source: FmuTwin, trajectory: Trajectory, recorded: Recording) -> 
             typer.echo(f"{name:<24}  -")
         else:
             typer.echo(f"{name:<24}  {100.0 * share:.4g} %")
-    for error in faults:
+    for fault in faults:
         if len(faults) == len(compared):
-            raise error
-        typer.echo(f"! {error}")
+            raise fault
+        typer.echo(f"! {fault}")
