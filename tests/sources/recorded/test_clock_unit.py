@@ -77,6 +77,17 @@ def test_a_stated_unit_has_the_last_word(tmp_path: Path) -> None:
     assert "the time" not in contradiction(stated, fast, stated.run({}, fast))
 
 
+def test_a_run_that_would_take_too_many_steps_is_not_tried(tmp_path: Path) -> None:
+    """2 s in minutes are 120,000 steps: the log is judged in seconds alone."""
+    limited = rewritten("servo_axis", tmp_path, {"[ports]": "[limits]\nsteps = 3000\n\n[ports]"})
+    (axis,) = SERVO.recordings({}, [moves])
+    time = np.arange(0.0, axis.duration, 5e-4)
+    signals = {n: np.interp(time, axis.time, -values) for n, values in axis.signals.items()}
+    fast = foreign(replace(axis, time=time, signals={**signals, "position": time}))
+    told = contradiction(limited, fast, limited.run({}, fast))
+    assert "the time" not in told
+
+
 def test_in_open_loop_it_is_a_note(tmp_path: Path) -> None:
     (axis,) = BENCH.recordings({}, [multisine])
     bench = BENCH.twin()
