@@ -1,7 +1,8 @@
-"""A clock in minutes, hours or days that is read as seconds, by how the twin moves on either.
+"""A clock that is read in a wrong unit of time, by how the twin moves on either.
 
-Rows of such a clock lie closer than usual, which a fast logger's do too: the simulation decides.
-Clocks in fractions of a second show by the spacing of their rows alone, when they are read.
+Rows that lie closer than usual are a fast logger's, or in minutes; those far apart a slow one's,
+or in ms: the simulation decides. Where the spacing of rows alone leaves no doubt, the reader
+refuses them before.
 """
 
 from __future__ import annotations
@@ -24,6 +25,13 @@ from gmfbo.sources.recorded.controlled_signal import controlled
 from gmfbo.sources.recorded.motion_unit import MUCH_BETTER, is_met, is_unlike, mean_error
 from gmfbo.sources.twin.twin import FmuTwin
 
+_TIMES_LONGER = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "s": 1e3, **LONGER_UNITS}
+"""How many times longer a recording is in a unit than as it was read: in s, or where it is in s,
+in ms."""
+
+_USUAL = (0.01, 10.0)
+"""Steps of a twin between two rows of usual loggers; beyond, other units are tried."""
+
 
 @dataclass(frozen=True)
 class ClockUnit:
@@ -32,9 +40,9 @@ class ClockUnit:
     Attributes
     ----------
     unit : str
-        `min`, `h` or `d`.
+        One of time, such as `min`.
     error, stated : float
-        Mean NRMSE of the compared signals in that unit, and in seconds [1]; infinite where the
+        Mean NRMSE of the compared signals in that unit, and as it was read [1]; infinite where the
         twin did not run to the end.
     column : str
         Of the clock, where the twin file names it.
@@ -57,14 +65,14 @@ class ClockUnit:
 
 
 def clock_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> ClockUnit | None:
-    """Find the longer unit of time in which a recording leaves less than half of the twin's error.
+    """Find the unit of time in which a recording leaves less than half of the twin's error.
 
     Parameters
     ----------
     twin : FmuTwin
         The user's twin.
     recording : Recording
-        As it was read, its clock in seconds.
+        As it was read.
     run : Trajectory
         The twin along it.
 
@@ -79,13 +87,13 @@ def clock_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> ClockUni
         return None
     clock = mapping.columns.get("time")
     column = "COLUMN" if clock is None else clock.column
-    units = [unit for unit in LONGER_UNITS if _may_be_in(twin, recording, unit)]
+    units = [unit for unit in _TIMES_LONGER if _may_be_in(twin, recording, unit)]
     if not units or (run.status == "ok" and not is_unlike(twin, recording, run)):
         return None
     stated = mean_error(twin, recording, run)
     best, least = None, MUCH_BETTER * stated
     for unit in units:
-        other = replace(recording, time=LONGER_UNITS[unit] * recording.time, use=None)
+        other = replace(recording, time=_TIMES_LONGER[unit] * recording.time, use=None)
         try:
             along = twin.run({}, other)
         except RecordingError:  # it would take more steps than a run may
@@ -97,14 +105,17 @@ def clock_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> ClockUni
 
 
 def _may_be_in(twin: FmuTwin, recording: Recording, unit: str) -> bool:
-    """Whether rows would lie at a usual distance, and lie at an unusual one in seconds.
+    """Whether rows would lie at a usual distance, and lie at an unusual one as they were read.
 
-    Unusual is closer than the twin steps, or a distance that is only in that unit a round one.
+    Unusual is a distance of many steps, one closer than the twin steps, or one that is round in
+    the other unit alone.
     """
-    apart = float(np.median(np.diff(recording.time)))
-    longer = apart * LONGER_UNITS[unit]
-    if longer > MOST_STEPS * twin.step:
-        return False
+    longer = _TIMES_LONGER[unit]
+    steps = float(np.median(np.diff(recording.time))) / twin.step
+    if longer < 1.0:
+        return steps > _USUAL[1] and longer * steps >= _USUAL[0]
     mean = recording.duration / (len(recording) - 1)
+    if is_round(longer * mean) and not is_round(mean):
+        return longer * steps <= MOST_STEPS
     # A step of 1 ms that was written as 0.99 ms is no fast logger's.
-    return apart < twin.step / 1.02 or (is_round(LONGER_UNITS[unit] * mean) and not is_round(mean))
+    return steps < 1.0 / 1.02 and longer * steps <= _USUAL[1]
