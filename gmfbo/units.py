@@ -61,6 +61,7 @@ _OTHER: dict[str, tuple[Fraction, bool, str]] = {
     "arcsec": (Fraction(1, 180 * 3600), True, "rad"),
     "min": (Fraction(60), False, "s"),
     "h": (Fraction(3600), False, "s"),
+    "d": (Fraction(86400), False, "s"),
     "%": (Fraction(1, 100), False, "1"),
     "‰": (Fraction(1, 1000), False, "1"),
     "ppm": (Fraction(1, 10**6), False, "1"),
@@ -69,7 +70,9 @@ _OTHER: dict[str, tuple[Fraction, bool, str]] = {
     "ft": (Fraction(3048, 10000), False, "m"),
     "lbf": (Fraction("4.4482216152605"), False, "N"),
 }
-_NO_PREFIX = {"1", "kg", "counts", "min", "h", "%", "‰", "ppm", "in", "ft", "lbf", "Ncm", "Nmm"}
+_NO_PREFIX = {
+    "1", "kg", "counts", "min", "h", "d", "%", "‰", "ppm", "in", "ft", "lbf", "Ncm", "Nmm",
+}  # fmt: skip
 
 # No peta: `PS` means horse power, not petasiemens.
 _PREFIXES: dict[str, Fraction] = {
@@ -100,7 +103,8 @@ _ALIASES: dict[str, str] = {
     "°": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
     "turn": "rev", "turns": "rev", "revs": "rev", "U": "rev", "r": "rev", "RPM": "rpm",
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us",
-    "hr": "h", "hour": "h", "hours": "h", "minute": "min", "minutes": "min",
+    "minute": "min", "minutes": "min", "hr": "h", "hour": "h", "hours": "h",
+    "day": "d", "days": "d",
     "Ω": "ohm", "Ohm": "ohm", "Ohms": "ohm", "ohms": "ohm", "inch": "in",
     "meter": "m", "metre": "m", "meters": "m", "metres": "m",
     "volt": "V", "volts": "V", "Volt": "V", "Volts": "V",

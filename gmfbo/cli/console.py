@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from rich.console import Console
 
 from gmfbo.errors import InputError
+from gmfbo.plain_words import wrapped
 
 # Soft wrap, so that no table or path is cut where output goes to a file.
 console = Console(soft_wrap=True, highlight=False)
@@ -67,6 +68,24 @@ def parse_words(settings: list[str], known: Collection[str]) -> dict[str, float 
                 break
         values[name.strip()] = text
     return values
+
+
+def whole_words(text: str, head: str) -> list[str]:
+    """Lines of a text behind a head, 79 columns at most; the text's own lines stay lines.
+
+    Parameters
+    ----------
+    text : str
+        May have lines that are indented.
+    head : str
+        Begins the first line; the others are indented by as much.
+    """
+    lines = []
+    for line in text.splitlines():
+        indented = line[: len(line) - len(line.lstrip())]
+        lines += wrapped(line.strip(), head + indented)
+        head = " " * len(head)
+    return lines
 
 
 def gains_text(gains: Mapping[str, float]) -> str:

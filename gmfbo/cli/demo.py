@@ -89,8 +89,9 @@ def _tune(folder: Path, seed: int, runs: int) -> None:
     file = folder / "demo.toml"
     file.write_text(STUDY.format(seed=seed, runs=runs, twin=twin), encoding="utf-8")
     console.print(
-        "1. Tuning. A servo joint follows a step of 1 rad. The real axis is a simulated drive;\n"
-        f"its twin has 50 % noise in the motor's flux map. Real runs to spend: {runs}."
+        "1. Tuning. A servo joint follows a step of 1 rad. The real axis is a simulated\n"
+        "drive; its twin has 50 % noise in the motor's flux map.\n"
+        f"Real runs to spend: {runs}."
     )
     study = Study.read(file)
     result = run_study(study, resume=False)
@@ -118,9 +119,9 @@ def _find(folder: Path, seed: int) -> None:
     drawn = draw(seed)
     sealed = seal(drawn, folder / "sealed.json")
     console.print(
-        "2. Diagnosis. Another axis has an effect that its twin lacks, or none: drawn from the\n"
-        f"seed and sealed in {sealed.path}, of which you see only the hash:\n"
-        f"sha256             {sealed.sha256}"
+        "2. Diagnosis. Another axis has an effect that its twin lacks, or none: drawn\n"
+        f"from the seed and sealed in {sealed.path}, of which you see only the hash:\n"
+        f"sha256 {sealed.sha256}"
     )
     stored = folder / "recordings"
     stored.mkdir()

@@ -251,15 +251,9 @@ def read_recording(
     known = None if twin is None else _Words(specs, words.tunable)
     resample = twin.resample if isinstance(twin, ResampledReading) else None
     content = interpreted(file, known, resample)
-    if isinstance(twin, SteppedReading) and not _states_time(stated):
+    if isinstance(twin, SteppedReading) and not stated.states_time:
         _check_spacing(file, mapping, specs, content, twin.step)
     return recording_of({**content, "notes": (*notes, *content["notes"])}, file.notes.run)
-
-
-def _states_time(mapping: ColumnMapping) -> bool:
-    """Whether the twin file says in which unit the clock is: it has the last word."""
-    clock = mapping.columns.get("time")
-    return clock is not None and (clock.converts or clock.sample_time is not None)
 
 
 def _check_spacing(

@@ -1,11 +1,12 @@
 """Give every reader thousands of hostile files; may be stopped, and goes on where it was.
 
-python tests/benchmarks/fuzz_readers.py [--seed 0] [--share 1.0] [--only "CSV" ...]
+python tests/benchmarks/fuzz_readers.py [--seed 0] [--files 2000] [--only "CSV" ...] [--any-commit]
                                         [--state FILE.jsonl] [--out FILE]
 
 Files are drawn by Hypothesis in batches of 250, each in a process of its own with 6 GiB of
 address space. A batch is done or not: an interrupted campaign repeats the batch that it was in,
-and batches that other code did are done again. Files that are faults are kept beside the state.
+and batches that other code did are done again, unless `--any-commit` says that their readers are
+the same. Each row names its commits. Files that are faults are kept beside the state.
 """
 
 from __future__ import annotations
@@ -34,23 +35,23 @@ def main() -> None:
     """Run what is not done yet, then print the table; exit status 1 where there was a fault."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--share", type=float, default=1.0, help="of each kind's number of files")
+    parser.add_argument("--files", type=int, default=2000, help="of each kind")
+    parser.add_argument("--any-commit", action="store_true", help="count batches of other code too")
     parser.add_argument("--only", nargs="+", choices=list(TARGETS), default=list(TARGETS))
     parser.add_argument("--state", type=Path, default=Path("fuzz_readers.jsonl"))
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
     commit = _commit()
-    done = _done(given.state, given.seed, commit)
+    done = _done(given.state, given.seed, None if given.any_commit else commit)
     for name in given.only:
-        batches = math.ceil(given.share * TARGETS[name].inputs / BATCH)
-        for batch in range(batches):
+        for batch in range(math.ceil(given.files / BATCH)):
             if (name, batch) not in {(entry["target"], entry["batch"]) for entry in done}:
                 entry = _run(name, batch, given.seed, given.state.with_suffix(".faults"))
                 entry["commit"] = commit
                 done.append(entry)
                 with given.state.open("a", encoding="utf-8") as state:
                     state.write(json.dumps(entry) + "\n")
-    text, faults = table(done, given, commit)
+    text, faults = table(done, given)
     print(text, end="")
     if given.out:
         given.out.write_text(text, encoding="utf-8")
@@ -70,11 +71,17 @@ def _commit() -> str:
     return f"{head} with changes" if changes else head
 
 
-def _done(state: Path, seed: int, commit: str) -> list[dict[str, Any]]:
+def _done(state: Path, seed: int, commit: str | None) -> list[dict[str, Any]]:
+    """Batches of a seed and a commit; without a commit the newest of each batch."""
     if not state.exists():
         return []
     entries = [json.loads(line) for line in state.read_text(encoding="utf-8").splitlines()]
-    return [entry for entry in entries if (entry["seed"], entry.get("commit")) == (seed, commit)]
+    newest = {
+        (entry["target"], entry["batch"]): entry
+        for entry in entries
+        if entry["seed"] == seed and commit in (None, entry["commit"])
+    }
+    return list(newest.values())
 
 
 def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
@@ -108,17 +115,17 @@ def _run(name: str, batch: int, seed: int, keep: Path) -> dict[str, Any]:
     return entry
 
 
-def table(done: list[dict[str, Any]], given: argparse.Namespace, commit: str) -> tuple[str, int]:
+def table(done: list[dict[str, Any]], given: argparse.Namespace) -> tuple[str, int]:
     """Result as text, and the number of faults."""
-    share = f" --share {given.share:g}" if given.share != 1.0 else ""
+    files = f" --files {given.files}" if given.files != 2000 else ""
     only = "" if given.only == list(TARGETS) else " --only " + " ".join(map(repr, given.only))
+    every = " --any-commit" if given.any_commit else ""
     lines = [
-        f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{share}{only}",
-        f"commit {commit}",
+        f"command: python tests/benchmarks/fuzz_readers.py --seed {given.seed}{files}{only}{every}",
         f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
         "",
         f"{'reader':<16} {'files':>6} {'read':>6} {'refused':>8} {'reader ended':>13} "
-        f"{'worst [s]':>10} {'worst [MB]':>11} {'faults':>7}",
+        f"{'worst [s]':>10} {'worst [MB]':>11} {'faults':>7}  commit",
     ]
     faults: Counter[str] = Counter()
     for name in given.only:
@@ -131,7 +138,8 @@ def table(done: list[dict[str, Any]], given: argparse.Namespace, commit: str) ->
             f"{sum(sum(entry['refused'].values()) for entry in entries):8d} "
             f"{_sum(entries, 'ended_reader'):13d} {_worst(entries, 'seconds'):10.2f} "
             f"{_worst(entries, 'megabytes'):11.0f} "
-            f"{sum(len(entry['faults']) for entry in entries):7d}"
+            f"{sum(len(entry['faults']) for entry in entries):7d}  "
+            + ", ".join(dict.fromkeys(entry["commit"] for entry in entries))
         )
     lines += [
         "",

@@ -155,6 +155,8 @@ def _next(diagnosis: Diagnosis) -> str:
     planned = diagnosis.next_experiment
     if planned is None:
         return ""
+    if not planned.reference:
+        return planned.why
     apart = " from ".join(words(name) for name in planned.separates)
     told = f"play {planned.reference}" if planned.reference else "record more"
     return f"{told} to tell {apart}: {planned.why}" if apart else f"{told}: {planned.why}"

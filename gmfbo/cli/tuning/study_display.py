@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Self
 
 from rich.progress import BarColumn, Progress, TextColumn
 
-from gmfbo.cli.console import gains_text
+from gmfbo.cli.console import gains_text, whole_words
 from gmfbo.plain_words import time_left
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class StudyDisplay:
     def show(self, step: progress.Progress) -> None:
         """Show one finished run."""
         if step.phase == "news":
-            self._bar.console.print(f"note: {step.note}", markup=False)
+            self._note(step.note)
             return
         if not self._console.is_terminal:
             return
@@ -67,7 +67,14 @@ class StudyDisplay:
         if told := real_run_text(step):
             self._bar.console.print(told)
         if step.note:
-            self._bar.console.print(f"note: {step.note}", markup=False)
+            self._note(step.note)
+
+    def _note(self, text: str) -> None:
+        """Print a note; in whole words on a terminal, elsewhere in one line."""
+        head = "note: "
+        lines = whole_words(text, head) if self._console.is_terminal else [f"{head}{text}"]
+        for line in lines:
+            self._bar.console.print(line, markup=False)
 
     def _done(self, step: progress.Progress) -> tuple[str, int, int]:
         """Counted unit, number done, and number at which this part of the study ends."""

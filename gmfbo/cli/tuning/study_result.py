@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gmfbo.cli.console import console, gains_text
+from gmfbo.cli.console import console, gains_text, whole_words
 from gmfbo.cli.tuning.objective_text import metric_text, objective_table
 from gmfbo.errors import SimulationError
 from gmfbo.objective.margins import MARGINS
@@ -38,18 +38,18 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     )
     if result.earlier:
         runs = f"{result.earlier} real runs of {study.file.earlier}"
-        console.print(f"taken over         {runs}", markup=False)
+        _print_entry("taken over", runs)
     for why in result.why_left_out:
-        console.print(f"not taken over     {why}", markup=False)
+        _print_entry("not taken over", why)
     for drift in result.drifts:
-        console.print(f"plant changed      {drift.message}")
+        _print_entry("plant changed", drift.message)
     for number, reason in enumerate(result.twin_versions, start=1):
-        console.print(f"twin version {number:<6}{reason}", markup=False)
+        _print_entry(f"twin version {number}", reason)
     for line in result.learned:
-        console.print(f"                   {line}", markup=False)
+        _print_entry("", line)
     _print_gains(study, result)
     for remark in result.remarks:
-        console.print(f"note               {remark}", markup=False)
+        _print_entry("note", remark)
     if result.best is not None:
         _print_counts(study, result.best)
     console.print(f"study folder       {study.location}")
@@ -115,6 +115,11 @@ def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
     wanted = {*METRICS, *file.objective.weights, *file.constraints, *file.own_metrics}
     ours = {*TRACKING_METRICS, *COMMAND_METRICS, *MARGINS}
     return [n for n in metrics if (base := n.partition("[")[0]) in wanted or base not in ours]
+
+
+def _print_entry(name: str, text: str) -> None:
+    for line in whole_words(text, f"{name:<19}"):
+        console.print(line, markup=False)
 
 
 def _print_gains(study: Study | StudyReview, result: TuningResult) -> None:

@@ -126,10 +126,10 @@ def _with_preset(
     from gmfbo.recordings.columns.presets import find_preset, preset_columns
 
     preset = find_preset(name)
+    columns = preset_columns(name, file, source.signal_specs().keys())
     typer.echo(f"preset {name}, by {preset.page}")
     if preset.left_out:
         typer.echo(f"preset {name}: {preset.left_out}")
-    columns = preset_columns(name, file, source.signal_specs().keys())
     return replace(mapping, columns={**columns, **mapping.columns})
 
 
@@ -153,7 +153,8 @@ def _check_settings(
     from gmfbo.recordings.columns.column_mapping import check_settings
 
     _check_names(settings, source)
-    check_settings(settings, file)
+    units = {name: spec.unit for name, spec in source.signal_specs().items()}
+    check_settings(settings, file, {"time": "s", **units})
 
 
 def _check_names(settings: Mapping[str, MappedColumn], source: FmuTwin) -> None:

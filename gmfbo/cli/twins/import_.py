@@ -38,7 +38,6 @@ def import_(
     from gmfbo.sources.inspection.ssp_import import import_ssp
 
     made = import_ssp(package, out)
-    typer.echo(
-        f"{made.fmus} FMUs, {made.wires} wires, {made.inputs} inputs, {made.outputs} outputs "
-        f"-> {made.twin}"
-    )
+    counts = {"FMU": made.fmus, "wire": made.wires, "input": made.inputs, "output": made.outputs}
+    told = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items())
+    typer.echo(f"{told} -> {made.twin}")

@@ -77,7 +77,7 @@ def init(
     """
     from gmfbo.sources.first_twin.log_columns import StatedColumns, read_log
     from gmfbo.sources.first_twin.signals import signals_of
-    from gmfbo.sources.first_twin.trial import tried, with_likely_units
+    from gmfbo.sources.first_twin.trial import tried_in_likely_units
     from gmfbo.sources.inspection.inspection import inspect_fmu
 
     check_dialect(dialect)
@@ -91,8 +91,7 @@ def init(
 
         log = answered(signals, log, settings)
     _check_found(signals, log)
-    log = with_likely_units(signals, log)
-    seen = tried(signals, log, logs)
+    signals, log, seen = tried_in_likely_units(signals, log, logs)
     _print_columns(signals, log)
     _print_errors(seen)
     written = _write_all(out, signals, log, seen)

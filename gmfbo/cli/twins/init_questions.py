@@ -8,7 +8,7 @@ import typer
 
 from gmfbo.cli.twins.column_options import column_settings, counted_rows
 from gmfbo.cli.twins.columns import print_columns
-from gmfbo.errors import InputError, did_you_mean
+from gmfbo.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,16 +36,17 @@ def answered(signals: Signals, log: LogColumns, settled: Mapping[str, MappedColu
     stated = {column: name for name, column in found.items() if name not in log.why}
     print_columns(log.file, stated, {n: column for n, column in found.items() if n in log.why})
     typer.echo(f"Which column is it? Enter takes [the guess], {_NONE} is none; a unit may follow.")
-    log = _asked(log, "time", "time", settled)
+    log = _asked(log, "time", "time", "s", settled)
     for name, signal in signals.known.items():
         if signal.usual or name in log.mapping.columns:
-            unit = f" [{signal.variable.si_unit}]" if signal.variable.si_unit else ""
-            log = _asked(log, name, f"{name}, {signal.variable.name}{unit}", settled)
+            unit = signal.variable.si_unit
+            shown = f" [{unit}]" if unit else ""
+            log = _asked(log, name, f"{name}, {signal.variable.name}{shown}", unit, settled)
     return log
 
 
 def _asked(
-    log: LogColumns, name: str, words: str, settled: Mapping[str, MappedColumn]
+    log: LogColumns, name: str, words: str, unit: str, settled: Mapping[str, MappedColumn]
 ) -> LogColumns:
     if name in settled:
         return log
@@ -57,7 +58,7 @@ def _asked(
         if answer == _NONE:
             return log.without(name)
         try:
-            return log.with_entry(name, _entry(log, name, answer), "")
+            return log.with_entry(name, _entry(log, name, answer, unit), "")
         except InputError as error:
             typer.echo(str(error))
 
@@ -71,13 +72,15 @@ def _guess(log: LogColumns, name: str) -> str:
     return f"{entry.column} [{unit}]" if unit else entry.column
 
 
-def _entry(log: LogColumns, name: str, answer: str) -> MappedColumn:
+def _entry(log: LogColumns, name: str, answer: str, unit: str) -> MappedColumn:
     if name == "time" and (seconds := _number(answer)) is not None:
         return counted_rows(seconds)["time"]
+    from gmfbo.recordings.columns.column_mapping import setting_fault
+
     (entry,) = column_settings([f"{name}={answer}"]).values()
-    names = [column.name for column in log.file.columns]
-    if entry.column not in names:
-        raise InputError(f"no column '{entry.column}'" + did_you_mean(entry.column, names))
+    fault = setting_fault(name, entry, log.file, unit)
+    if fault:
+        raise InputError(fault)
     return entry
 
 

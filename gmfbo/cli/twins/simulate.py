@@ -184,6 +184,7 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
     """Lines on what is not compared, and on a recording that contradicts the twin."""
     from gmfbo.sources.recorded.contradiction import contradiction
     from gmfbo.sources.recorded.missing_signals import missing_signals
+    from gmfbo.sources.recorded.still_signals import still_lines
 
     if not recorded.signals.keys() - source.file.inputs.keys():
         return []  # a reference alone: there is nothing to compare
@@ -192,17 +193,35 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
         f"{m.recording}: {m.what}; {m.signal} is not compared, unless 'gmfbo columns' maps it"
         for m in missing
     ]
+    lines += still_lines(source, recorded)
     return lines + list(filter(None, [contradiction(source, recorded, run)]))
 
 
 def _print_fit(source: FmuTwin, trajectory: Trajectory, recorded: Recording) -> None:
+    import numpy as np
+
+    from gmfbo.errors import RecordingError
     from gmfbo.objective.fit import nrmse
 
-    compared = [name for name in source.file.outputs if name in recorded.signals]
+    compared = [
+        name
+        for name in source.file.outputs
+        if name in recorded.signals and np.isfinite(recorded.signals[name]).any()
+    ]
     if not compared:
         typer.echo("the recording holds none of the twin's outputs; nothing to compare")
         return
     typer.echo("signal                    NRMSE (RMS error over range)")
+    faults = []
     for name in compared:
-        share = nrmse(trajectory, recorded, name, warmup=source.file.warmup or 0.0)
-        typer.echo(f"{name:<24}  {100.0 * share:.4g} %")
+        try:
+            share = nrmse(trajectory, recorded, name, warmup=source.file.warmup or 0.0)
+        except RecordingError as error:
+            faults.append(error)
+            typer.echo(f"{name:<24}  -")
+        else:
+            typer.echo(f"{name:<24}  {100.0 * share:.4g} %")
+    for fault in faults:
+        if len(faults) == len(compared):
+            raise fault
+        typer.echo(f"! {fault}")

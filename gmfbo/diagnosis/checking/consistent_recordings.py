@@ -10,6 +10,7 @@ from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.contradiction import Doubts
+from gmfbo.sources.recorded.still_signals import still_lines
 from gmfbo.sources.recorded.usable import Usable, usable
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -44,7 +45,8 @@ def consistent(
     """
     given = usable(twin, recordings)
     notes = judge_motions(twin, given.recordings, given.doubts, seed=seed, jobs=jobs)
-    given = replace(given, notes=(*given.notes, *notes))
+    still = [line for recording in given.recordings for line in still_lines(twin, recording)]
+    given = replace(given, notes=(*given.notes, *still, *notes))
     if given.doubts.position or given.doubts.command:
         _ask_the_controller(twin, given.recordings, given.doubts, seed, jobs)
     return given

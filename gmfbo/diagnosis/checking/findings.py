@@ -24,6 +24,7 @@ from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
 from gmfbo.plain_words import duration, number, percent, quantity
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.missing_signals import missing_signals
+from gmfbo.sources.recorded.still_signals import CURE, still_signals
 
 _LEAST_REPEATS = 3
 _REPEATED_SHARE = 1e-3
@@ -38,11 +39,12 @@ _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alik
 _SHIFT_BY_TWIN = 2.0  # samples
 _SCALE_BY_TWIN = 0.02
 _OFFSET_BY_TWIN = 0.01  # of the range
-_SPOILING = {"lost_rows", "repeated_samples", "latched_column", "clipped_column"}
+_SPOILING = {"still_column", "lost_rows", "repeated_samples", "latched_column", "clipped_column"}
 
 # Worst first: what makes everything after it wrong.
 _ORDER = (
     "missing_column",
+    "still_column",
     "lost_rows",
     "repeated_samples",
     "latched_column",
@@ -81,7 +83,7 @@ def all_findings(
     """
     found = [*_missing(case), *_conventions(case, logged)]
     for k, (name, own) in enumerate(facts.items()):
-        faults = _of_clock(name, own.clock)
+        faults = [*_still(case, k, name), *_of_clock(name, own.clock)]
         for signal, quality in own.columns.items():
             faults += _of_column(case, k, name, signal, quality)
         if not any(fault.kind in _SPOILING for fault in faults):
@@ -114,6 +116,12 @@ def _missing(case: Case) -> list[Finding]:
         )
         for own in missing_signals(case.twin, recordings)
     ]
+
+
+def _still(case: Case, record: int, name: str) -> list[Finding]:
+    recording = case.simulations.records[record].plan.recording
+    found = still_signals(case.twin, recording)
+    return [Finding("still_column", name, signal, what, CURE) for signal, what in found.items()]
 
 
 def _conventions(case: Case, logged: str | None) -> list[Finding]:

@@ -13,7 +13,7 @@ class NextExperiment:
     Attributes
     ----------
     reference : str
-        File that a drive can play.
+        File that a drive can play; empty where none would tell more.
     separates : tuple of str
         Effects that it tells apart.
     distance : float

@@ -160,6 +160,7 @@ def _unseen(diagnosis: Findings) -> str:
     told = f" They do not excite {silent} of the known effects." if silent else ""
     if diagnosis.verdict != "none":
         told = f" These recordings cannot tell more.{told}"
-    if diagnosis.next_experiment is not None and diagnosis.next_experiment.reference:
-        told += f" Record {diagnosis.next_experiment.reference} next."
+    planned = diagnosis.next_experiment
+    if planned is not None and planned.reference:
+        told += f" Record {planned.reference} next."
     return told

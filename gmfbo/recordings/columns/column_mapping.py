@@ -71,6 +71,12 @@ class ColumnMapping:
         clock = self.columns.get("time")
         return None if clock is None else clock.sample_time
 
+    @property
+    def states_time(self) -> bool:
+        """Whether it says in which unit the clock is; then that is the last word."""
+        clock = self.columns.get("time")
+        return clock is not None and (clock.converts or clock.sample_time is not None)
+
 
 @runtime_checkable
 class MappedReading(Protocol):
@@ -125,7 +131,9 @@ def rename_columns(
     return replace(file, columns=(*renamed.values(), *kept)), changed
 
 
-def check_settings(settings: Mapping[str, MappedColumn], file: RecordedColumns) -> None:
+def check_settings(
+    settings: Mapping[str, MappedColumn], file: RecordedColumns, units: Mapping[str, str]
+) -> None:
     """Refuse what `--set` says of columns, where it cannot be.
 
     Parameters
@@ -134,23 +142,50 @@ def check_settings(settings: Mapping[str, MappedColumn], file: RecordedColumns) 
         Columns by name; entries without a column are left to others.
     file : RecordedColumns
         As read.
+    units : mapping of str to str
+        SI unit by name; of the others any known unit is taken.
 
     Raises
     ------
     InputError
-        There is no such column, or its unit is not known.
+        There is no such column, or its unit is not known or of another quantity.
+    """
+    for name, entry in settings.items():
+        fault = setting_fault(name, entry, file, units.get(name, ""))
+        if fault:
+            raise InputError(f"--set: {fault}")
+
+
+def setting_fault(name: str, entry: MappedColumn, file: RecordedColumns, unit: str) -> str:
+    """Say why a column cannot be that of a signal; empty where it can.
+
+    Parameters
+    ----------
+    name : str
+        Of the signal, or `time`.
+    entry : MappedColumn
+        What was stated; an entry without a column is left to others.
+    file : RecordedColumns
+        As read.
+    unit : str
+        SI unit of the signal; empty where any is taken.
     """
     names = [column.name for column in file.columns]
-    for name, entry in settings.items():
-        if entry.column and entry.column not in names:
-            raise InputError(
-                f"--set: {file.label} has no column '{entry.column}' for '{name}'"
-                + did_you_mean(entry.column, names)
-            )
-        if entry.unit and parse_unit(entry.unit) is None:
-            raise InputError(
-                f"--set: unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
-            )
+    if entry.column and entry.column not in names:
+        return f"{file.label} has no column '{entry.column}' for '{name}'" + did_you_mean(
+            entry.column, names
+        )
+    stated, wanted = parse_unit(entry.unit), parse_unit(unit)
+    if not entry.unit:
+        return ""
+    if stated is None:
+        return f"unit [{entry.unit}] of '{name}' is not known; expected such as rad, deg"
+    scaled = entry.scale is not None or stated.needs_scale
+    if wanted is not None and stated.dimension != wanted.dimension and not scaled:
+        return (
+            f"[{entry.unit}] is no unit of '{name}'; expected [{unit}] or another of its quantity"
+        )
+    return ""
 
 
 def _counted(file: RecordedColumns, sample_time: float | None) -> RecordedColumns:

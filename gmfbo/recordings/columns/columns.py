@@ -31,12 +31,15 @@ class Column:
         As written; empty where none is.
     fault : str
         Message about the first cell that holds something else than a number; empty if none does.
+    assumed : bool
+        Nothing in the file states the unit: the first column of a matrix, taken for a clock in s.
     """
 
     name: str
     values: NDArray[np.float64]
     unit: str = ""
     fault: str = ""
+    assumed: bool = False
 
 
 @dataclass(frozen=True)

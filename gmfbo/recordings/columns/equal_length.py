@@ -134,6 +134,6 @@ def _with_increasing_time(
     for k, column in enumerate(columns):
         known = column.values.size > 2 and bool(np.isfinite(column.values).all())
         if column.name in firsts and known and is_steady(column.values):
-            columns[k] = replace(column, unit="s")
+            columns[k] = replace(column, unit="s", assumed=True)
             break
     return columns

@@ -124,9 +124,15 @@ def preset_columns(
     Raises
     ------
     InputError
-        There is no such preset.
+        There is no such preset, or the file has none of its columns.
     """
     preset = find_preset(name)
+    known = {entry.column for entries in preset.columns.values() for entry in entries}
+    if known and known.isdisjoint(last_part(column.name) for column in file.columns):
+        raise InputError(
+            f"--preset {name}: {file.label} has none of its columns ({', '.join(sorted(known))}); "
+            "leave the preset out, and say which column is which by --set"
+        )
     found: dict[str, MappedColumn] = {}
     for signal, candidates in preset.columns.items():
         for candidate in candidates if signal in (*signals, "time") else ():

@@ -1,4 +1,4 @@
-"""Units that stand in a column's name: `position_deg`, `time/ms`, `Time in ms`, `phi(deg)`."""
+"""Units in a column's name: `position_deg`, `time/ms`, `Time in ms`, `phi(deg)`, `phi, deg`."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from gmfbo.units import parse_unit
 
 _IN = re.compile(r"(?P<name>.*\S)\s+(?:in|IN)\s+(?P<unit>\S.*)")
 _BRACKETS = re.compile(r"(?P<name>[^()]*[^()\s])\((?P<unit>[^()]+)\)")
+_BRACES = re.compile(r"(?P<name>[^{}]*[^{}\s])\s*\{(?P<unit>[^{}]+)\}")
+_MARK = re.compile(r"(?P<name>.*[^\s,])(?:,|\s+-)\s+(?P<unit>\S.*)")  # `phi, deg` and `phi - deg`
 _NAMELESS_CLOCK = re.compile(r"in\s+(?P<unit>\S+)")  # `in s` of Rohde & Schwarz oscilloscopes
 _SLASH = re.compile(r"(?P<name>[^/]*[^/\s])\s*/\s*(?P<unit>.+)")
 
-_OTHER_WORDS = ("in", "r", "U", "h")
-"""Units that are more often something else at the end of a name: an input, a reference."""
+_OTHER_WORDS = ("in", "r", "U", "h", "d")
+"""Units that are more often something else at the end of a name: an input, a direct axis."""
 
 _MOST_PARTS = 4  # of a unit in a name: rad_per_s_2
 _LONGEST_NAME = 200  # reading a name takes time by the square of its length
@@ -33,7 +35,7 @@ def names_and_units(text: str) -> Iterator[tuple[str, str]]:
     """
     if len(text) > _LONGEST_NAME:
         return
-    for form in (_IN, _SLASH, _BRACKETS):
+    for form in (_IN, _SLASH, _BRACKETS, _BRACES, _MARK):
         found = form.fullmatch(text)
         if found:
             unit = found["unit"].strip()
@@ -112,7 +114,7 @@ def notes_on_units(
     read : ColumnMapping
         The same with what the names of columns say.
     """
-    units = {column.name: column.unit for column in file.columns}
+    units = {column.name: column.unit for column in file.columns if not column.assumed}
     by_name = [
         f"{entry.column} as {name} [{entry.unit}]"
         for name, entry in read.columns.items()

@@ -43,7 +43,9 @@ def write_columns(stream: IO[bytes], read: RecordedColumns | RecordedChannels | 
     head["notes"] = {**asdict(read.notes), "schedules": sorted(read.notes.schedules)}
     if isinstance(read, RecordedColumns):
         head["declared"], head["unreadable"] = read.declared, dict(read.unreadable)
-        head["columns"] = [(c.name, place(c.values), c.unit, c.fault) for c in read.columns]
+        head["columns"] = [
+            (c.name, place(c.values), c.unit, c.fault, c.assumed) for c in read.columns
+        ]
     else:
         head["channels"] = [
             (c.name, place(c.time), place(c.values), c.unit, c.group, c.alias, c.fault, c.counted)
@@ -91,7 +93,7 @@ def read_columns_from(stream: IO[bytes]) -> RecordedColumns | RecordedChannels |
     if "columns" in head:
         return RecordedColumns(
             label=head["label"],
-            columns=tuple(Column(n, arrays[k], unit, f) for n, k, unit, f in head["columns"]),
+            columns=tuple(Column(n, arrays[k], unit, f, a) for n, k, unit, f, a in head["columns"]),
             scalars=head["scalars"],
             declared=head["declared"],
             unreadable=head["unreadable"],

@@ -105,7 +105,8 @@ class LogColumns:
     def unit(self, name: str) -> str:
         """Unit in which a signal's column is read; empty where nothing states one."""
         entry = self.mapping.columns[name]
-        return entry.unit or next((c.unit for c in self.file.columns if c.name == entry.column), "")
+        stated = (c.unit for c in self.file.columns if c.name == entry.column and not c.assumed)
+        return entry.unit or next(stated, "")
 
 
 def read_log(path: Path, signals: Signals, stated: StatedColumns) -> LogColumns:
@@ -129,7 +130,8 @@ def read_log(path: Path, signals: Signals, stated: StatedColumns) -> LogColumns:
     """
     file = read_columns(path, stated.dialect, (), every=True)
     given = _by_signal(stated.settings, signals)
-    check_settings(given, file)
+    units = {name: signal.spec.unit for name, signal in signals.known.items()}
+    check_settings(given, file, {"time": "s", **units})
     left_out = {name for name, e in given.items() if not e.column and e.sample_time is None}
     entries = {name: entry for name, entry in given.items() if name not in left_out}
     why: dict[str, str] = {}
@@ -205,7 +207,10 @@ def _with_clock(log: LogColumns, step: float) -> LogColumns:
     if entry is None:
         clock = find_clock(log.file.label, log.file.columns)
         entry = MappedColumn(clock.name)
-        log = log.with_entry("time", entry, "" if clock.unit else "its name; in seconds")
+        why = "" if clock.unit else "its name; in seconds"
+        if clock.assumed:
+            why = "its values increase evenly; in seconds"
+        log = log.with_entry("time", entry, why)
     column = next((c for c in log.file.columns if c.name == entry.column), None)
     if column is None or log.unit("time") or entry.scale is not None:
         return log

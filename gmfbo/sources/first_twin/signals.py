@@ -66,11 +66,14 @@ class Signals:
         Roles of its variables.
     known : mapping of str to Signal
         By name, the likeliest to be logged first.
+    ends_announced : bool
+        Whether the FMU refuses a run whose end is not announced.
     """
 
     report: FmuReport
     guesses: Guesses
     known: Mapping[str, Signal]
+    ends_announced: bool = False
 
     @cached_property
     def by_variable(self) -> Mapping[str, str]:

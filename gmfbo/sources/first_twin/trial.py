@@ -18,9 +18,11 @@ from gmfbo.recordings.reference import step_reference
 from gmfbo.sources.first_twin.log_columns import LogColumns
 from gmfbo.sources.first_twin.signals import Signals
 from gmfbo.sources.first_twin.twin_text import twin_text
+from gmfbo.sources.fmu_file.job import STOP_TIME_LINE
 from gmfbo.sources.recorded.contradiction import contradiction
 from gmfbo.sources.recorded.missing_signals import missing_signals
 from gmfbo.sources.recorded.motion_unit import MUCH_BETTER
+from gmfbo.sources.recorded.still_signals import still_lines
 from gmfbo.sources.recorded.wrapped_angle import unwrapped
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -55,6 +57,42 @@ class TriedLog:
     run: Trajectory
     errors: Mapping[str, float]
     doubts: tuple[str, ...]
+
+
+def tried_in_likely_units(
+    signals: Signals, log: LogColumns, paths: Sequence[Path]
+) -> tuple[Signals, LogColumns, tuple[TriedLog, ...]]:
+    """Settle units that no file states, and simulate each log.
+
+    Parameters
+    ----------
+    signals : Signals
+        Of the FMU.
+    log : LogColumns
+        How logs are read.
+    paths : sequence of Path
+        Logs of the same logger.
+
+    Returns
+    -------
+    tuple of Signals, LogColumns and tuple of TriedLog
+        Signals, which now know of an FMU that wants the end of a run announced; how logs are
+        read; and the runs.
+
+    Raises
+    ------
+    RecordingError
+        A log cannot be read so.
+    SimulationError
+        The FMU failed.
+    """
+    likely = with_likely_units(signals, log)
+    try:
+        return signals, likely, tried(signals, likely, paths)
+    except SimulationError as error:
+        if signals.ends_announced or STOP_TIME_LINE not in str(error):
+            raise
+    return tried_in_likely_units(replace(signals, ends_announced=True), log, paths)
 
 
 def tried(signals: Signals, log: LogColumns, paths: Sequence[Path]) -> tuple[TriedLog, ...]:
@@ -144,7 +182,8 @@ def _tried(source: FmuTwin, path: Path) -> TriedLog:
         raise SimulationError(f"{path.name}: {run.message}")
     compared = [name for name in source.file.outputs if name in recording.signals]
     missing = [f"{m.recording}: {m.what}" for m in missing_signals(source, [recording])]
-    doubts = [*recording.notes, *notes, *missing, contradiction(source, recording, run)]
+    doubts = [*recording.notes, *notes, *missing, *still_lines(source, recording)]
+    doubts.append(contradiction(source, recording, run))
     return TriedLog(
         recording,
         run,

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from gmfbo.sources.first_twin.log_columns import LogColumns, step_of
 from gmfbo.sources.first_twin.signals import Signal, Signals
+from gmfbo.sources.fmu_file.job import STOP_TIME_LINE
 from gmfbo.sources.inspection.role_guesses import Guesses
 from gmfbo.sources.inspection.variable_lines import described, range_lines
 from gmfbo.sources.twin_file.column_file import written_entry, written_key
@@ -37,6 +38,7 @@ def twin_text(signals: Signals, log: LogColumns, fmu: str) -> str:
         f"name = {toml_text(signals.report.name)}\n"
         f"fmu = {toml_text(fmu)}\n"
         f"step = {step!r}  # [s] communication step, {whence}\n"
+        + (f"{STOP_TIME_LINE}  # the FMU refused to run without it\n" * signals.ends_announced)
         + (f"dialect = {toml_text(log.mapping.dialect)}\n" if _is_stated(log) else "")
     )
     known = signals.known.values()

@@ -9,6 +9,9 @@ from typing import Any, Literal, NamedTuple
 
 Status = Literal["ok", "diverged", "failed", "crashed", "timeout"]
 
+STOP_TIME_LINE = "stop_time = true"
+"""Line of a twin file that announces each run's end."""
+
 
 class ValueType(IntEnum):
     """Type of a variable at the FMI interface; numbers as in `master.h`.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from gmfbo.errors import FmuFileError, InputError
 from gmfbo.sources.fmu_file.description import FmuDescription, read_description
@@ -58,24 +59,28 @@ def import_ssp(path: str | Path, folder: str | Path) -> ImportedTwin:
     twin = folder / f"{bare_key(system.name)}.toml"
     if twin.exists():
         raise InputError(f"'{twin}' is there already; give another --out, or move it away")
-    folder.mkdir(parents=True, exist_ok=True)
     wanted = set(system.fmus.values())
+    # What is refused leaves nothing behind.
+    with TemporaryDirectory(prefix="gmfbo-import-") as apart:
+        trial = Path(apart)
+        unpack(path, trial, lambda member: str(member) in wanted)
+        fmus = {name: read_description(trial / member) for name, member in system.fmus.items()}
+        _check_units(path, system, fmus)
+        text = _twin_text(system, fmus)
+        _check(text, path.name, trial)
+    folder.mkdir(parents=True, exist_ok=True)
     unpack(path, folder, lambda member: str(member) in wanted)
-    fmus = {name: read_description(folder / member) for name, member in system.fmus.items()}
-    _check_units(path, system, fmus)
-    text = _twin_text(system, fmus)
-    _check(text, twin, folder)
     twin.write_text(text, encoding="utf-8")
     outputs = len(system.outputs or system.offered)
     return ImportedTwin(twin, len(fmus), len(system.wires), len(system.inputs), outputs)
 
 
-def _check(text: str, twin: Path, folder: Path) -> None:
+def _check(text: str, label: str, folder: Path) -> None:
     """Raise for a name that no FMU has, before the twin file is written."""
     from gmfbo.sources.binding.bind import bind
     from gmfbo.sources.twin_file.twin_file import TwinFile
 
-    bind(TwinFile.parse(text, twin.name, folder), folder, twin.name)
+    bind(TwinFile.parse(text, label, folder), folder, label)
 
 
 def _check_units(path: Path, system: SspSystem, fmus: Mapping[str, FmuDescription]) -> None:

@@ -20,11 +20,13 @@ from gmfbo.errors import RecordingError
 from gmfbo.plain_words import number
 from gmfbo.recordings.columns.unit_in_name import note_on_header
 from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.sources.recorded.clock_unit import clock_unit
 from gmfbo.sources.recorded.controlled_signal import controlled, seen_signal, unit_of
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
 from gmfbo.sources.recorded.motion_unit import MotionUnit, motion_unit
 from gmfbo.sources.recorded.range_ends import at_range_ends, explains
+from gmfbo.sources.recorded.still_signals import still_signals
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.units import parse_unit
 
@@ -36,7 +38,7 @@ class Doubts:
     Attributes
     ----------
     position : frozenset of int
-        Those in which the controlled signal hardly follows its reference.
+        Those in which the controlled signal hardly follows its reference, or never moves.
     command : frozenset of int
         Those whose command is of opposite sign, or far in size, from the simulated one.
     motion : mapping of int to MotionUnit
@@ -72,7 +74,8 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
     Raises
     ------
     RecordingError
-        A controlled signal contradicts the twin at each end of every uncertain range.
+        A controlled signal contradicts the twin at each end of every uncertain range, or the
+        clock seems to be in minutes or hours.
     """
     signal = controlled(twin)
     position, command = set(), set()
@@ -81,6 +84,9 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
         if "reference" not in recording.signals:
             continue
         run = twin.run({}, recording)
+        clock = clock_unit(twin, recording, run)
+        if clock is not None:
+            raise RecordingError(clock.told(recording.name or "recording"))
         moved = motion_unit(twin, recording, run)
         if moved is not None:
             motion[k] = moved
@@ -93,7 +99,8 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
                 raise
             otherwise[k] = str(error)
         seen = seen_signal(twin, recording, signal, run) if signal in recording.signals else None
-        if seen is not None and seen.may_be_unrelated:
+        is_still = signal in still_signals(twin, recording)
+        if is_still or (seen is not None and seen.may_be_unrelated):
             position.add(k)
         if _is_doubtful(twin, recording, run):
             command.add(k)
@@ -113,6 +120,9 @@ def contradiction(twin: FmuTwin, recording: Recording, run: Trajectory) -> str:
         The twin along it.
     """
     signal = controlled(twin)
+    clock = clock_unit(twin, recording, run)
+    if clock is not None:
+        return clock.told(recording.name or "recording")
     if not signal:
         return "; ".join(_off_scales(twin, recording, run))
     moved = motion_unit(twin, recording, run)
@@ -146,6 +156,9 @@ def scale_doubts(twin: FmuTwin, recording: Recording) -> list[str]:
     if controlled(twin) or not twin.file.outputs.keys() & recording.signals.keys():
         return []
     run = twin.run({}, recording)
+    clock = clock_unit(twin, recording, run)
+    if clock is not None:
+        return [clock.told(recording.name or "recording")]
     return _off_scales(twin, recording, run) if run.status == "ok" else []
 
 

@@ -94,7 +94,7 @@ def motion_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> MotionU
     signal = controlled(twin)
     if not signal or not {"reference", signal} <= recording.signals.keys():
         return None
-    if run.status == "ok" and not _is_unlike(twin, recording, run):
+    if run.status == "ok" and not is_unlike(twin, recording, run):
         return None
     stated = mean_error(twin, recording, run)
     best, least = None, MUCH_BETTER * stated
@@ -107,7 +107,7 @@ def motion_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> MotionU
             other = recording.with_signals(changed)
             along = twin.run({}, other)
             error = mean_error(twin, other, along)
-            if error < least and _is_met(twin, other, along, signal):
+            if error < least and is_met(twin, other, along, signal):
                 best, least = MotionUnit(unit, names, other, error, stated), error
     return best
 
@@ -136,21 +136,46 @@ def mean_error(twin: FmuTwin, recording: Recording, run: Trajectory) -> float:
     return sum(errors) / len(errors) if errors else math.inf
 
 
-def _is_unlike(twin: FmuTwin, recording: Recording, run: Recording) -> bool:
-    """Whether a compared signal has another shape or size than the simulated one."""
+def is_unlike(twin: FmuTwin, recording: Recording, run: Recording) -> bool:
+    """Whether a compared signal has another shape or size than the simulated one.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    recording : Recording
+        What is compared.
+    run : Recording
+        The twin along it, to its end.
+    """
     seen = _all_seen(twin, recording, run)
     return any(one.correlation < SAME_SHAPE or one.is_far_in_size for one in seen)
 
 
-def _is_met(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> bool:
+def is_met(twin: FmuTwin, recording: Recording, run: Trajectory, signal: str) -> bool:
     """Whether the controlled signal is followed in shape, and all compared ones in size.
 
     A motion that is made too small leaves little error too.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    recording : Recording
+        What is compared.
+    run : Trajectory
+        The twin along it.
+    signal : str
+        Controlled signal; empty in open loop, where each compared one has to have the shape.
     """
-    seen = seen_signal(twin, recording, signal, run)
-    if seen is None or seen.correlation < SAME_SHAPE:
+    if run.status != "ok":
         return False
-    return not any(one.is_far_in_size for one in _all_seen(twin, recording, run))
+    every = _all_seen(twin, recording, run)
+    held = seen_signal(twin, recording, signal, run) if signal in recording.signals else None
+    shapes = every if held is None else [held]
+    if not shapes or any(one.correlation < SAME_SHAPE for one in shapes):
+        return False
+    return not any(one.is_far_in_size for one in every)
 
 
 def _all_seen(twin: FmuTwin, recording: Recording, run: Recording) -> list[Likeness]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.sources.fmu_file.job import Job, Outcome, Stage
+from gmfbo.sources.fmu_file.job import STOP_TIME_LINE, Job, Outcome, Stage
 from gmfbo.sources.fmu_file.unpacked_fmu import UnpackedFmu
 from gmfbo.sources.stepping.fmi2 import FmuCallError, Instance, LoadedFmu
 from gmfbo.sources.stepping.master import step_all
@@ -93,7 +93,7 @@ class Simulator:
         except FmuCallError as error:
             message = f"{error} while it was {error.stage.words}"
             if job.stop is None and _STOP_TIME.search(message):
-                message += "; put 'stop_time = true' above the tables of the twin file"
+                message += f"; put '{STOP_TIME_LINE}' above the tables of the twin file"
             return Outcome("failed", 0, message, stage=error.stage)
         self._mark(Stage.STEP, 0)
         stop = step_all(self._instances, job, u, s, y, native=self._native)

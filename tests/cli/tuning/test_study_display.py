@@ -59,3 +59,12 @@ def test_control_gains_that_fit_are_shown_whole() -> None:
     shown = lines(step(gains={"kp": 80.0}, seconds_left=None, mismatch=None))
     assert any("IS2 kp = 80" in line for line in shown)
     assert not any("..." in line for line in shown)
+
+
+def test_a_note_is_whole_words_and_its_own_lines_stay_lines() -> None:
+    told = "the twin was corrected: " + "coulomb friction, " * 8 + "\n  inertia: 0.01 -> 0.0105"
+    shown = lines(step(phase="news", note=told))
+    assert max(map(len, shown)) <= 80
+    assert "        inertia: 0.01 -> 0.0105" in shown
+    notes = " ".join(line for line in shown if "initial data" not in line)
+    assert " ".join(notes.split()) == "note: " + " ".join(told.split())

@@ -200,12 +200,13 @@ def test_at_a_terminal_it_asks_and_enter_takes_the_guess(
     text = Path("run0.csv").read_text().replace("SetPos_deg", "a", 1)
     log = tmp_path / "log.csv"
     log.write_text(text)
-    # time, reference (a slip first), position, velocity, torque_command
-    answers = "\naa\na [deg]\n\n-\n\n"
+    # time, reference (two slips first), position, velocity, torque_command
+    answers = "\naa\na [Nm]\na [deg]\n\n-\n\n"
     monkeypatch.setattr(sys, "stdin", Terminal(answers))
     assert run("init", "AX7.fmu", log, "--out", tmp_path / "axis") == 0
     said = capsys.readouterr().out
-    assert "no column 'aa'; did you mean 'a'?" in said
+    assert "log.csv has no column 'aa' for 'reference'; did you mean 'a'?" in said
+    assert "[Nm] is no unit of 'reference'; expected [rad] or another of its quantity" in said
     text = (tmp_path / "axis" / "twin.toml").read_text()
     assert 'reference = { column = "a", unit = "deg" }\n' in text
     assert '"ActPos_deg", unit = "deg" }  # guess: by the column\'s name' in text

@@ -171,3 +171,23 @@ def test_the_picture_comes_alive_in_a_browser_without_a_network(
     answer = Browser(path, tmp_path).ask(page.read_text(encoding="utf-8"), question, 1280, 800)
     assert (answer["complaints"], answer["loaded"]) == ([], [])
     assert answer["told"] == {"ready": "ready", "shown": 1, "lines": 5}
+
+
+def test_a_signal_that_has_no_error_leaves_the_others_theirs(
+    tmp_path: Path, recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A channel that was not connected: blank, or stuck at one value."""
+    header, *rows = recording.read_text(encoding="utf-8").splitlines()
+    while header.startswith("#"):
+        header, *rows = rows
+    place = [name.split(" ")[0] for name in header.split(",")].index("position")
+    for value, said in (("", "holds no value"), ("0.5", "'position' is constant")):
+        cells = [row.split(",") for row in rows]
+        text = [",".join([*c[:place], value, *c[place + 1 :]]) for c in cells]
+        path = tmp_path / "stuck.csv"
+        path.write_text("\n".join([header, *text]) + "\n", encoding="utf-8")
+        out = tmp_path / "out.csv"
+        assert run("simulate", twin_file(tmp_path), "--reference", path, "--out", out) == 0
+        told = capsys.readouterr()
+        assert said in told.out + told.err
+        assert re.search(r"^torque_command +[\d.e-]+ %$", told.out, re.MULTILINE)

@@ -131,6 +131,16 @@ def test_a_set_says_what_would_tell_it_apart_where_that_is_known() -> None:
         assert "Play" not in replace(made, next_experiment=planned).sentence
 
 
+def test_where_no_reference_would_tell_more_none_is_asked_for() -> None:
+    made = replace(rivals(), evidence="insufficient")
+    assert made.next_experiment is not None
+    assert "Record next.csv next." in made.sentence
+    vain = replace(made, next_experiment=replace(made.next_experiment, reference="", why="In vain"))
+    assert "Record" not in vain.sentence
+    (told,) = [line for line in screenful(vain) if line.startswith("next ")]
+    assert told.split(maxsplit=1)[1] == "In vain"
+
+
 def test_rivals_beside_another_name_are_told_apart_too() -> None:
     made = rivals()
     assert made.next_experiment is not None

@@ -59,6 +59,26 @@ def test_seconds_that_are_called_milliseconds_are_told(tmp_path: Path) -> None:
         read_recording(log(tmp_path, "time [ms]", 1e-3), TWIN)
 
 
+@pytest.mark.parametrize(("unit", "seconds"), [("min", 60.0), ("h", 3600.0), ("d", 86400.0)])
+def test_few_steps_in_seconds_and_a_round_distance_in_a_longer_unit_are_told(
+    unit: str, seconds: float, tmp_path: Path
+) -> None:
+    with pytest.raises(RecordingError, match=rf"400 rows in .* steps of the twin; .* in {unit}\?"):
+        read_recording(log(tmp_path, "t", 1e-3 / seconds, 400), TWIN)
+
+
+def test_many_rows_within_one_step_show_nothing(tmp_path: Path) -> None:
+    told = r"401 rows in 0\.8 steps of the twin; is the time in another unit\?"
+    with pytest.raises(RecordingError, match=told):
+        read_recording(log(tmp_path, "t", 2e-6, 401), TWIN)
+
+
+@pytest.mark.parametrize("spacing", [3e-6, 1e-5])
+def test_a_short_shot_of_an_oscilloscope_is_read(spacing: float, tmp_path: Path) -> None:
+    """Negative control: it is short too, and its distance of rows is round in seconds."""
+    assert len(read_recording(log(tmp_path, "t", spacing, 400), TWIN)) == 400
+
+
 @pytest.mark.parametrize("spacing", [1e-5, 1e-4, 1e-3, 1e-2, 0.1])
 def test_fast_and_slow_loggers_are_read(spacing: float, tmp_path: Path) -> None:
     """From a hundred rows a step to a hundred steps a row."""

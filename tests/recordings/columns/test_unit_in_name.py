@@ -40,6 +40,9 @@ def read(
         ("angle/deg", "angle", np.pi / 90),
         ("angle(Deg)", "angle", np.pi / 90),
         ("angle in deg", "angle", np.pi / 90),
+        ("angle {deg}", "angle", np.pi / 90),
+        ("angle - deg", "angle", np.pi / 90),
+        ('"angle, deg"', "angle", np.pi / 90),
         ("angle_rev", "angle", 4 * np.pi),
         ("speed_rpm", "speed", np.pi / 15),
         ("speed_rad_s", "speed", 2.0),
@@ -55,11 +58,22 @@ def test_the_unit_counts(column: str, signal: str, value: float, tmp_path: Path)
     assert recording.time[1] == 1e-3
     assert recording.signal(signal)[1] == pytest.approx(value)
     if signal != "counted":
+        column = column.strip('"')
         assert f"{column} as {signal} [" in recording.notes[0]
 
 
 @pytest.mark.parametrize(
-    "column", ["way_in", "angle_r", "angle_m", "speed_s", "angle_max", "angle_Nm", "angle_counts"]
+    "column",
+    [
+        "way_in",
+        "angle_r",
+        "angle_m",
+        "speed_s",
+        "angle_max",
+        "angle_Nm",
+        "angle_counts",
+        "angle - raw",
+    ],
 )
 def test_other_words_are_no_units(column: str, tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="got none of them"):

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 from gmfbo.recordings import Recording, SignalSpec
+from gmfbo.recordings.columns.column_mapping import ColumnMapping, MappedColumn
 from gmfbo.recordings.reader import read_columns
+from gmfbo.recordings.recording import read_recording
 from tests.recordings.twin_words import AXIS, TwinWords
 
 ROWS = 6
@@ -93,6 +95,16 @@ def test_a_to_file_matrix_has_its_time_in_the_first_row(tmp_path: Path, name: st
     recording = Recording.read(save(tmp_path, {name: np.vstack([TIME, ANGLE, SPEED])}))
     np.testing.assert_array_equal(recording.time, TIME)
     np.testing.assert_array_equal(recording.signal(f"{name}(2,:)"), ANGLE)
+
+
+def test_seconds_that_a_matrix_does_not_state_contradict_no_twin_file(tmp_path: Path) -> None:
+    path = save(tmp_path, {"m": np.column_stack([1e3 * TIME, ANGLE])})
+    file = read_columns(path)
+    assert next((c.name, c.unit, c.assumed) for c in file.columns) == ("m(:,1)", "s", True)
+    mapping = ColumnMapping({"time": MappedColumn("m(:,1)", unit="ms")})
+    recording = read_recording(path, mapping=mapping)
+    np.testing.assert_allclose(recording.time, TIME)
+    assert recording.notes == ()
 
 
 def test_a_matrix_beside_its_clock_is_columns(tmp_path: Path) -> None:

@@ -165,7 +165,7 @@ def test_gmfbo_import_tells_what_it_wrote_and_never_overwrites(tmp_path: Path) -
     package, out = pack(tmp_path, FLAT), tmp_path / "out"
     shown = CliRunner().invoke(app, ["import", str(package), "--out", str(out)])
     assert shown.exit_code == 0, shown.output
-    assert "2 FMUs, 2 wires, 1 inputs, 2 outputs -> " in shown.output
+    assert "2 FMUs, 2 wires, 1 input, 2 outputs -> " in shown.output
     (out / "servo_loop.toml").write_text("mine")
     with pytest.raises(InputError, match="is there already; give another --out, or move it away"):
         import_ssp(package, out)
@@ -221,7 +221,7 @@ def test_what_a_twin_file_cannot_say_is_refused_by_name(
     with pytest.raises(GmfboError, match=words) as caught:
         import_ssp(pack(tmp_path, inside), tmp_path / "out")
     assert "\n" not in str(caught.value)
-    assert not list(tmp_path.glob("out/*.toml"))
+    assert not (tmp_path / "out").exists()
 
 
 def test_entities_are_refused_before_they_are_read(tmp_path: Path) -> None:

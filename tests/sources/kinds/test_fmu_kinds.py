@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from gmfbo import FmuTwin, Recording, models_folder
+from gmfbo import FmuTwin, Recording, models_folder, write_recording
+from gmfbo.cli import main
 from gmfbo.errors import FmuFileError, InputError, TwinFileError
 from gmfbo.sources.fmu_file.description import read_description
 from gmfbo.sources.inspection.inspection import inspect_fmu, starting_twin_file
@@ -95,6 +96,17 @@ def test_the_end_of_the_run_is_announced_where_the_twin_file_says_so(small: Make
     assert last(twin_file, "position") == pytest.approx(0.011 * RAMP.signal("reference")[-2])
     twin_file = small("NEEDS_STOP", top="stop_time = 7.0\n")
     assert last(twin_file, "position") == pytest.approx(7.0 * RAMP.signal("reference")[-2])
+
+
+@pytest.mark.parametrize("habits", [("NEEDS_STOP",), ()], ids=["asks", "does not"])
+def test_a_first_twin_file_announces_the_end_where_the_fmu_wants_it(
+    small: Make, habits: tuple[str, ...], tmp_path: Path
+) -> None:
+    fmu = small(*habits).parent / "small.fmu"
+    write_recording(RAMP.with_signals({"position": RAMP.signal("reference")}), tmp_path / "log.csv")
+    assert main(["init", str(fmu), str(tmp_path / "log.csv"), "--out", str(tmp_path / "axis")]) == 0
+    text = (tmp_path / "axis" / "twin.toml").read_text(encoding="utf-8")
+    assert ("stop_time = true  # the FMU refused to run without it" in text) is bool(habits)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
