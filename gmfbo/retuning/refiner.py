@@ -16,7 +16,7 @@ from gmfbo.retuning.believed_values import drawn_values
 from gmfbo.retuning.calibration import Calibration, Estimate, RealRun, floors
 from gmfbo.retuning.kept_estimate import keep_estimate, read_estimate
 from gmfbo.retuning.learned_values import learned_values
-from gmfbo.retuning.missing_physics import Completion, complete
+from gmfbo.retuning.missing_physics import Completion
 from gmfbo.retuning.real_runs import (
     compared_signals,
     plain_recordings,
@@ -37,12 +37,18 @@ UNEXPLAINED = 3.0
 SURPRISE = 1.5
 """Error of a new run over the error so far, above which the twin is estimated anew."""
 
+GROWTH = 1.5
+"""Times the runs of the last estimate from which it is made anew without a surprise: what varies
+from run to run, as friction does, averages out."""
+
 STRANGE = 3.0
 """Times the error so far from which one new run may be that of a changed plant. The next one tells:
 a twin estimated from runs before and after a change hides it from the watch."""
 
-DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
-"""Numbers of real runs since the plant changed at which the diagnosis may be asked again."""
+DIAGNOSED_AT = (5, 32)
+"""Numbers of real runs since the plant changed at which the diagnosis may be asked: it takes as
+long as all else of a study together, and before five runs these are the first, far from each other
+and from the best gains."""
 
 MOST_DIAGNOSED = 4
 """Most real runs given to the diagnosis; later runs resemble the best one, and cost time."""
@@ -93,6 +99,8 @@ class _Version:
 class Completer(Protocol):
     """Finds a twin's missing physics; as `gmfbo.retuning.missing_physics.complete`."""
 
+    __name__: str
+
     def __call__(
         self,
         twin: FmuTwin,
@@ -110,8 +118,9 @@ class PhysicsRefiner:
     After the initial real runs, and after each run with a surprising error, the uncertain
     parameters and tables are estimated from all real runs since the plant changed. If the error
     is so large that the plant may have changed, the next run is awaited first. If a signal is
-    still not explained, a diagnosis decides whether physics is missing, which is estimated too
-    from then on. A corrected twin that predicts the next real runs worse than the twin as given
+    still not explained, the usual physics (friction, a constant load, a delay, a lag) is estimated
+    too, and if that does not suffice, a diagnosis decides whether other physics is missing. A
+    corrected twin that predicts the next real runs worse than the twin as given
     is withdrawn, and the twin stays as given until the plant changes.
 
     Parameters
@@ -120,12 +129,22 @@ class PhysicsRefiner:
         As the study file names it.
     folder : Path
         Folder for files of the versions.
-    completer : callable or None
-        Finds missing physics; None where only parameters and tables are estimated.
+    usual : callable, optional
+        Adds the physics that nearly every axis has; without it, it is left out.
+    completer : callable, optional
+        Finds other missing physics; without it, no diagnosis is asked.
     """
 
-    def __init__(self, twin: FmuTwin, folder: Path, completer: Completer | None = complete) -> None:
-        self._given, self._folder, self._completer = twin, folder, completer
+    def __init__(
+        self,
+        twin: FmuTwin,
+        folder: Path,
+        *,
+        usual: Completer | None = None,
+        completer: Completer | None = None,
+    ) -> None:
+        self._given, self._folder = twin, folder
+        self._completer, self._usual = completer, usual
         self._newest: _Version | None = None
         self._opened: list[FmuTwin] = []
 
@@ -153,16 +172,17 @@ class PhysicsRefiner:
         runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
         known = version.estimate
         seen = 0 if changed else sum(trial.number <= version.last for trial in trials)
-        if known is not None and not changed and not self._is_news(runs, seen, known):
+        if known is not None and not changed and not self._calls_for_another(runs, seen, known):
             return None
         begun = known or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
-        reason = f"estimated from {_runs(len(runs))}"
+        found = version, estimate, f"estimated from {_runs(len(runs))}"
+        if _unexplained(estimate, runs) and version.model is self._given:
+            found = self._better(self._usual, history, trials, signals, found)
         asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
-        if asks and _unexplained(estimate, runs):
-            completed = self._completed(history, trials, signals, estimate)
-            if completed is not None and _is_better(completed[1], estimate):
-                version, estimate, reason = completed
+        if asks and _unexplained(found[1], runs):
+            found = self._better(self._completer, history, trials, signals, found)
+        version, estimate, reason = found
         begins = changed or not version.first
         first = history.of("IS1")[-1].number if begins else version.first
         self._newest = replace(
@@ -205,15 +225,15 @@ class PhysicsRefiner:
         for twin in self._opened:
             twin.close()
 
-    def _is_news(self, runs: Sequence[RealRun], seen: int, estimate: Estimate) -> bool:
-        """Whether a new real run calls for another estimate."""
+    def _calls_for_another(self, runs: Sequence[RealRun], seen: int, estimate: Estimate) -> bool:
+        """Whether new real runs call for another estimate: many of them, or one that surprises."""
         surprises = [self._surprise(run, estimate) for run in runs[seen:]]
         if not surprises:
             return False
         strange = surprises[-1] > STRANGE and max(surprises[:-1], default=0.0) <= SURPRISE
         if strange and len(runs) > LEAST_BEFORE:
             return False
-        return max(surprises) > SURPRISE
+        return max(surprises) > SURPRISE or len(runs) >= GROWTH * seen
 
     def _surprise(self, run: RealRun, estimate: Estimate) -> float:
         """Largest ratio over the signals of a real run's error to the error so far."""
@@ -223,39 +243,41 @@ class PhysicsRefiner:
         errors = np.sqrt(np.mean((simulated - run.measured) ** 2, axis=1))
         return float(np.max(errors / estimate.errors))
 
-    def _completed(
+    def _better(
         self,
+        completer: Completer | None,
         history: History,
         trials: Sequence[Trial],
         signals: Sequence[str],
-        estimate: Estimate,
-    ) -> tuple[_Version, Estimate, str] | None:
-        """Estimated twin with the physics that the diagnosis names, and the verdict."""
-        if self._completer is None:
-            return None
-        unknowns = self._version.unknowns
-        values = unknowns.settings(estimate.x)
-        names = {name for table in unknowns.tables for name in table.parameters}
-        found = self._completer(
+        known: tuple[_Version, Estimate, str],
+    ) -> tuple[_Version, Estimate, str]:
+        """Estimated twin with the physics that a completer adds, and why; else as it is known."""
+        version, estimate, _ = known
+        if completer is None:
+            return known
+        values = version.unknowns.settings(estimate.x)
+        names = {name for table in version.unknowns.tables for name in table.parameters}
+        found = completer(
             self._given,
             {name: value for name, value in values.items() if name in names},
             plain_recordings(_spread(trials), self._given, history.experiment),
-            self._folder / f"{self._version.number + 1:05d}",
+            self._folder / f"{self._version.number + 1:05d}-{completer.__name__}",
             seed=history.study.seed,
         )
         if found is None:
-            return None
+            return known
         self._opened.append(found.twin)
-        version = replace(
-            self._version,
+        completed = replace(
+            version,
             model=found.twin,
             unknowns=self._uncertain.with_physics(found.scalars),
             effects=found.names,
             named=found.named,
         )
         runs = [real_run(t, signals, found.twin, history.experiment) for t in trials]
-        begun = _carried_over(estimate, version.unknowns, found)
-        return version, Calibration(version.unknowns, runs).estimate(begun), found.sentence
+        begun = _carried_over(version.unknowns, estimate, completed.unknowns, found)
+        after = Calibration(completed.unknowns, runs).estimate(begun)
+        return (completed, after, found.sentence) if _is_better(after, estimate) else known
 
     def _take_back(self, history: History) -> TwinVersion:
         self._newest = replace(
@@ -308,15 +330,19 @@ class PhysicsRefiner:
         return TwinVersion(version.number, source, reason, details)
 
 
-def _carried_over(before: Estimate, unknowns: Unknowns, found: Completion) -> Estimate:
-    """Tables by the last estimate; parameters and physics by the diagnosis."""
-    tables = sum(prior.nodes.size for prior in unknowns.priors)
-    scalars = len(unknowns.scalars)
-    x = np.concatenate([np.zeros(scalars), before.x[before.x.size - tables :]])
-    for k, scalar in enumerate(unknowns.scalars):
-        if scalar.name in found.parameters:
-            x[k] = scalar.place(found.parameters[scalar.name])
-    return Estimate(x, before.errors, {})
+def _carried_over(
+    before: Unknowns, estimate: Estimate, unknowns: Unknowns, found: Completion
+) -> Estimate:
+    """Parameters as they were completed, or else as they were estimated; tables as estimated."""
+    known = dict(zip((one.name for one in before.scalars), estimate.x, strict=False))
+    tables = estimate.x[len(before.scalars) :]
+    scalars = [
+        one.place(found.parameters[one.name])
+        if one.name in found.parameters
+        else known.get(one.name, 0.0)
+        for one in unknowns.scalars
+    ]
+    return Estimate(np.concatenate([scalars, tables]), estimate.errors, {})
 
 
 def _unexplained(estimate: Estimate, runs: Sequence[RealRun]) -> bool:

@@ -178,7 +178,7 @@ def refining(study: Study, folder: Path) -> Iterator[tuple[FmuTwin, PhysicsRefin
         models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
     )
     with given, Tuner(study, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
-        yield given, PhysicsRefiner(given, folder, completer=None), tuner.history
+        yield given, PhysicsRefiner(given, folder), tuner.history
 
 
 def change_after_two_runs(history: History) -> None:
