@@ -63,7 +63,7 @@ class Estimate:
     x : ndarray, shape (size,)
         See `Unknowns`.
     errors : ndarray, shape (s,)
-        [SI] RMS error of each signal in the median run, at least its floor.
+        [SI] RMS error of each signal, at least its floor.
     slopes : dict of int to ndarray, shape (s * m, size)
         Derivative of each run's signals, by number of the trial.
     simulations : int
@@ -136,8 +136,10 @@ class Calibration:
         return Estimate(x, self.errors(residuals), known, self.simulations)
 
     def errors(self, residuals: Sequence[Vector]) -> Vector:
-        """RMS error [SI] of each signal in the median run, at least its floor."""
-        return np.maximum(np.median(_rms(residuals), axis=0), floors(self.runs))
+        """Weighted RMS error [SI] of each signal over the runs, at least its floor."""
+        weights = np.array([run.weight for run in self.runs])
+        mean = np.average(_rms(residuals) ** 2, axis=0, weights=weights)
+        return np.maximum(np.sqrt(mean), floors(self.runs))
 
     def _residuals(self, x: Vector) -> list[Vector] | None:
         settings = self.unknowns.settings(x)
@@ -171,8 +173,8 @@ class Calibration:
         A run that the twin misses by more than the median run counts by its own error: an axis in
         a limit cycle would else decide alone, and no twin follows it.
         """
-        scales = []
-        levels = np.maximum(self.errors(residuals), _rms(residuals))
+        scales, each = [], _rms(residuals)
+        levels = np.maximum(np.maximum(np.median(each, axis=0), floors(self.runs)), each)
         for run, level in zip(self.runs, levels, strict=True):
             count = run.measured.shape[1]
             share = np.sqrt(run.weight * min(EFFECTIVE_SAMPLES / count, 1.0))

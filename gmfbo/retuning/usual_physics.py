@@ -52,51 +52,58 @@ def with_usual_physics(
     Completion or None
         None where no port serves an effect, or where this twin cannot be exported.
     """
-    from gmfbo.diagnosis.case.open_case import open_case
-
     given = {**twin.parameters, **tables}
     try:
         with FmuTwin(twin.path, parameters=given, driven_ports=twin.driven_ports) as known:
-            case = open_case(known, recordings, seed=seed, jobs=1)
-            try:
-                excitation = case.setting.excitation
-                # A friction that no reversal tells from a load is estimated all the same.
-                moves = bool({"position", "velocity"} & set(known.file.states))
-                laws = [
-                    law
-                    for name in USUAL
-                    if (law := CATALOGUE[name]).port in known.file.ports
-                    and law.port in PORT_OUTPUTS
-                    and (law.region_state != "velocity" or moves)
-                ]
-                if not laws:
-                    return None
-                folder.mkdir(parents=True, exist_ok=True)
-                settings = dict(case.simulations.settings)
-                for law in laws:
-                    settings |= law.variables({}, excitation)
-                exported = export_augmented(
-                    known,
-                    folder,
-                    parameters={},
-                    physics=[one for law in laws for one in _switched_off(law)],
-                    settings=settings,
-                    substeps=case.substeps,
-                )
-            finally:
-                case.simulations.close()
+            exported, scalars = _exported(known, recordings, folder, seed)
     except GmfboError:
         # A study must not end because its twin cannot be completed.
         return None
-    scalars = [
-        Scalar(f"physics.{law.name}.{name}", 0.0, low, high)
-        for law in laws
-        for name, (low, high) in law.bounds(excitation).items()
-        if name in {one.name for one in law.parameters}
+    if not scalars:
+        return None
+    augmented = FmuTwin(exported, driven_ports=twin.driven_ports)
+    effects = dict.fromkeys(one.name.split(".")[1].replace("_", " ") for one in scalars)
+    return Completion(augmented, scalars, (), {}, f"estimated together with {', '.join(effects)}")
+
+
+def _exported(
+    twin: FmuTwin, recordings: Sequence[Recording], folder: Path, seed: int
+) -> tuple[Path, tuple[Scalar, ...]]:
+    """Twin file of the exported twin, and the parameters of its physics; none without a port."""
+    from gmfbo.diagnosis.case.open_case import open_case
+
+    case = open_case(twin, recordings, seed=seed, jobs=1)
+    case.simulations.close()
+    excitation = case.setting.excitation
+    # A friction that no reversal tells from a load is estimated all the same.
+    moves = bool({"position", "velocity"} & set(twin.file.states))
+    laws = [
+        law
+        for name in USUAL
+        if (law := CATALOGUE[name]).port in twin.file.ports
+        and law.port in PORT_OUTPUTS
+        and (law.region_state != "velocity" or moves)
     ]
-    augmented = FmuTwin(exported.twin_file, driven_ports=twin.driven_ports)
-    told = ", ".join(law.name.replace("_", " ") for law in laws)
-    return Completion(augmented, tuple(scalars), (), {}, f"estimated together with {told}")
+    if not laws:
+        return folder, ()
+    folder.mkdir(parents=True, exist_ok=True)
+    settings = dict(case.simulations.settings)
+    for law in laws:
+        settings |= law.variables({}, excitation)
+    exported = export_augmented(
+        twin,
+        folder,
+        parameters={},
+        physics=[one for law in laws for one in _switched_off(law)],
+        settings=settings,
+        substeps=case.substeps,
+    )
+    scalars = tuple(
+        Scalar(f"physics.{law.name}.{one.name}", 0.0, one.low(excitation), one.high(excitation))
+        for law in laws
+        for one in law.parameters
+    )
+    return exported.twin_file, scalars
 
 
 def _switched_off(law: Effect) -> list[PhysicsParameter]:
