@@ -69,11 +69,11 @@ def _calibrate(twin: FmuTwin, folder: Path) -> TwinRefiner:
 
 
 def _complete(twin: FmuTwin, folder: Path) -> TwinRefiner:
-    return PhysicsRefiner(twin, folder, usual=with_usual_physics)
+    return PhysicsRefiner(twin, folder, with_usual_physics)
 
 
 def _diagnose(twin: FmuTwin, folder: Path) -> TwinRefiner:
-    return PhysicsRefiner(twin, folder, usual=with_usual_physics, completer=complete)
+    return PhysicsRefiner(twin, folder, complete, asks_again=True)
 
 
 _CALIBRATION = (
@@ -90,7 +90,7 @@ GMFBO_PHYSICS = OnCorrectedTwin(
 
 GMFBO_DIAGNOSED = OnCorrectedTwin(
     name="gmfbo_diagnosed",
-    summary="gmfbo_physics, and a diagnosis names other missing physics; takes minutes",
+    summary="gmfbo on a twin that a diagnosis completes by the physics it names; takes minutes",
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
     refine=_diagnose,

@@ -45,10 +45,8 @@ STRANGE = 3.0
 """Times the error so far from which one new run may be that of a changed plant. The next one tells:
 a twin estimated from runs before and after a change hides it from the watch."""
 
-DIAGNOSED_AT = (5, 32)
-"""Numbers of real runs since the plant changed at which the diagnosis may be asked: it takes as
-long as all else of a study together, and before five runs these are the first, far from each other
-and from the best gains."""
+DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
+"""Numbers of real runs since the plant changed at which the diagnosis may be asked again."""
 
 MOST_DIAGNOSED = 4
 """Most real runs given to the diagnosis; later runs resemble the best one, and cost time."""
@@ -99,8 +97,6 @@ class _Version:
 class Completer(Protocol):
     """Finds a twin's missing physics; as `gmfbo.retuning.missing_physics.complete`."""
 
-    __name__: str
-
     def __call__(
         self,
         twin: FmuTwin,
@@ -118,8 +114,7 @@ class PhysicsRefiner:
     After the initial real runs, and after each run with a surprising error, the uncertain
     parameters and tables are estimated from all real runs since the plant changed. If the error
     is so large that the plant may have changed, the next run is awaited first. If a signal is
-    still not explained, the usual physics (friction, a constant load, a delay, a lag) is estimated
-    too, and if that does not suffice, a diagnosis decides whether other physics is missing. A
+    still not explained, a completer adds physics: the usual one, or what a diagnosis names. A
     corrected twin that predicts the next real runs worse than the twin as given
     is withdrawn, and the twin stays as given until the plant changes.
 
@@ -129,22 +124,23 @@ class PhysicsRefiner:
         As the study file names it.
     folder : Path
         Folder for files of the versions.
-    usual : callable, optional
-        Adds the physics that nearly every axis has; without it, it is left out.
     completer : callable, optional
-        Finds other missing physics; without it, no diagnosis is asked.
+        Adds or finds missing physics; without it, parameters and tables alone are estimated.
+    asks_again : bool
+        Whether the completer is asked at several numbers of runs, as a diagnosis is; otherwise
+        once.
     """
 
     def __init__(
         self,
         twin: FmuTwin,
         folder: Path,
-        *,
-        usual: Completer | None = None,
         completer: Completer | None = None,
+        *,
+        asks_again: bool = False,
     ) -> None:
         self._given, self._folder = twin, folder
-        self._completer, self._usual = completer, usual
+        self._completer, self._asks_again = completer, asks_again
         self._newest: _Version | None = None
         self._opened: list[FmuTwin] = []
 
@@ -176,13 +172,14 @@ class PhysicsRefiner:
             return None
         begun = known or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
-        found = version, estimate, f"estimated from {_runs(len(runs))}"
-        if _unexplained(estimate, runs) and version.model is self._given:
-            found = self._better(self._usual, history, trials, signals, found)
-        asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
-        if asks and _unexplained(found[1], runs):
-            found = self._better(self._completer, history, trials, signals, found)
-        version, estimate, reason = found
+        reason = f"estimated from {_runs(len(runs))}"
+        asks = version.model is self._given
+        if self._asks_again:
+            asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
+        if asks and _unexplained(estimate, runs):
+            completed = self._completed(history, trials, signals, version, estimate)
+            if completed is not None and _is_better(completed[1], estimate):
+                version, estimate, reason = completed
         begins = changed or not version.first
         first = history.of("IS1")[-1].number if begins else version.first
         self._newest = replace(
@@ -243,29 +240,28 @@ class PhysicsRefiner:
         errors = np.sqrt(np.mean((simulated - run.measured) ** 2, axis=1))
         return float(np.max(errors / estimate.errors))
 
-    def _better(
+    def _completed(
         self,
-        completer: Completer | None,
         history: History,
         trials: Sequence[Trial],
         signals: Sequence[str],
-        known: tuple[_Version, Estimate, str],
-    ) -> tuple[_Version, Estimate, str]:
-        """Estimated twin with the physics that a completer adds, and why; else as it is known."""
-        version, estimate, _ = known
-        if completer is None:
-            return known
+        version: _Version,
+        estimate: Estimate,
+    ) -> tuple[_Version, Estimate, str] | None:
+        """Estimated twin with the physics that the completer adds, and why."""
+        if self._completer is None:
+            return None
         values = version.unknowns.settings(estimate.x)
         names = {name for table in version.unknowns.tables for name in table.parameters}
-        found = completer(
+        found = self._completer(
             self._given,
             {name: value for name, value in values.items() if name in names},
             plain_recordings(_spread(trials), self._given, history.experiment),
-            self._folder / f"{self._version.number + 1:05d}-{completer.__name__}",
+            self._folder / f"{self._version.number + 1:05d}",
             seed=history.study.seed,
         )
         if found is None:
-            return known
+            return None
         self._opened.append(found.twin)
         completed = replace(
             version,
@@ -276,8 +272,7 @@ class PhysicsRefiner:
         )
         runs = [real_run(t, signals, found.twin, history.experiment) for t in trials]
         begun = _carried_over(version.unknowns, estimate, completed.unknowns, found)
-        after = Calibration(completed.unknowns, runs).estimate(begun)
-        return (completed, after, found.sentence) if _is_better(after, estimate) else known
+        return completed, Calibration(completed.unknowns, runs).estimate(begun), found.sentence
 
     def _take_back(self, history: History) -> TwinVersion:
         self._newest = replace(
