@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +12,9 @@ import pytest
 from gmfbo import Recording, Study, Tuner
 from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.study_folder import StudyStore
-from gmfbo.retuning.corrected_methods import GMFBO_PHYSICS
+from gmfbo.retuning.corrected_methods import GMFBO_PHYSICS, OnCorrectedTwin
+from gmfbo.retuning.missing_physics import Completion
+from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
@@ -66,14 +68,14 @@ def events_of(study: Study) -> list[Mapping[str, object]]:
         return [event for event in store.events() if event["event"] == "twin_version"]
 
 
-def tuned(folder: Path, physics: Mapping[str, float]) -> Study:
+def tuned(folder: Path, physics: Mapping[str, float], method: OnCorrectedTwin = METHOD) -> Study:
     """The study, opened anew for each run."""
     folder.mkdir()
     text = STUDY.format(models=models_folder().as_posix())
     (folder / "servo.toml").write_text(text, encoding="utf-8")
     study, axis = Study.read(folder / "servo.toml"), Axis(physics)
     for _ in range(5):
-        with Tuner(study, method=METHOD) as tuner:
+        with Tuner(study, method=method) as tuner:
             request = tuner.ask()
             if request is None:
                 return study
@@ -101,3 +103,26 @@ def test_negative_control_nothing_is_added_to_a_twin_that_explains_the_axis(
     versions = events_of(study)
     assert versions
     assert all(version["augmented"] is None for version in versions)
+
+
+@pytest.mark.parametrize(("friction", "expected"), [(0.3, [2, 3]), (0.0, [])])
+def test_a_diagnosis_is_asked_at_two_and_three_runs_that_are_not_explained(
+    tmp_path: Path, friction: float, expected: list[int]
+) -> None:
+    asked = []
+
+    def spy(
+        twin: FmuTwin,
+        tables: Mapping[str, float],
+        recordings: Sequence[Recording],
+        folder: Path,
+        *,
+        seed: int,
+    ) -> Completion | None:
+        asked.append(len(recordings))
+        return None
+
+    method = replace(METHOD, refine=lambda t, f: PhysicsRefiner(t, f, spy, asks_again=True))
+    physics = {"coulomb_friction.level": friction, "coulomb_friction.deflection": 1e-4}
+    tuned(tmp_path / "asked", physics if friction else {}, method)
+    assert asked == expected
