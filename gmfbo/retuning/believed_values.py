@@ -35,7 +35,7 @@ def drawn_values(
 
 
 def precision_of(
-    unknowns: Unknowns, estimate: Estimate, samples: int = EFFECTIVE_SAMPLES
+    unknowns: Unknowns, estimate: Estimate, samples: float = EFFECTIVE_SAMPLES
 ) -> NDArray[np.float64]:
     """Precision of x about an estimate, shape (size, size).
 
@@ -47,7 +47,7 @@ def precision_of(
         Estimated parameters and tables.
     estimate : Estimate
         With the slopes of its runs.
-    samples : int
+    samples : float
         Independent samples by which a signal of a run counts.
     """
     prior = unknowns.prior_slope(estimate.x)

@@ -29,7 +29,7 @@ DIFFERENCE = 0.05
 """Step of the differences in standard deviations of the prior; the encoders of a twin make a
 smaller one rough."""
 
-_STEPS, _TRIES, _GAIN = 12, 5, 0.01
+_STEPS, _TRIES, _GAIN = 12, 7, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +118,9 @@ class Calibration:
         known = {n: s if s is not None else self._slope(n, x) for n, s in slopes.items()}
         damping = 1e-2
         for _ in range(_STEPS):
-            errors = self.errors(residuals)
-            before = self._loss(x, residuals, errors)
-            found = self._step(x, residuals, errors, known, damping, before)
+            scales = self._scales(residuals)
+            before = self._loss(x, residuals, scales)
+            found = self._step(x, residuals, scales, known, damping, before)
             if found is None:
                 if fresh:
                     break
@@ -138,8 +138,7 @@ class Calibration:
     def errors(self, residuals: Sequence[Vector]) -> Vector:
         """Weighted RMS error [SI] of each signal over the runs, at least its floor."""
         weights = np.array([run.weight for run in self.runs])
-        squares = np.array([np.mean(left**2, axis=1) for left in residuals])
-        mean = np.average(squares, axis=0, weights=weights)
+        mean = np.average(_rms(residuals) ** 2, axis=0, weights=weights)
         return np.maximum(np.sqrt(mean), floors(self.runs))
 
     def _residuals(self, x: Vector) -> list[Vector] | None:
@@ -168,46 +167,73 @@ class Calibration:
                 slope[:, column] = (simulated - at).ravel() / DIFFERENCE
         return slope
 
-    def _scales(self, errors: Vector) -> list[Vector]:
-        """Weight of each sample of each run, shape (s * m,)."""
-        scales = []
-        for run in self.runs:
+    def _scales(self, residuals: Sequence[Vector]) -> list[Vector]:
+        """Weight of each sample of each run, shape (s * m,).
+
+        A run that the twin misses by more than the median run counts by its own error: an axis in
+        a limit cycle would else decide alone, and no twin follows it.
+        """
+        scales, each = [], _rms(residuals)
+        levels = np.maximum(np.maximum(np.median(each, axis=0), floors(self.runs)), each)
+        for run, level in zip(self.runs, levels, strict=True):
             count = run.measured.shape[1]
             share = np.sqrt(run.weight * min(EFFECTIVE_SAMPLES / count, 1.0))
-            scales.append(np.repeat(share / errors, count))
+            scales.append(np.repeat(share / level, count))
         return scales
 
-    def _loss(self, x: Vector, residuals: Sequence[Vector], errors: Vector) -> float:
-        rows = [
-            left.ravel() * scale
-            for left, scale in zip(residuals, self._scales(errors), strict=True)
-        ]
+    def _loss(self, x: Vector, residuals: Sequence[Vector], scales: Sequence[Vector]) -> float:
+        rows = [left.ravel() * scale for left, scale in zip(residuals, scales, strict=True)]
         return float(sum(row @ row for row in (*rows, self.unknowns.prior_rows(x))))
 
     def _step(
         self,
         x: Vector,
         residuals: Sequence[Vector],
-        errors: Vector,
+        scales: Sequence[Vector],
         slopes: dict[int, Vector],
         damping: float,
         before: float,
     ) -> tuple[Vector, list[Vector], float, float] | None:
         """A step that lowers the loss, with its residuals, its loss and the next damping."""
-        scales = self._scales(errors)
         prior, left = self.unknowns.prior_slope(x), self.unknowns.prior_rows(x)
         normal, gradient = prior.T @ prior, prior.T @ left
         for run, residual, scale in zip(self.runs, residuals, scales, strict=True):
             weighted = slopes[run.number] * scale[:, None]
             normal = normal + weighted.T @ weighted
             gradient = gradient + weighted.T @ (residual.ravel() * scale)
+        bounds = self.unknowns.bounds
         for _ in range(_TRIES):
-            moved = x - np.linalg.solve(normal + damping * np.eye(x.size), gradient)
+            moved = _bounded_step(normal + damping * np.eye(x.size), gradient, x, bounds)
             after = self._residuals(moved)
-            if after is not None and (loss := self._loss(moved, after, errors)) < before:
+            if after is not None and (loss := self._loss(moved, after, scales)) < before:
                 return moved, after, loss, max(damping / 5.0, 1e-4)
             damping *= 8.0
         return None
+
+
+def _bounded_step(
+    normal: Vector, gradient: Vector, x: Vector, bounds: tuple[Vector, Vector]
+) -> Vector:
+    """Least of a quadratic loss about x; what would leave its bounds is held there.
+
+    Friction and delays begin at their least value. Cut off after an unbounded step, a lag that
+    should be negative would leave a delay that is too long.
+    """
+    moved, free = np.array(x), np.ones(x.size, dtype=bool)
+    while free.any():
+        held = normal[np.ix_(free, ~free)] @ (moved - x)[~free]
+        step = -np.linalg.solve(normal[np.ix_(free, free)], gradient[free] + held)
+        moved[free] = x[free] + step
+        beyond = free & ((moved < bounds[0]) | (moved > bounds[1]))
+        if not beyond.any():
+            break
+        moved = np.clip(moved, *bounds)
+        free &= ~beyond
+    return moved
+
+
+def _rms(residuals: Sequence[Vector]) -> Vector:
+    return np.array([np.sqrt(np.mean(left**2, axis=1)) for left in residuals])
 
 
 def floors(runs: Sequence[RealRun]) -> Vector:

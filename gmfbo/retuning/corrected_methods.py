@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.retuning.missing_physics import complete
 from gmfbo.retuning.refiner import PhysicsRefiner
+from gmfbo.retuning.usual_physics import with_usual_physics
 from gmfbo.sources.plants.source import Source
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.gmfbo import CORRECTION, Gmfbo
+from gmfbo.tuning.methods.identify_then_optimise import IdentifyThenOptimise
 from gmfbo.tuning.query.method import CorrectionOptions, Method, Proposal
 from gmfbo.tuning.twin.closer_look import LookingMethod
 from gmfbo.tuning.twin.twin_version import TwinRefiner
@@ -62,7 +65,15 @@ class OnCorrectedTwin:
 
 
 def _calibrate(twin: FmuTwin, folder: Path) -> TwinRefiner:
-    return PhysicsRefiner(twin, folder, completer=None)
+    return PhysicsRefiner(twin, folder)
+
+
+def _complete(twin: FmuTwin, folder: Path) -> TwinRefiner:
+    return PhysicsRefiner(twin, folder, with_usual_physics)
+
+
+def _diagnose(twin: FmuTwin, folder: Path) -> TwinRefiner:
+    return PhysicsRefiner(twin, folder, complete, asks_again=True)
 
 
 _CALIBRATION = (
@@ -71,16 +82,32 @@ _CALIBRATION = (
 
 GMFBO_PHYSICS = OnCorrectedTwin(
     name="gmfbo_physics",
-    summary="gmfbo on a twin whose parameters, tables and missing physics are estimated",
+    summary="gmfbo on a twin whose parameters, tables, friction, load and delays are estimated",
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
-    refine=PhysicsRefiner,
+    refine=_complete,
+)
+
+GMFBO_DIAGNOSED = OnCorrectedTwin(
+    name="gmfbo_diagnosed",
+    summary="gmfbo on a twin that a diagnosis completes by the physics it names; takes minutes",
+    reference=_CALIBRATION + "as gmfbo",
+    searching=Gmfbo(),
+    refine=_diagnose,
 )
 
 GMFBO_CALIBRATED = OnCorrectedTwin(
     name="gmfbo_calibrated",
-    summary="gmfbo_physics without the diagnosis: parameters and tables alone are estimated",
+    summary="gmfbo_physics with nothing added: stated parameters and tables alone are estimated",
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
     refine=_calibrate,
+)
+
+IDENTIFY_THEN_OPTIMISE = OnCorrectedTwin(
+    name=IdentifyThenOptimise.name,
+    summary=IdentifyThenOptimise.summary,
+    reference=IdentifyThenOptimise.reference,
+    searching=IdentifyThenOptimise(),
+    refine=_complete,
 )

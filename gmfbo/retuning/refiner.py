@@ -16,7 +16,7 @@ from gmfbo.retuning.believed_values import drawn_values
 from gmfbo.retuning.calibration import Calibration, Estimate, RealRun, floors
 from gmfbo.retuning.kept_estimate import keep_estimate, read_estimate
 from gmfbo.retuning.learned_values import learned_values
-from gmfbo.retuning.missing_physics import Completion, complete
+from gmfbo.retuning.missing_physics import Completion
 from gmfbo.retuning.real_runs import (
     compared_signals,
     plain_recordings,
@@ -36,6 +36,10 @@ UNEXPLAINED = 3.0
 
 SURPRISE = 1.5
 """Error of a new run over the error so far, above which the twin is estimated anew."""
+
+GROWTH = 1.5
+"""Times the runs of the last estimate from which it is made anew without a surprise: what varies
+from run to run, as friction does, averages out."""
 
 STRANGE = 3.0
 """Times the error so far from which one new run may be that of a changed plant. The next one tells:
@@ -110,8 +114,8 @@ class PhysicsRefiner:
     After the initial real runs, and after each run with a surprising error, the uncertain
     parameters and tables are estimated from all real runs since the plant changed. If the error
     is so large that the plant may have changed, the next run is awaited first. If a signal is
-    still not explained, a diagnosis decides whether physics is missing, which is estimated too
-    from then on. A corrected twin that predicts the next real runs worse than the twin as given
+    still not explained, a completer adds physics: the usual one, or what a diagnosis names. A
+    corrected twin that predicts the next real runs worse than the twin as given
     is withdrawn, and the twin stays as given until the plant changes.
 
     Parameters
@@ -120,12 +124,23 @@ class PhysicsRefiner:
         As the study file names it.
     folder : Path
         Folder for files of the versions.
-    completer : callable or None
-        Finds missing physics; None where only parameters and tables are estimated.
+    completer : callable, optional
+        Adds or finds missing physics; without it, parameters and tables alone are estimated.
+    asks_again : bool
+        Whether the completer is asked at several numbers of runs, as a diagnosis is; otherwise
+        once.
     """
 
-    def __init__(self, twin: FmuTwin, folder: Path, completer: Completer | None = complete) -> None:
-        self._given, self._folder, self._completer = twin, folder, completer
+    def __init__(
+        self,
+        twin: FmuTwin,
+        folder: Path,
+        completer: Completer | None = None,
+        *,
+        asks_again: bool = False,
+    ) -> None:
+        self._given, self._folder = twin, folder
+        self._completer, self._asks_again = completer, asks_again
         self._newest: _Version | None = None
         self._opened: list[FmuTwin] = []
 
@@ -153,14 +168,16 @@ class PhysicsRefiner:
         runs = [real_run(t, signals, version.model, history.experiment) for t in trials]
         known = version.estimate
         seen = 0 if changed else sum(trial.number <= version.last for trial in trials)
-        if known is not None and not changed and not self._is_news(runs, seen, known):
+        if known is not None and not changed and not self._calls_for_another(runs, seen, known):
             return None
         begun = known or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
         reason = f"estimated from {_runs(len(runs))}"
-        asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
+        asks = version.model is self._given
+        if self._asks_again:
+            asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
         if asks and _unexplained(estimate, runs):
-            completed = self._completed(history, trials, signals, estimate)
+            completed = self._completed(history, trials, signals, version, estimate)
             if completed is not None and _is_better(completed[1], estimate):
                 version, estimate, reason = completed
         begins = changed or not version.first
@@ -205,15 +222,15 @@ class PhysicsRefiner:
         for twin in self._opened:
             twin.close()
 
-    def _is_news(self, runs: Sequence[RealRun], seen: int, estimate: Estimate) -> bool:
-        """Whether a new real run calls for another estimate."""
+    def _calls_for_another(self, runs: Sequence[RealRun], seen: int, estimate: Estimate) -> bool:
+        """Whether new real runs call for another estimate: many of them, or one that surprises."""
         surprises = [self._surprise(run, estimate) for run in runs[seen:]]
         if not surprises:
             return False
         strange = surprises[-1] > STRANGE and max(surprises[:-1], default=0.0) <= SURPRISE
         if strange and len(runs) > LEAST_BEFORE:
             return False
-        return max(surprises) > SURPRISE
+        return max(surprises) > SURPRISE or len(runs) >= GROWTH * seen
 
     def _surprise(self, run: RealRun, estimate: Estimate) -> float:
         """Largest ratio over the signals of a real run's error to the error so far."""
@@ -228,14 +245,14 @@ class PhysicsRefiner:
         history: History,
         trials: Sequence[Trial],
         signals: Sequence[str],
+        version: _Version,
         estimate: Estimate,
     ) -> tuple[_Version, Estimate, str] | None:
-        """Estimated twin with the physics that the diagnosis names, and the verdict."""
+        """Estimated twin with the physics that the completer adds, and why."""
         if self._completer is None:
             return None
-        unknowns = self._version.unknowns
-        values = unknowns.settings(estimate.x)
-        names = {name for table in unknowns.tables for name in table.parameters}
+        values = version.unknowns.settings(estimate.x)
+        names = {name for table in version.unknowns.tables for name in table.parameters}
         found = self._completer(
             self._given,
             {name: value for name, value in values.items() if name in names},
@@ -246,16 +263,16 @@ class PhysicsRefiner:
         if found is None:
             return None
         self._opened.append(found.twin)
-        version = replace(
-            self._version,
+        completed = replace(
+            version,
             model=found.twin,
             unknowns=self._uncertain.with_physics(found.scalars),
             effects=found.names,
             named=found.named,
         )
         runs = [real_run(t, signals, found.twin, history.experiment) for t in trials]
-        begun = _carried_over(estimate, version.unknowns, found)
-        return version, Calibration(version.unknowns, runs).estimate(begun), found.sentence
+        begun = _carried_over(version.unknowns, estimate, completed.unknowns, found)
+        return completed, Calibration(completed.unknowns, runs).estimate(begun), found.sentence
 
     def _take_back(self, history: History) -> TwinVersion:
         self._newest = replace(
@@ -308,15 +325,19 @@ class PhysicsRefiner:
         return TwinVersion(version.number, source, reason, details)
 
 
-def _carried_over(before: Estimate, unknowns: Unknowns, found: Completion) -> Estimate:
-    """Tables by the last estimate; parameters and physics by the diagnosis."""
-    tables = sum(prior.nodes.size for prior in unknowns.priors)
-    scalars = len(unknowns.scalars)
-    x = np.concatenate([np.zeros(scalars), before.x[before.x.size - tables :]])
-    for k, scalar in enumerate(unknowns.scalars):
-        if scalar.name in found.parameters:
-            x[k] = scalar.place(found.parameters[scalar.name])
-    return Estimate(x, before.errors, {})
+def _carried_over(
+    before: Unknowns, estimate: Estimate, unknowns: Unknowns, found: Completion
+) -> Estimate:
+    """Parameters as they were completed, or else as they were estimated; tables as estimated."""
+    known = dict(zip((one.name for one in before.scalars), estimate.x, strict=False))
+    tables = estimate.x[len(before.scalars) :]
+    scalars = [
+        one.place(found.parameters[one.name])
+        if one.name in found.parameters
+        else known.get(one.name, 0.0)
+        for one in unknowns.scalars
+    ]
+    return Estimate(np.concatenate([scalars, tables]), estimate.errors, {})
 
 
 def _unexplained(estimate: Estimate, runs: Sequence[RealRun]) -> bool:

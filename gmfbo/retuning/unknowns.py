@@ -108,6 +108,19 @@ class Unknowns:
         parts += [prior.smoothing_change / (prior.scale * prior.noise) for prior in self.priors]
         return np.concatenate(parts)
 
+    @property
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Least and largest x, shape (size,) each: a scalar stays in its range, a table is free."""
+        tables = self.size - len(self.scalars)
+        ends = [
+            np.concatenate([[one.place(end) for one, end in ends], np.full(tables, free)])
+            for ends, free in (
+                ([(one, one.low) for one in self.scalars], -np.inf),
+                ([(one, one.high) for one in self.scalars], np.inf),
+            )
+        ]
+        return ends[0], ends[1]
+
     def settings(self, x: NDArray[np.float64]) -> dict[str, float]:
         """FMU parameters [FMU's unit] at x, shape (size,)."""
         values = {one.name: one.value(x[k]) for k, one in enumerate(self.scalars)}

@@ -12,11 +12,16 @@ objective and not after it)::
     score = log_improvement(mean, variance, runs.values.min())   # gmfbo.acquisition.improvement
 
 `simulated` is the twin at these points: run there, or interpolated from a survey of the box by
-a `ResidualProcess` of the survey's trajectories, `centred=True`, with `likeliest_lengthscale`.
+a `ResidualProcess` of the survey's trajectories, `centred=True`, with `likeliest_smoothness`.
 
 The accuracy of the prior mean is measured: each run of the axis is predicted from the others, and
 the median error of g is the scale of the process. A misleading twin makes that error large, and the
 search then spreads over the box as a single-source search does.
+
+An axis does not repeat itself exactly: friction and noise differ from run to run. What neighbouring
+runs do not share is noise, in the trajectories as in the objective, and its size is the likeliest
+one (Gramacy and Lee 2012, Cases for the nugget in modeling computer experiments). Without it the
+luckiest run would be believed.
 """
 
 from __future__ import annotations
@@ -30,8 +35,14 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from gmfbo.correction.matern import matern52
-from gmfbo.correction.residual_process import ResidualProcess
+from gmfbo.correction.residual_process import NUGGET, ResidualProcess
 from gmfbo.errors import InputError
+from gmfbo.surrogate.smoothness import (
+    LEAST_TOLD,
+    REPEATED,
+    Smoothness,
+    likeliest_smoothness,
+)
 
 CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -39,11 +50,13 @@ CostOf = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 # drives with weak to gross twin errors, 0.1 to 0.3 needed the same number of runs; 0.3 and more
 # stalled with the grossest error.
 DEPARTURE_LENGTHSCALE = 0.15
-# Candidates for the residual over the gains, and the log-normal prior (median, spread).
-LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
-_LENGTHSCALE_PRIOR = (0.4, 0.7)
-# Noise variance of a repeated run, over the variance of the process.
-NUGGET = 1e-4
+# Candidates for the noise variance of a repeated run, over that of g - m. Runs that lie together
+# tell nothing of a departure further away, which is taken to be as large as their noise at least.
+REPEATED_COST = tuple(one for one in REPEATED if one <= 1.0)
+# Times the median deviation from which a run is an outlier: three standard deviations.
+_OUTLYING = 4.5
+# Log-likelihood by which noise must explain errors better than none (Akaike 1974: a parameter).
+NOISE_COSTS = 1.0
 # Least scale, as a share of the spread of the observed objectives: with a perfect twin the
 # measured error is zero, and improvement would be decided by rounding.
 LEAST_SCALE = 1e-3
@@ -123,8 +136,8 @@ class Residual:
     of_numbers: ResidualProcess | None
 
     @staticmethod
-    def lengthscales(runs: AxisRuns, rows: NDArray[np.intp]) -> tuple[float, float]:
-        """Likeliest lengthscales of the samples and of the numbers.
+    def smoothness(runs: AxisRuns, rows: NDArray[np.intp]) -> tuple[Smoothness, Smoothness]:
+        """Likeliest smoothness of the samples and of the numbers.
 
         Parameters
         ----------
@@ -138,12 +151,14 @@ class Residual:
         spread = np.sqrt(np.mean(numbers**2, axis=0)) if len(numbers) else np.ones(runs.beside)
         scaled = numbers / np.where(spread > 0.0, spread, 1.0)
         return (
-            likeliest_lengthscale(points, samples, extra),
-            likeliest_lengthscale(points, scaled, extra) if runs.beside else 1.0,
+            likeliest_smoothness(points, samples, extra),
+            likeliest_smoothness(points, scaled, extra) if runs.beside else Smoothness(1.0, NUGGET),
         )
 
     @classmethod
-    def fit(cls, runs: AxisRuns, rows: NDArray[np.intp], lengths: tuple[float, float]) -> Self:
+    def fit(
+        cls, runs: AxisRuns, rows: NDArray[np.intp], smoothness: tuple[Smoothness, Smoothness]
+    ) -> Self:
         """Condition on some of the runs.
 
         Parameters
@@ -152,16 +167,17 @@ class Residual:
             Runs of the axis.
         rows : ndarray of int, shape (k,)
             Which of them count; they have both trajectories.
-        lengths : tuple of float
-            Lengthscales of the samples and of the numbers.
+        smoothness : tuple of Smoothness
+            Of the samples and of the numbers.
         """
         points, extra = runs.points[rows], runs.extra_of(rows)
-        samples, numbers = _parts(runs, rows)
-        of_samples = ResidualProcess.fit(points, samples, lengthscale=lengths[0], extra=extra)
-        if not runs.beside:
-            return cls(of_samples, None)
-        of_numbers = ResidualProcess.fit(points, numbers, lengthscale=lengths[1], extra=extra)
-        return cls(of_samples, of_numbers)
+        fitted = [
+            ResidualProcess.fit(
+                points, part, lengthscale=one.lengthscale, extra=extra + (one.repeated - NUGGET)
+            )
+            for part, one in zip(_parts(runs, rows), smoothness, strict=True)
+        ]
+        return cls(fitted[0], fitted[1] if runs.beside else None)
 
     def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
@@ -195,6 +211,11 @@ class CorrectedTwinModel:
     scale : float
         [g] Prior standard deviation of g - m: the median error of predicting each run by the
         others, or the spread of the observed costs while there is no such error.
+    noise : float
+        [g] Standard deviation of a repeated run.
+    offset : float
+        [g] What all runs cost beyond the corrected twin, as by noise that the twin has not: it
+        tells nothing of where to go, and is part of the prior mean. Zero for fewer than four runs.
     unknown : float
         [g] Prior mean where the twin has no trajectory: the median of the runs.
     """
@@ -203,6 +224,8 @@ class CorrectedTwinModel:
     cost_of: CostOf
     residual: Residual
     scale: float
+    noise: float
+    offset: float
     unknown: float
     _factor: NDArray[np.float64]
     _white: NDArray[np.float64]
@@ -218,23 +241,23 @@ class CorrectedTwinModel:
         cost_of : callable
             From trajectories, shape (q, m), to g, shape (q,).
         noise : float
-            [g] Standard deviation of the cost of repeated runs, beyond the nugget.
+            [g] Least standard deviation of the cost of repeated runs.
         """
         rows = np.flatnonzero(runs.paired)
-        lengths = Residual.lengthscales(runs, rows)
-        residual = Residual.fit(runs, rows, lengths)
-        spread = float(np.ptp(runs.values)) or 1.0
-        errors = _left_out_errors(runs, cost_of, lengths)
-        scale = max(
-            float(np.median(np.abs(errors))) if len(errors) else spread, LEAST_SCALE * spread
-        )
+        smoothness = Residual.smoothness(runs, rows)
+        residual = Residual.fit(runs, rows, smoothness)
+        errors = _left_out_errors(runs, rows, cost_of, smoothness)
+        scale, repeated = _scale_and_noise(runs, rows, errors, noise)
         everything = np.arange(len(runs.values))
-        extra = runs.extra_of(everything) + (noise / scale) ** 2
+        extra = runs.extra_of(everything) + repeated
         factor = cholesky(_covariance(runs.points, extra), lower=True)
         unknown = float(np.median(runs.values))
         prior = _prior_mean(runs.points, runs.simulated, residual, cost_of, unknown)
-        white = solve_triangular(factor, (runs.values - prior) / scale, lower=True)
-        return cls(runs, cost_of, residual, scale, unknown, factor, white)
+        left = runs.values - prior
+        offset = _common(factor, left) if len(rows) >= LEAST_TOLD else 0.0
+        white = solve_triangular(factor, (left - offset) / scale, lower=True)
+        spread = scale * float(np.sqrt(repeated))
+        return cls(runs, cost_of, residual, scale, spread, offset, unknown, factor, white)
 
     def trajectory(self, points: ArrayLike, simulated: ArrayLike) -> NDArray[np.float64]:
         """Expected trajectory of the axis [signal], shape (q, m); arguments as for `predict`."""
@@ -264,45 +287,10 @@ class CorrectedTwinModel:
         half = solve_triangular(
             self._factor, matern52(self.runs.points, where, DEPARTURE_LENGTHSCALE), lower=True
         )
-        mean = _prior_mean(where, twin, self.residual, self.cost_of, self.unknown)
+        mean = _prior_mean(where, twin, self.residual, self.cost_of, self.unknown) + self.offset
         mean = mean + self.scale * (half.T @ self._white)
         variance = self.scale**2 * np.clip(1.0 - np.sum(half**2, axis=0), 0.0, 1.0)
         return mean, variance
-
-
-def likeliest_lengthscale(
-    points: NDArray[np.float64],
-    functions: NDArray[np.float64],
-    extra: NDArray[np.float64] | None = None,
-) -> float:
-    """Lengthscale of functions of time over the gains, by marginal posterior.
-
-    The scale of the functions is integrated out, and all times count as one observation in
-    total: neighbouring samples of a trajectory are not independent.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, d)
-        In the unit cube.
-    functions : ndarray, shape (n, m)
-        One a point.
-    extra : ndarray, shape (n,), optional
-        As in `AxisRuns`.
-    """
-    median, spread = _LENGTHSCALE_PRIOR
-    losses = []
-    for lengthscale in LENGTHSCALES:
-        loss = 0.5 * (np.log(lengthscale / median) / spread) ** 2
-        if len(points):
-            covariance = matern52(points, points, lengthscale) + NUGGET * np.eye(len(points))
-            if extra is not None:
-                covariance += np.diag(extra)
-            factor = cholesky(covariance, lower=True)
-            white = solve_triangular(factor, functions, lower=True)
-            scale = float(np.mean(white**2)) + np.finfo(float).tiny
-            loss += 0.5 * len(points) * np.log(scale) + float(np.log(np.diag(factor)).sum())
-        losses.append(loss)
-    return LENGTHSCALES[int(np.argmin(losses))]
 
 
 def _corrected(
@@ -328,26 +316,65 @@ def _prior_mean(
 
 
 def _left_out_errors(
-    runs: AxisRuns, cost_of: CostOf, lengths: tuple[float, float]
+    runs: AxisRuns,
+    rows: NDArray[np.intp],
+    cost_of: CostOf,
+    smoothness: tuple[Smoothness, Smoothness],
 ) -> NDArray[np.float64]:
-    """Errors of predicting each paired run from the others, in prior standard deviations [g].
-
-    A run close to another one is predicted well by any twin. So each error is divided by the
-    posterior standard deviation there, relative to the prior one.
-    """
-    rows = np.flatnonzero(runs.paired)
+    """Errors of predicting each of the paired runs from the others [g], shape (k,)."""
     if len(rows) == 0:
         return np.empty(0)
     predicted = []
     for row in rows:
-        residual = Residual.fit(runs, rows[rows != row], lengths)
+        residual = Residual.fit(runs, rows[rows != row], smoothness)
         predicted.append(_corrected(runs.points[[row]], runs.simulated[[row]], residual)[0])
-    errors = runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float)
-    extra = runs.extra_of(rows)
-    left = 1.0 / np.diag(np.linalg.inv(_covariance(runs.points[rows], extra)))
-    return errors / np.sqrt(left)
+    return np.asarray(runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float))
+
+
+def _scale_and_noise(
+    runs: AxisRuns, rows: NDArray[np.intp], errors: NDArray[np.float64], noise: float
+) -> tuple[float, float]:
+    """Prior standard deviation of g - m [g], and the variance of a repeated run over its square.
+
+    A run close to another one is predicted well by any twin. So each error is divided by the
+    posterior standard deviation there, relative to the prior one. Errors that neighbours do not
+    share are noise; its share is the likeliest one.
+    """
+    spread = float(np.ptp(runs.values)) or 1.0
+    if not len(errors):
+        return spread, (noise / spread) ** 2
+    found: list[tuple[float, float, float]] = []
+    candidates = REPEATED_COST if len(errors) >= LEAST_TOLD else REPEATED_COST[:1]
+    for repeated in candidates:
+        extra = runs.extra_of(rows) + repeated
+        covariance = _covariance(runs.points[rows], extra)
+        factor = cholesky(covariance, lower=True)
+        about = errors - (_common(factor, errors) if len(errors) >= LEAST_TOLD else 0.0)
+        size = float(np.mean(solve_triangular(factor, about, lower=True) ** 2))
+        loss = 0.5 * len(errors) * np.log(size + np.finfo(float).tiny)
+        loss += float(np.log(np.diag(factor)).sum()) + NOISE_COSTS * (repeated > REPEATED_COST[0])
+        left = 1.0 / np.diag(np.linalg.inv(covariance))
+        scale = float(np.median(np.abs(about) / np.sqrt(left)))
+        found.append((float(loss), max(scale, LEAST_SCALE * spread), repeated))
+    _, scale, repeated = min(found)
+    # What is known of the noise from elsewhere is taken off what the twin seems to miss.
+    total = scale**2 * (1.0 + repeated)
+    scale = max(float(np.sqrt(max(min(scale**2, total - noise**2), 0.0))), LEAST_SCALE * spread)
+    return scale, max(repeated, (noise / scale) ** 2)
+
+
+def _common(factor: NDArray[np.float64], values: NDArray[np.float64]) -> float:
+    """Mean of correlated values by generalised least squares, from the factor of their covariance.
+
+    Far outliers, as of runs that the twin cannot follow, are drawn to three standard deviations.
+    """
+    middle = float(np.median(values))
+    reach = _OUTLYING * float(np.median(np.abs(values - middle)))
+    drawn = np.clip(values, middle - reach, middle + reach)
+    ones = solve_triangular(factor, np.ones(len(values)), lower=True)
+    return float(ones @ solve_triangular(factor, drawn, lower=True) / (ones @ ones))
 
 
 def _covariance(points: NDArray[np.float64], extra: NDArray[np.float64]) -> NDArray[np.float64]:
-    own = matern52(points, points, DEPARTURE_LENGTHSCALE) + NUGGET * np.eye(len(points))
+    own = matern52(points, points, DEPARTURE_LENGTHSCALE)
     return np.asarray(own + np.diag(extra))

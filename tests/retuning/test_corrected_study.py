@@ -145,6 +145,17 @@ def test_the_twin_runs_again_wherever_it_was_run(whole: Study) -> None:
     assert len(as_given) == 10 + 12
 
 
+def test_a_twin_that_is_corrected_again_repeats_its_best_quarter(whole: Study) -> None:
+    first, second = [event["twin"] for event in events(whole, "twin_version")][:2]
+    of = {
+        twin: [t for t in whole.trials if (t.source, t.twin, t.parent) == ("IS2", twin, None)]
+        for twin in (first, second)
+    }
+    ranked = sorted(of[first], key=lambda t: ((t.late_error or 0.0) > 1.0, t.objective))
+    quarter = ranked[: round(0.25 * len(ranked))]
+    assert [t.gains for t in of[second]] == [t.gains for t in quarter]
+
+
 def test_runs_made_again_are_no_queries(whole: Study) -> None:
     with Tuner(whole, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
         assert tuner.history.queries == 2
@@ -178,7 +189,7 @@ def refining(study: Study, folder: Path) -> Iterator[tuple[FmuTwin, PhysicsRefin
         models_folder() / "drive_twin.toml", parameters={"map.noise": 0.5, "map.seed": 3.0}
     )
     with given, Tuner(study, method=replace(GMFBO_CALIBRATED, correction=OPTIONS)) as tuner:
-        yield given, PhysicsRefiner(given, folder, completer=None), tuner.history
+        yield given, PhysicsRefiner(given, folder), tuner.history
 
 
 def change_after_two_runs(history: History) -> None:

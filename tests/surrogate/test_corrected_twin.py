@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.errors import InputError
-from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel, likeliest_lengthscale
+from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel
+from gmfbo.surrogate.smoothness import likeliest_smoothness
 
 TIME = np.linspace(0.0, 1.0, 101)
 CORNER = np.zeros((1, 2))
@@ -153,12 +154,47 @@ def test_no_pair_at_all_leaves_the_twin_as_it_is() -> None:
 
 
 @pytest.mark.parametrize(("frequency", "bounds"), [(1.0, (0.4, 1.6)), (20.0, (0.1, 0.2))])
-def test_likeliest_lengthscale_follows_the_functions(
-    frequency: float, bounds: tuple[float, float]
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+def test_likeliest_smoothness_follows_the_functions_and_how_they_repeat(
+    frequency: float, bounds: tuple[float, float], noise: float
 ) -> None:
-    points = np.random.default_rng(6).random((25, 1))
+    rng = np.random.default_rng(6)
+    points = rng.random((25, 1))
     functions = np.sin(frequency * points + TIME[None, :])
-    assert bounds[0] <= likeliest_lengthscale(points, functions) <= bounds[1]
+    functions = functions + noise * rng.standard_normal((25, 1))
+    found = likeliest_smoothness(points, functions)
+    if noise:
+        assert found.repeated >= 0.3
+    else:
+        assert bounds[0] <= found.lengthscale <= bounds[1]
+        assert found.repeated < 0.1
+
+
+def test_the_luckiest_of_runs_that_do_not_repeat_is_not_believed() -> None:
+    """The cost differs by 0.1 from run to run, and the twin is right."""
+    missed = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        near = 0.5 + 0.02 * rng.standard_normal((16, 2))
+        twin = response(near)
+        shift = 0.1 * rng.standard_normal((16, 1))
+        seen = AxisRuns(near, reach(twin) + shift[:, 0], twin, twin)
+        mean, _ = CorrectedTwinModel.fit(seen, reach).predict(near, twin)
+        lucky = int(np.argmin(seen.values - reach(twin)))
+        missed.append(mean[lucky] - reach(twin)[lucky])
+    # Believed, the luckiest of 16 would be 0.18 too good.
+    assert np.mean(missed) > -0.06
+
+
+def test_a_run_that_repeats_is_believed() -> None:
+    """The negative control: a departure that neighbours share is no luck."""
+    rng = np.random.default_rng(1)
+    points = rng.random((16, 2))
+    twin = response(points)
+    departure = 0.1 * np.sin(4.0 * points[:, 0])
+    seen = AxisRuns(points, reach(twin) + departure, twin, twin)
+    mean, _ = CorrectedTwinModel.fit(seen, reach).predict(points, twin)
+    assert np.abs(mean - seen.values).max() < 0.02
 
 
 def test_runs_that_do_not_fit_together_are_refused(points: NDArray[np.float64]) -> None:

@@ -21,9 +21,6 @@ METHODS = MethodTable(
         "mfbo_caei": "gmfbo.tuning.methods.mfbo_caei:CostAwareMultiFidelity",
         "mfbo_takg": "gmfbo.tuning.methods.mfbo_takg:MultiFidelityKnowledgeGradient",
         "bo_ei": "gmfbo.tuning.methods.bo_ei:SingleSourceImprovement",
-        "identify_then_optimise": (
-            "gmfbo.tuning.methods.identify_then_optimise:IdentifyThenOptimise"
-        ),
         "twin_once": "gmfbo.tuning.methods.twin_once:TwinOnce",
         "random": "gmfbo.tuning.methods.random:RandomSearch",
     }

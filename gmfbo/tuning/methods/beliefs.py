@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from gmfbo.surrogate.truncated import TruncatedModel
 
 
+Predict = Callable[[NDArray[np.float64], SourceName], tuple[Any, Any]]
+"""From points (q, d) and a source to posterior mean and variance of the cost, shape (q,)."""
+
 SAME_POINT = 1e-6
 """Distance in the unit cube within which gains are the same."""
 
@@ -214,6 +217,34 @@ def incumbent_of(state: TuningState, data: Observations, *sources: SourceName) -
     return min(float(data.values[rows].min()) for name in sources if (rows := data.of(name)).any())
 
 
+def has_tried(state: TuningState) -> bool:
+    """Whether a run finished, and met the limits, that the next one has to improve on."""
+    counted = [one for one in state.of("IS1") if one.counts]
+    feasible = not state.limits or any(one.feasible for one in counted)
+    return state.ranked and not state.unsettled and bool(counted) and feasible
+
+
+def expected_incumbent(
+    model: SourceModel | TruncatedModel, state: TuningState, data: Observations
+) -> float:
+    """Least expected cost g of the gains that were tried; the luckiest run promises too much.
+
+    Where runs are not ranked, as in studies begun before, it is that of the best run.
+
+    Parameters
+    ----------
+    model : SourceModel or TruncatedModel
+        Fitted to `data`.
+    state : TuningState
+        What was observed.
+    data : Observations
+        Runs of the axis.
+    """
+    if not has_tried(state):
+        return incumbent_of(state, data, "IS1")
+    return least_expected_tried(model.predict, state)[1]
+
+
 def expected_at(
     model: SourceModel | TruncatedModel, point: NDArray[np.float64]
 ) -> tuple[float, float]:
@@ -290,7 +321,7 @@ def least_expected(
 
 
 def least_expected_tried(
-    predict: Callable[[NDArray[np.float64], SourceName], tuple[Any, Any]], state: TuningState
+    predict: Predict, state: TuningState
 ) -> tuple[NDArray[np.float64], float, float]:
     """Gains of the finished real run with the least posterior mean, that mean and its std.
 

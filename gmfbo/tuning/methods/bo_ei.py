@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import (
     expected_at,
-    incumbent_of,
+    expected_incumbent,
     least_expected,
     observations_of,
     search_of,
@@ -38,7 +38,7 @@ class SingleSourceImprovement:
             return seek_finished(state)
         model, real = single_source_model(state), observations_of(state, "IS1")
         acquisition = CostAwareExpectedImprovement(
-            model, {"IS1": incumbent_of(state, real, "IS1")}, {"IS1": 1.0}
+            model, {"IS1": expected_incumbent(model, state, real)}, {"IS1": 1.0}
         )
         found = maximise(acquisition, search_of(state), ["IS1"], real)
         expected = expected_at(model, found.point)

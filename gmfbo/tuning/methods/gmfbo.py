@@ -22,8 +22,10 @@ from gmfbo.recordings.store.trial import SourceName
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.history.worth import noise_of_one_run
 from gmfbo.tuning.methods.beliefs import (
+    Predict,
     axis_and_twin,
     feasibility_of,
+    has_tried,
     least_expected,
     least_expected_tried,
     single_source_model,
@@ -43,8 +45,8 @@ if TYPE_CHECKING:
 SURVEY = 400
 """Runs of the twin over the box; a region of one percent of two gains then holds about four."""
 
-CLOSER = 16
-"""Runs of the twin in each stage of a closer look; two stages before a query."""
+CLOSER = 8
+"""Runs of the twin in each stage of a closer look for each gain; two stages before a query."""
 
 REPEAT_RADIUS, FAILED_RADIUS = 0.002, 0.05
 """Distances in the unit cube that are kept from real runs, and from those that failed."""
@@ -110,12 +112,18 @@ class _Belief:
         Of the cost.
     log_weight : ndarray, shape (q,)
         Log probability that the limits are met.
+    incumbent : float
+        Expected cost at the best gains that were tried: the luckiest run promises too much.
+    noise : float
+        Standard deviation of the cost of a repeated run.
     """
 
     points: NDArray[np.float64]
     mean: NDArray[np.float64]
     variance: NDArray[np.float64]
     log_weight: NDArray[np.float64]
+    incumbent: float
+    noise: float = 0.0
 
     @classmethod
     def of(cls, state: TuningState) -> _Belief:
@@ -123,20 +131,24 @@ class _Belief:
         times = sample_times(state)
         points, simulated = twin_at_points(state, times)
         if not len(points):
-            return cls(points, np.empty(0), np.empty(0), np.empty(0))
+            return cls(points, np.empty(0), np.empty(0), np.empty(0), state.incumbent())
+        best, noise = state.incumbent(), 0.0
         if not modelled_runs(state):
             # No run ended well: the twin as it is, about as wrong as its costs differ.
             mean = cost_of_rows(state, times)(simulated)
             variance = np.full(len(points), float(np.var(mean)) or 1.0)
             corrected, weight = simulated, np.zeros(len(points))
         else:
-            model = corrected_model(state, times)
+            model = corrected_model(state, times, noise_of_one_run(state) if state.ranked else 0.0)
             mean, variance = model.predict(points, simulated)
+            noise = model.noise
+            if has_tried(state):
+                best = least_expected_tried(_beside(model), state)[1]
             corrected = model.trajectory(points, simulated)
             weight = log_limit_weight(state, times, points, simulated)
         if state.ranked:
             weight = weight + log_finishing(state, times, points, corrected[:, : times.size])
-        return cls(points, mean, variance, weight)
+        return cls(points, mean, variance, weight, best, noise)
 
     def most_promising(self, state: TuningState) -> NDArray[np.float64] | None:
         """Point (d,) of the largest expected improvement among the new ones; None without any."""
@@ -152,7 +164,7 @@ class _Belief:
             new[new] = probable(self.log_weight[new])
         if not new.any():
             return None
-        gain = log_improvement(self.mean[new], self.variance[new], state.incumbent())
+        gain = log_improvement(self.mean[new], self.variance[new], self.incumbent)
         found: NDArray[np.float64] = self.points[new][int(np.argmax(gain + self.log_weight[new]))]
         return found
 
@@ -165,11 +177,11 @@ class _Belief:
         return np.asarray(state.hold(state.keep_out.moves.nearest(start[None, :])[0]))
 
     def at(self, point: NDArray[np.float64]) -> tuple[float, float] | None:
-        """Expected cost and its standard deviation at a point (d,), where the twin ran."""
+        """Expected cost of a run and its standard deviation at a point (d,), where the twin ran."""
         row = int(np.argmin(np.abs(self.points - point).max(axis=1)))
         if np.abs(self.points[row] - point).max() > 0.0:
             return None
-        return float(self.mean[row]), float(np.sqrt(self.variance[row]))
+        return float(self.mean[row]), float(np.sqrt(self.variance[row] + self.noise**2))
 
     def least_expected(self) -> int:
         """Row of the least expected cost where the limits are probably met."""
@@ -189,16 +201,17 @@ def twin_at_points(
     times : ndarray, shape (m,)
         [s] See `sample_times`.
     """
-    from gmfbo.correction.residual_process import ResidualProcess
-    from gmfbo.surrogate.corrected_twin import likeliest_lengthscale
+    from gmfbo.correction.residual_process import NUGGET, ResidualProcess
+    from gmfbo.surrogate.smoothness import likeliest_smoothness
 
     points, simulated = twin_runs(state, times)
     if not len(points) or not state.fixed:
         return points, simulated
     # Held gains lie off the simulated points: the twin is interpolated there.
     samples = simulated[:, : times.size]
-    length = likeliest_lengthscale(points, samples - samples.mean(axis=0))
-    emulator = ResidualProcess.fit(points, simulated, lengthscale=length, centred=True)
+    # The twin repeats itself.
+    known = likeliest_smoothness(points, samples - samples.mean(axis=0), repeated=(NUGGET,))
+    emulator = ResidualProcess.fit(points, simulated, lengthscale=known.lengthscale, centred=True)
     held = state.hold(points)
     return held, emulator.mean(held)
 
@@ -288,6 +301,11 @@ def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, 
         return least_expected(single_source_model(state), state)
     # Without its noise the model believes each run, and the luckiest one would be recommended.
     model = corrected_model(state, times, noise_of_one_run(state))
+    return least_expected_tried(_beside(model), state)
+
+
+def _beside(model: CorrectedTwinModel) -> Predict:
+    """Predictions at gains that were run, from the twin's run beside each."""
     known = model.runs
 
     def predict(
@@ -297,7 +315,7 @@ def _recommended_tried(state: TuningState) -> tuple[NDArray[np.float64], float, 
         same = np.argmin(((at[:, None, :] - known.points) ** 2).sum(axis=2), axis=1)
         return model.predict(at, known.simulated[same])
 
-    return least_expected_tried(predict, state)
+    return predict
 
 
 def is_new(points: NDArray[np.float64], state: TuningState) -> NDArray[np.bool_]:

@@ -1,14 +1,18 @@
 """What a practitioner with a model of low order does: identify it, and optimise the gains on it.
 
-The controller is read out of runs of the twin, the plant (inertia or lag, friction, gain, delay) is
-identified from all real runs, and the gains with the least cost on that loop are run next. Once
-they were run, a Gaussian process on what the real runs say beyond the model carries on, as a
-practitioner goes on by hand.
+The plant (inertia or lag, friction, gain, delay) is identified from all real runs, and the gains
+with the least cost on that loop are run next. Once they were run, a Gaussian process on what the
+real runs say beyond the model carries on, as a practitioner goes on by hand.
+
+The controller is read out of runs of the twin. Where it cannot be read, as with a cascade that has
+states of its own, it is simulated by the twin's FMU: the model is then the twin, with its uncertain
+parameters, friction, a constant load, a delay and a lag identified from the real runs.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +20,16 @@ from scipy.stats import qmc
 
 from gmfbo.objective.tracking import COMMAND_METRICS
 from gmfbo.recordings.recording import Recording
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import least_expected, seek_finished, single_source_model
 from gmfbo.tuning.methods.bo_ei import SingleSourceImprovement
+from gmfbo.tuning.methods.gmfbo import CORRECTION
 from gmfbo.tuning.methods.low_order.closed_loop import simulate
 from gmfbo.tuning.methods.low_order.control_law import ControlLaw
 from gmfbo.tuning.methods.low_order.identification import Identified, identify
 from gmfbo.tuning.methods.low_order.runs import SampledRuns
+from gmfbo.tuning.methods.optimum_of_twin import RUN_RADIUS, at_optimum_or_beyond, optimum_of_twin
 from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 
 SURVEY = 50
@@ -31,11 +38,11 @@ three of two gains are ten numbers, of three gains twenty."""
 
 READING = CorrectionOptions(survey=SURVEY, around_real=False)
 
+MOST_READ = 60
+"""Runs of the twin that the controller is read from, at most: the initial ones and `SURVEY`."""
+
 COVER, NEARER, ROUNDS = 512, 128, 3
 """Gains at which the model is simulated: over the box, then around the best, so many times."""
-
-RUN_RADIUS = 0.02
-"""Distance in the unit cube within which gains count as run; a grid of 41 has steps of 0.025."""
 
 MOST_SAMPLES = 400
 """Instants at which a simulated response is scored."""
@@ -50,7 +57,7 @@ class IdentifyThenOptimise:
     reference: str = (
         "Gevers 2005, Identification for control; discrepancy after Kennedy and O'Hagan 2001"
     )
-    correction: CorrectionOptions = READING
+    correction: CorrectionOptions = CORRECTION
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Ask the axis at the optimum of the model, or where it may still be improved on."""
@@ -58,6 +65,9 @@ class IdentifyThenOptimise:
             return seek_finished(state)
         loop = _Loop.identified(state)
         if isinstance(loop, str):
+            found = at_optimum_or_beyond(state)
+            if found is not None:
+                return found
             other = SingleSourceImprovement().propose(state, rng)
             return Proposal("IS1", other.point, note=f"{loop}: as bo_ei", expected=other.expected)
         points, cost = loop.surveyed(state, rng)
@@ -73,6 +83,12 @@ class IdentifyThenOptimise:
         if not open_.any():
             return Proposal("IS1", points[best], note=loop.note)
         return _beyond(state, loop, points[open_], cost[open_])
+
+    def promising(self, state: TuningState) -> NDArray[np.float64]:
+        """Optimum of the twin, shape (1, d), for a closer look; (0, d) where it is not needed."""
+        law = _law(state)
+        best = None if law is not None and law.is_read else optimum_of_twin(state)
+        return np.empty((0, len(state.space))) if best is None else best[None, :]
 
     def recommend(self, state: TuningState) -> tuple[NDArray[np.float64], float, float]:
         """Least posterior mean of a Gaussian process on the real runs."""
@@ -122,12 +138,11 @@ class _Loop:
     @classmethod
     def identified(cls, state: TuningState) -> _Loop | str:
         """The loop, or the reason why there is none."""
-        twin = SampledRuns.of([t for t in state.trials if t.source == "IS2"], state)
+        law = _law(state)
         settled = {one.number for one in state.of("IS1") if not one.failed and not one.outdated}
         real = SampledRuns.of([t for t in state.trials if t.number in settled], state)
-        if twin is None or real is None or len(twin) < 2:
+        if law is None or real is None:
             return "no command was recorded"
-        law = ControlLaw.read(twin)
         if not law.is_read:
             return "the controller could not be read out of the twin's runs"
         return cls(law, identify(law, real), real)
@@ -205,6 +220,23 @@ class _Loop:
             run = Recording(time=self.real.time, signals={signal: measured, str(command): one})
             found.append(state.experiment.metrics(run))
         return {name: np.array([each[name] for each in found]) for name in counted}
+
+
+_LAWS: WeakKeyDictionary[Trial, ControlLaw] = WeakKeyDictionary()
+"""Law by the first run of a twin: all of its runs have the same, and it takes a second to read."""
+
+
+def _law(state: TuningState) -> ControlLaw | None:
+    """Controller of the twin; None where its command was not recorded."""
+    runs = [trial for trial in state.trials if trial.source == "IS2"][:MOST_READ]
+    if not runs:
+        return None
+    if runs[0] not in _LAWS:
+        twin = SampledRuns.of(runs, state)
+        if twin is None or len(twin) < 2:
+            return None
+        _LAWS[runs[0]] = ControlLaw.read(twin)
+    return _LAWS[runs[0]]
 
 
 def _allowed(state: TuningState, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -73,7 +73,8 @@ class CorrectionOptions:
         Whether the runs around a real run are corrected by it (IS3); otherwise they stay runs of
         the twin (IS2), and no correction is fitted.
     closer : int
-        Runs of the twin around the promising gains before each query, in each of two stages.
+        Runs of the twin around the promising gains before each query, in each of two stages, for
+        each tuned gain.
     """
 
     memory: Literal["latest", "accumulate"] = "latest"

@@ -42,7 +42,7 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
     Parameters
     ----------
     method : Method
-        Its `correction.closer` is the number of runs in a stage.
+        Its `correction.closer` is the number of runs in a stage for each gain.
     runs : TwinRuns
         Runs of the present twin.
     """
@@ -52,7 +52,7 @@ def look_closer(method: Method, runs: TwinRuns) -> None:
         return
     if len(real) < max(history.study.budget.initial_is1, 1):
         return
-    seed, count = history.study.seed, options.closer
+    seed, count = history.study.seed, options.closer * len(history.gains.space)
     beside = 1  # the first twin run of a real run is made at its gains
     if not options.corrected:
         beside += len(points_around(history, real[-1]))

@@ -17,9 +17,10 @@ from gmfbo.tuning.tuner import Tuner
 from gmfbo.tuning.twin.closer_look import RADII
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
 
-COUNT = 6
+EACH = 3
+COUNT = 2 * EACH  # in a stage, of two gains
 AROUND = 4  # `is3_per_run` of the study
-METHOD = Gmfbo(correction=replace(CORRECTION, survey=25, closer=COUNT))
+METHOD = Gmfbo(correction=replace(CORRECTION, survey=25, closer=EACH))
 
 
 def played(folder: Path, closer: int, iterations: int = 2) -> list[Trial]:
@@ -77,7 +78,7 @@ def test_each_query_is_preceded_by_two_stages_around_few_places(whole: Study) ->
 
 
 def test_what_a_closer_look_found_may_be_asked_for(tmp_path: Path) -> None:
-    trials = played(tmp_path, COUNT, iterations=4)
+    trials = played(tmp_path, EACH, iterations=4)
     looked_at = [tuple(trial.gains.values()) for look in looks(trials) for trial in look]
     asked = [tuple(trial.gains.values()) for trial in trials if trial.source == "IS1"]
     assert set(asked[2:]) & set(looked_at)
