@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import FIXED_FLOOR, NAMED
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.physics import CATALOGUE
@@ -56,7 +56,7 @@ def posterior_draws(fitted: Fitted, whitening: Whitening, seed: int = 0) -> Arra
         Of the draws.
     """
     a = np.diag(fitted.curvatures)
-    for j in whitening(fitted.columns):
+    for j in fitted.beside_own_parts(whitening)(fitted.columns):
         flat = j.reshape(j.shape[0], -1)
         a = a + flat @ flat.T
     p = fitted.u.size
@@ -143,10 +143,11 @@ def _smallest(left: _Left) -> dict[str, float]:
 
 
 def _collapsed(kept: Mapping[str, float]) -> Claim:
-    """A set in which a law stands for those that hold it as their limit."""
+    """A set in which a law stands for those that hold it as their limit, and are believed less."""
     own = dict(kept)
     for name in list(own):
         for larger in [n for n in own if n in CATALOGUE and name in CATALOGUE[n].contains]:
-            own[name] += own.pop(larger)
+            if kept[larger] <= kept[name]:
+                own[name] += own.pop(larger)
     order = sorted(own, key=lambda name: -own[name])
     return Claim(tuple(order), tuple(own[name] for name in order))

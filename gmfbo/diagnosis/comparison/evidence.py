@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.numbers import BOOTSTRAP_DRAWS
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening

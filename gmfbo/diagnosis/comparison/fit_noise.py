@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.noise_places import Levels, blocks_of, estimated, inadequate
+from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
@@ -80,7 +81,7 @@ class FitNoise:
     def errors(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels | None
     ) -> SimulationErrors:
-        """Errors of the simulation about a fit, with those of noise that is played.
+        """Errors of the simulation about a fit, with those of noise that is played, and own parts.
 
         Parameters
         ----------
@@ -89,11 +90,19 @@ class FitNoise:
         kernels : PortKernels
             Paths of noise.
         levels : Levels, optional
-            Of the noise that the controller reads; without it none is played.
+            Of the noise; without it none is played, and there are no own parts.
         """
-        point = self.problem.point(fitted.hypothesis, fitted.x)
+        point = self.problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
+        found = errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
+        return found if levels is None else self.with_own_parts(fitted, kernels, levels, found)
+
+    def with_own_parts(
+        self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors
+    ) -> SimulationErrors:
+        """The same errors with own parts of a fit's quantities in each recording."""
+        whitening = self.whitening(fitted, kernels, levels, replace(errors, spreads={}))
+        return replace(errors, spreads=own_spreads(self.problem, whitening, fitted))
 
     def whitening(
         self,
@@ -119,14 +128,15 @@ class FitNoise:
             whitener = segment_whitener(segment, kernels, levels, rate)
             whole = [slice(0, rate.shape[1])]
             made.append(whitener.beside(constant, whole).beside(varying, stretches))
-        return Whitening(tuple(made))
+        return Whitening(tuple(made), errors.spreads)
 
     def scaled(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors
     ) -> Whitening:
         """Whitening by noise that is larger in stretches in which a fit leaves more."""
         whitening = self.whitening(fitted, kernels, levels, errors)
-        return whitening.scaled_to(fitted.residual, self.problem.stretches())
+        white = fitted.beside_own_parts(whitening)(fitted.residual)
+        return whitening.scaled_to(white, self.problem.stretches())
 
     def quiet(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise alone, without any inadequacy."""

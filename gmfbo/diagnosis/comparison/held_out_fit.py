@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
 from gmfbo.diagnosis.comparison.opened_comparison import problem_on
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.own_parts import beside_own_parts_on
+from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
@@ -59,7 +61,8 @@ class Part:
         if not p:
             empty = np.zeros(0)
             return empty, empty, empty
-        inner = grams(self.problem, self.whitening, fitted)
+        whitening = fitted.beside_own_parts(self.whitening)
+        inner = grams(self.problem, whitening, fitted)
         a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
         half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
         if len(inner.squares) >= _LEAST_STRETCHES:
@@ -97,9 +100,9 @@ def part_of(
     windows : sequence of int
         Those that are fitted, in order.
     """
-    part = seen_on(case, search, ledger, row, windows)
+    part = _stated_on(case, search, ledger, row, windows)
     found = ModeSearch(part.problem, part.whitening, row.hypothesis, row.freed).fitted(
-        row.parameters, row.nuisances, iterations=20, settled=AT_THE_END
+        row.parameters, row.nuisances, iterations=20, settled=AT_THE_END, near=row
     )
     return part if found is None else replace(part, fitted=found)
 
@@ -110,6 +113,7 @@ def seen_on(
     ledger: Ledger,
     row: Fitted,
     windows: Sequence[int],
+    about: Sequence[Fitted],
     inadequacy: float = 0.0,
 ) -> Part:
     """State a fit on other windows, at its values.
@@ -118,9 +122,24 @@ def seen_on(
     ----------
     case, search, ledger, row, windows
         As of `part_of`.
+    about : sequence of Fitted
+        Fits to all windows, whose quantities have own parts in each recording.
     inadequacy : float
         [FMU's unit of the torque port] Size of the smooth torque that may be left.
     """
+    part = _stated_on(case, search, ledger, row, windows, inadequacy)
+    whitening = beside_own_parts_on(part.whitening, part.problem, search.problem, about)
+    return replace(part, whitening=whitening)
+
+
+def _stated_on(
+    case: Case,
+    search: Search,
+    ledger: Ledger,
+    row: Fitted,
+    windows: Sequence[int],
+    inadequacy: float = 0.0,
+) -> Part:
     chosen = [case.budget.windows[i] for i in windows]
     problem = replace(
         problem_on(case, chosen),
@@ -147,10 +166,13 @@ def quiet(simulations: Simulations, row: Fitted) -> Fitted:
         At its values.
     """
     hypothesis = row.hypothesis.quiet
-    return replace(row, hypothesis=hypothesis, runs=simulations.run([hypothesis.point(row.x)])[0])
+    runs = simulations.run([hypothesis.point(row.x)])[0]
+    return replace(row, hypothesis=hypothesis, runs=runs, own=np.zeros((0, 0)))
 
 
-def squares_on(search: Search, ledger: Ledger, parts: Sequence[Part]) -> Array:
+def squares_on(
+    search: Search, ledger: Ledger, parts: Sequence[Part], about: Sequence[Fitted]
+) -> Array:
     """Whitened squares by noise alone, shape (1 + n_parts, n_stretches).
 
     The first row is what noise gives: the number of whitened values.
@@ -161,9 +183,12 @@ def squares_on(search: Search, ledger: Ledger, parts: Sequence[Part]) -> Array:
         As of `part_of`.
     parts : sequence of Part
         Fits stated on the same windows; noise is whitened about the last one.
+    about : sequence of Fitted
+        As of `seen_on`.
     """
     there = replace(search.noise, problem=parts[0].problem)
     whitening = there.quiet(parts[-1].fitted, ledger)
+    whitening = beside_own_parts_on(whitening, parts[0].problem, search.problem, about)
     whitened = [whitening(part.fitted.residual) for part in parts]
     counted = [[(z != 0.0).astype(float) for z in whitened[0]]]
     squared = [[z**2 for z in zs] for zs in whitened]

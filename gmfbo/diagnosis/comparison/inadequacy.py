@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import Grams, log_evidences
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.numbers import SMOOTH_BUMPS
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
@@ -175,7 +175,7 @@ def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> li
         for one in tried:
             hypothesis = one.added_to(base.hypothesis)
             x = hypothesis.start(one.start(base.parameters))
-            points.append(problem.point(hypothesis, x))
+            points.append(problem.point(hypothesis, x, base.own_values))
     runs = iter(problem.simulations.run(points))
     found = []
     for element, sizes, more, steps, count in plans:
@@ -217,6 +217,7 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
     found : sequence of Response
         Of the elements.
     """
+    whitening = about.beside_own_parts(whitening)
     z = _flat([r[None] for r in whitening(about.residual)])[0]
     j = _flat(whitening(about.columns))
     inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
@@ -295,6 +296,7 @@ def shown(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> lis
     found : sequence of Response
         Of the elements.
     """
+    whitening = about.beside_own_parts(whitening)
     j = _flat(whitening(about.columns))
     own = j[: about.u.size]
     inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))

@@ -32,6 +32,10 @@ OFFSET_PRIOR = 5e-4
 CLOCK_PRIOR = 1e-4
 """[1] Quartz clocks of two devices."""
 
+OWN_SPREAD = 0.05
+"""[1] Mean of the prior of a quantity's spread over the recordings, of its value: rigs warm up and
+loads change from run to run."""
+
 TORQUE_TIME = 0.02
 """[s] Correlation time of torque noise and of what a model lacks (servo prototype)."""
 

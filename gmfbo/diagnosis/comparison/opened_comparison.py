@@ -10,6 +10,7 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, ranked, responses
 from gmfbo.diagnosis.comparison.noise_places import Levels
@@ -22,7 +23,6 @@ from gmfbo.diagnosis.comparison.numbers import (
     TORQUE_TIME,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.evidence import grams
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SAME, SETTLED
-from gmfbo.diagnosis.comparison.priors import Prior, bounds_of, priors_of, values_at
+from gmfbo.diagnosis.comparison.own_parts import Eliminated, by_recording, eliminated
+from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulated import Point
 
 Array = NDArray[np.float64]
 
@@ -21,90 +24,6 @@ _DAMPING = 1e-3  # of a first step
 
 _POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """A hypothesis at its best values.
-
-    Attributes
-    ----------
-    hypothesis : Hypothesis
-        With its effects at these values.
-    freed : tuple of str
-        Fixed parameters that it frees.
-    priors : tuple of Prior
-        Of its p free quantities.
-    u : ndarray, shape (p,)
-        Free quantities, in the coordinates of their priors.
-    nuisances : ndarray, shape (q,)
-        [standard deviations]
-    runs : list of Simulated
-        The recordings there.
-    values : list of ndarray, shape (m, n)
-        [SI] Simulated signals of each segment.
-    residual : list of ndarray, shape (m, n)
-        [SI] Recorded less simulated, less the nuisances.
-    columns : list of ndarray, shape (p + q, m, n)
-        Change of the signals per unit of each free quantity and nuisance.
-    converged : bool
-        Whether the search ended by itself.
-    one_sided : ndarray of bool, shape (q,)
-        Nuisances without a sign.
-    """
-
-    hypothesis: Hypothesis
-    freed: tuple[str, ...]
-    priors: tuple[Prior, ...]
-    u: Array
-    nuisances: Array
-    runs: list[Simulated]
-    values: list[Array]
-    residual: list[Array]
-    columns: list[Array]
-    converged: bool
-    one_sided: NDArray[np.bool_]
-
-    @property
-    def x(self) -> Array:
-        """Values of the free quantities, shape (p,)."""
-        return values_at(self.priors, self.u)
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """Of the twin."""
-        return self.hypothesis.parameters(self.x)
-
-    @property
-    def elements(self) -> frozenset[str]:
-        """What it adds to the twin: effects, and freed parameters as `parameter:NAME`."""
-        effects = {candidate.effect for candidate in self.hypothesis.effects}
-        return frozenset(effects | {f"parameter:{name}" for name in self.freed})
-
-    @property
-    def at_zero(self) -> NDArray[np.bool_]:
-        """Nuisances that rest at zero, which is a bound of those without a sign."""
-        at_rest: NDArray[np.bool_] = self.nuisances == 0.0
-        return at_rest & self.one_sided
-
-    @property
-    def slopes(self) -> Array:
-        """Of the negative log prior in all p + q coordinates."""
-        own = [p.slope(u) for p, u in zip(self.priors, self.u, strict=True)]
-        return np.concatenate([own, self.nuisances])
-
-    @property
-    def curvatures(self) -> Array:
-        """Of the negative log prior in all p + q coordinates."""
-        own = [p.curvature(u) for p, u in zip(self.priors, self.u, strict=True)]
-        return np.concatenate([own, np.ones(self.nuisances.size)])
-
-    @property
-    def log_prior(self) -> float:
-        """[nats] Density of the values and nuisances."""
-        own = sum(p.log_density(u) for p, u in zip(self.priors, self.u, strict=True))
-        nu = self.nuisances
-        return float(own - 0.5 * nu @ nu - 0.5 * nu.size * np.log(2.0 * np.pi))
 
 
 class ModeSearch:
@@ -134,6 +53,10 @@ class ModeSearch:
         self._priors = priors_of(hypothesis, freed)
         self._known: list[Array] | None = None
         self._normals: tuple[Array, Array] | None = None
+        spreads = [whitening.spreads.get(name, 0.0) for name in hypothesis.names]
+        self._spread = np.array(spreads, dtype=float)
+        self._places = np.flatnonzero(self._spread)
+        self._parts: Eliminated | None = None
 
     def fitted(
         self,
@@ -141,6 +64,7 @@ class ModeSearch:
         nuisances: Array | None = None,
         iterations: int = 10,
         settled: float = SETTLED,
+        near: Fitted | None = None,
     ) -> Fitted | None:
         """Search from these values of the twin's parameters; None where they cannot be simulated.
 
@@ -154,8 +78,11 @@ class ModeSearch:
             Most points with a Jacobian.
         settled : float
             [nats] Gain that is no longer worth a step.
+        near : Fitted, optional
+            Whose own parts are a start.
         """
-        at = self._at(self._inside(self._start(parameters)), nuisances)
+        own = self._own_near(near)
+        at = self._at(self._inside(self._start(parameters)), nuisances, own)
         return None if at is None else self._searched(at, self._columns(at), iterations, settled)
 
     def again(self, row: Fitted, iterations: int = 10, settled: float = SETTLED) -> Fitted:
@@ -172,9 +99,12 @@ class ModeSearch:
         settled : float
             [nats] Gain that is no longer worth a step.
         """
-        if row.hypothesis.noise is self._hypothesis.noise:
-            return self._searched(row, row.columns, iterations, settled)
-        at = self._at(row.u, row.nuisances)
+        own = self._own_near(row)
+        if row.hypothesis.noise is self._hypothesis.noise and np.array_equal(own, row.own):
+            residual = self._beside(row.residual, row.columns, -own)
+            there = replace(row, residual=residual)
+            return self._searched(there, row.columns, iterations, settled)
+        at = self._at(row.u, row.nuisances, own)
         if at is None:
             return replace(row, converged=False)
         change = [a - b for a, b in zip(at.values, row.values, strict=True)]
@@ -189,24 +119,43 @@ class ModeSearch:
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
             if gain < (settled if damping <= _DAMPING else AT_THE_END):
-                return replace(at, columns=columns, converged=True)
-            moved = self._moved(at, step)
+                return self._ended(at, columns, True)
+            moved = self._moved(at, step, damping)
             fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
             while fall <= 0.0 and damping < 1e4:
                 damping *= 10.0
                 # A short step promises little, wherever it begins.
                 step, gain = self._step(at, columns, damping)
                 if gain < AT_THE_END:
-                    return replace(at, columns=columns, converged=True)
-                moved = self._moved(at, step)
+                    return self._ended(at, columns, True)
+                moved = self._moved(at, step, damping)
                 fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
             if moved is None or fall <= 0.0:
-                return replace(at, columns=columns, converged=False)
+                return self._ended(at, columns, False)
             at, damping = moved, max(0.1 * damping, 1e-7)
             columns = self._columns(at)
             if fall < AT_THE_END:
-                return replace(at, columns=columns, converged=True)
-        return replace(at, columns=columns, converged=False)
+                return self._ended(at, columns, True)
+        return self._ended(at, columns, False)
+
+    def _ended(self, at: Fitted, columns: list[Array], converged: bool) -> Fitted:
+        residual = self._beside(at.residual, columns, at.own)
+        return replace(at, residual=residual, columns=columns, converged=converged)
+
+    def _own_near(self, row: Fitted | None) -> Array:
+        """Own parts of another fit, of the quantities that have any here."""
+        count = len(self._problem.simulations.records)
+        if row is None or len(row.own) != count:
+            return np.zeros((count, self._spread.size))
+        return np.where(self._spread > 0.0, row.own_of(self._hypothesis.names), 0.0)
+
+    def _beside(self, residual: list[Array], columns: list[Array], own: Array) -> list[Array]:
+        """A residual with what own parts make of it, as the columns show it."""
+        if not own.any():
+            return residual
+        parts = zip(self._problem.segments, residual, columns, strict=True)
+        p = own.shape[1]
+        return [z + np.tensordot(own[s.record], c[:p], 1) for s, z, c in parts]
 
     def _start(self, parameters: dict[str, float]) -> Array:
         x = self._hypothesis.start(parameters)
@@ -217,10 +166,14 @@ class ModeSearch:
         margin = 1e-6 * (ends[:, 1] - ends[:, 0])
         return np.clip(u, ends[:, 0] + margin, ends[:, 1] - margin)
 
-    def _at(self, u: Array, nuisances: Array | None) -> Fitted | None:
+    def _point(self, hypothesis: Hypothesis, u: Array, own: Array) -> Point:
+        values = own_values(self._priors, hypothesis.names, u, own)
+        return self._problem.point(hypothesis, values_at(self._priors, u), values)
+
+    def _at(self, u: Array, nuisances: Array | None, own: Array) -> Fitted | None:
         problem = self._problem
         x = values_at(self._priors, u)
-        runs = problem.simulations.run([problem.point(self._hypothesis, x)])[0]
+        runs = problem.simulations.run([self._point(self._hypothesis, u, own)])[0]
         if not all(run.finite for run in runs):
             return None
         nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
@@ -238,11 +191,13 @@ class ModeSearch:
             [],
             False,
             problem.logging.one_sided,
+            own,
         )
 
     def _cost(self, at: Fitted) -> float:
         """[nats] Negative log density of the recordings and the values."""
-        return 0.5 * self._whitening.square(at.residual) - at.log_prior
+        own = at.own[:, self._places] / self._spread[self._places]
+        return 0.5 * (self._whitening.square(at.residual) + float(np.sum(own**2))) - at.log_prior
 
     def _columns(self, at: Fitted) -> list[Array]:
         """Differences; those of all that is linear without noise, or its answer would be a signal.
@@ -255,7 +210,7 @@ class ModeSearch:
         moves, widths, hears = [], [], self._hears_noise()
         quiet = at.values
         if self._hypothesis.noise is not None and not all(hears):
-            runs = problem.simulations.run([problem.point(self._hypothesis.quiet, x)])[0]
+            runs = problem.simulations.run([self._point(self._hypothesis.quiet, at.u, at.own)])[0]
             quiet = problem.values(runs) if all(run.finite for run in runs) else at.values
         for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
             moved = x.copy()
@@ -263,8 +218,10 @@ class ModeSearch:
             if prior.logarithmic and moved[i] <= 0.0:
                 moved[i] = x[i] - size
             hypothesis = self._hypothesis if hears[i] else self._hypothesis.quiet
-            moves.append(problem.point(hypothesis, moved))
-            widths.append(prior.to_u(moved[i]) - at.u[i])
+            u = at.u.copy()
+            u[i] = prior.to_u(moved[i])
+            moves.append(self._point(hypothesis, u, at.own))
+            widths.append(u[i] - at.u[i])
         found = []
         moved_runs = problem.simulations.run(moves)
         for runs, width, hears_it in zip(moved_runs, widths, hears, strict=True):
@@ -318,6 +275,8 @@ class ModeSearch:
         longest = float(np.max(np.abs(step) * bent, initial=0.0))
         step *= min(1.0, _LONGEST_STEP / longest) if longest else 1.0
         gain = float(g @ step - 0.5 * step @ a @ step)
+        if self._parts is not None:
+            gain += self._parts.gain(at.own[:, self._places])
         return step, gain
 
     def _normal(self, at: Fitted, columns: list[Array]) -> tuple[Array, Array]:
@@ -331,6 +290,13 @@ class ModeSearch:
                 )
             )
             g = -at.slopes
+            if self._places.size:
+                there = self._ended(at, columns, False)
+                inner = by_recording(self._problem, grams(self._problem, self._whitening, there))
+                self._parts = eliminated(*inner, self._places, self._spread[self._places])
+                a, g = a + self._parts.matrix, g + self._parts.product
+                self._known, self._normals = columns, (a, g)
+                return a, g
             for z, j in zip(self._whitening(at.residual), self._whitening(columns), strict=True):
                 flat = j.reshape(j.shape[0], -1)
                 a += flat @ flat.T
@@ -338,12 +304,17 @@ class ModeSearch:
             self._known, self._normals = columns, (a, g)
         return self._normals
 
-    def _moved(self, at: Fitted, step: Array) -> Fitted | None:
+    def _moved(self, at: Fitted, step: Array, damping: float) -> Fitted | None:
         p = at.u.size
+        own = at.own
+        if self._parts is not None:
+            own = own.copy()
+            short = self._parts.parts(step) - own[:, self._places]
+            own[:, self._places] += short / (1.0 + damping)
         nuisances = at.nuisances + step[p:]
         one_sided = self._problem.logging.one_sided
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
-        moved = self._at(self._inside(at.u + step[:p]), nuisances)
+        moved = self._at(self._inside(at.u + step[:p]), nuisances, own)
         return None if moved is None else self._polished(moved)
 
     def _polished(self, at: Fitted) -> Fitted:

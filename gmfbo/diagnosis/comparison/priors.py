@@ -97,6 +97,30 @@ def values_at(priors: Sequence[Prior], u: Array) -> Array:
     return np.array([p.to_value(float(v)) for p, v in zip(priors, u, strict=True)])
 
 
+def own_values(
+    priors: Sequence[Prior], names: Sequence[str], u: Array, own: Array
+) -> list[dict[str, float]]:
+    """By recording, the values of quantities that have own parts; empty where none has.
+
+    Parameters
+    ----------
+    priors : sequence of Prior
+        Of p free quantities.
+    names : sequence of str
+        Of these.
+    u : ndarray, shape (p,)
+        Common values, in the coordinates of the priors.
+    own : ndarray, shape (n_recordings, p)
+        Beside them.
+    """
+    shown = [int(i) for i in np.flatnonzero(np.any(own != 0.0, axis=0))]
+    if not shown:
+        return []
+    ends = bounds_of(priors)
+    inside = np.clip(u + own, ends[:, 0], ends[:, 1])
+    return [{names[i]: priors[i].to_value(float(row[i])) for i in shown} for row in inside]
+
+
 def priors_of(hypothesis: Hypothesis, freed: Sequence[str]) -> tuple[Prior, ...]:
     """Priors of the free quantities of a hypothesis, in the order of its names.
 

@@ -65,13 +65,35 @@ class Problem:
         """Kind and signal of each error of the logger."""
         return self.logging.names
 
-    def point(self, hypothesis: Hypothesis, x: Array) -> Point:
+    def point(
+        self, hypothesis: Hypothesis, x: Array, own: Sequence[Mapping[str, float]] = ()
+    ) -> Point:
         """Where the twin is run for these values of the free quantities, shape (p,).
+
+        Parameters
+        ----------
+        hypothesis : Hypothesis
+            Whose quantities they are.
+        x : ndarray, shape (p,)
+            Values.
+        own : sequence of mapping of str to float
+            By recording, values of some of them in it.
+        """
+        point = self._held(hypothesis.point(x))
+        if not own:
+            return point
+        names = hypothesis.names
+        each = [
+            np.array([v.get(n, common) for n, common in zip(names, x, strict=True)]) for v in own
+        ]
+        return replace(point, own=[self._held(hypothesis.point(x_own)) for x_own in each])
+
+    def _held(self, point: Point) -> Point:
+        """The same with the loop that holds an open-loop twin.
 
         A loop that holds an open-loop twin keeps its poles: else the least inertia would be held
         best, and fit best.
         """
-        point = hypothesis.point(x)
         tracking = self.simulations.tracking
         if tracking is None or self.held_inertia is None:
             return point

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -92,7 +93,7 @@ class RowFits:
         """
         less = _less(row, name)
         search = self._search(whitening, less.hypothesis, less.freed)
-        return search.fitted(row.parameters, row.nuisances, iterations=iterations)
+        return search.fitted(row.parameters, row.nuisances, iterations=iterations, near=row)
 
     def again(self, whitening: Whitening, row: Fitted, fitted: Rows) -> Fitted:
         """Fit a row again under a whitening, from its limit where that leaves less by now.
@@ -110,7 +111,8 @@ class RowFits:
             element, about = Element(candidate=candidate), _less(row, candidate.effect)
             limit = limit_of(element, about, fitted)
             if limit is not None and chi(row, whitening) > chi(limit, whitening) + _NO_WORSE:
-                found = self._from_limit(whitening, about, element, limit, 1.0)
+                # What it has beside its limit did harm: it begins with next to nothing of it.
+                found = self._from_limit(whitening, about, element, limit, _SHARES[-1])
                 if found is not None:
                     return found
         return self._search(whitening, row.hypothesis, row.freed).again(row)
@@ -130,7 +132,7 @@ class RowFits:
         started = element.beginning_as(limit.hypothesis.effects, near.hypothesis, share)
         hypothesis = started.added_to(near.hypothesis)
         search = self._search(whitening, hypothesis, about.freed)
-        found = search.fitted(near.parameters, near.nuisances)
+        found = search.fitted(near.parameters, near.nuisances, near=limit)
         if found is None or chi(found, whitening) > chi(limit, whitening) + _NO_WORSE:
             return None
         return found
@@ -144,7 +146,7 @@ class RowFits:
             tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
             hypothesis = tried.added_to(about.hypothesis)
             search = self._search(whitening, hypothesis, freed)
-            found = search.fitted(tried.start(about.parameters), about.nuisances)
+            found = search.fitted(tried.start(about.parameters), about.nuisances, near=about)
             if found is not None and chi(found, whitening) <= before + _NO_WORSE:
                 return found
             if not element.sizes(about.hypothesis):
@@ -154,7 +156,7 @@ class RowFits:
 
 def chi(row: Fitted, whitening: Whitening) -> float:
     """Whitened square of what a row leaves."""
-    return whitening.square(row.residual)
+    return row.beside_own_parts(whitening).square(row.residual)
 
 
 def limits_in(elements: frozenset[str]) -> int:
@@ -190,7 +192,8 @@ def _less(row: Fitted, name: str) -> Fitted:
     hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
     priors, x = priors_of(hypothesis, freed), hypothesis.start(row.parameters)
     u = np.array([p.to_u(float(v)) for p, v in zip(priors, x, strict=True)])
-    return replace(row, hypothesis=hypothesis, freed=freed, priors=priors, u=u)
+    own = row.own_of(hypothesis.names)
+    return replace(row, hypothesis=hypothesis, freed=freed, priors=priors, u=u, own=own)
 
 
 def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
@@ -202,4 +205,5 @@ def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
     if not x.size:
         return row
     u = np.array([p.to_u(float(v)) for p, v in zip(row.priors, x, strict=True)])
-    return replace(row, hypothesis=hypothesis, u=u, nuisances=best.nuisances)
+    own = best.own_of(hypothesis.names)
+    return replace(row, hypothesis=hypothesis, u=u, nuisances=best.nuisances, own=own)

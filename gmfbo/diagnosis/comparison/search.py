@@ -12,6 +12,7 @@ from scipy.special import softmax
 
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
@@ -22,7 +23,7 @@ from gmfbo.diagnosis.comparison.numbers import (
     SAME,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
@@ -78,7 +79,7 @@ class Search:
         errors = noise.errors(base, kernels, None)
         for _ in range(2):
             levels = noise.levels(base, kernels, levels, errors)
-            errors = noise.errors(base, kernels, levels)
+            errors = replace(noise.errors(base, kernels, levels), spreads={})
             whitening = noise.scaled(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
@@ -273,7 +274,8 @@ class Search:
             best = ledger.rows[scored.best]
             left = ledger.errors.taken_out(problem, best, ledger.kernels, ledger.levels)
             played = sensed_noise(problem, left, ledger.kernels, ledger.levels)
-            point = replace(problem.point(best.hypothesis, best.x), noise=played)
+            point = problem.point(best.hypothesis, best.x, best.own_values)
+            point = replace(point, noise=played)
             runs = problem.simulations.run([point])[0]
             if not all(run.finite for run in runs):
                 break
@@ -289,13 +291,14 @@ class Search:
         order = np.argsort(-scored.log_evidences.mean(1))
         most, leading = -np.inf, frozenset[str]()
         for elements in dict.fromkeys([scored.elements[i] for i in order[:_COMPARED]]):
-            row = ledger.rows[elements]
-            levels = self.noise.with_inadequacy(row, ledger)
+            row, kernels = ledger.rows[elements], ledger.kernels
+            errors = self.noise.with_own_parts(row, kernels, ledger.levels, ledger.errors)
+            levels = self.noise.with_inadequacy(row, replace(ledger, errors=errors))
             own = replace(
                 ledger,
                 rows={elements: row},
                 levels=levels,
-                whitening=self.noise.scaled(row, ledger.kernels, levels, ledger.errors),
+                whitening=self.noise.scaled(row, kernels, levels, errors),
             )
             value = float(self.scored(own, weighted=False).log_evidences.mean())
             if value > most:
@@ -310,7 +313,8 @@ class Search:
         )
         weights, logs, sizes, above = None, [], [], []
         for row in ledger.rows.values():
-            inner = grams(problem, ledger.whitening, row, bumps)
+            whitening = row.beside_own_parts(ledger.whitening)
+            inner = grams(problem, whitening, row, whitening.of_own(bumps))
             if weights is None:
                 n = len(inner.squares)
                 weights = weightings(n) if weighted else np.ones((1, n))

@@ -6,16 +6,16 @@ counts for less: they join the covariance of noise there, whichever hypothesis i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.noise_places import Levels
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.whitener import segment_whitener
@@ -40,11 +40,14 @@ class SimulationErrors:
     constant, varying : tuple of tuple of ndarray, shape (k, n)
         [SI] By recording, then by signal at its own times: errors of one size in a recording, and
         those of another size in each stretch.
+    spreads : mapping of str to float
+        Of own parts of the model's quantities in each recording, which its columns show.
     """
 
     simulations: Simulations
     constant: Columns
     varying: Columns
+    spreads: Mapping[str, float] = field(default_factory=dict)
 
     def on(self, problem: Problem, fitted: Fitted) -> list[tuple[Array, Array]]:
         """As the logger stores them, on a problem's segments, each of shape (k, m, n).
@@ -72,6 +75,13 @@ class SimulationErrors:
             found.append(np.array(made).reshape(len(made), *values.shape))
         return found
 
+    def _own(self, fitted: Fitted) -> list[Array]:
+        """What own parts of one standard deviation make, by segment, shape (k, m, n)."""
+        names = fitted.hypothesis.names
+        sizes = {i: self.spreads[n] for i, n in enumerate(names) if n in self.spreads}
+        each = np.array(list(sizes.values()))[:, None, None]
+        return [columns[list(sizes)] * each for columns in fitted.columns]
+
     def taken_out(
         self, problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels
     ) -> Fitted:
@@ -91,6 +101,10 @@ class SimulationErrors:
             Of the noise beside them.
         """
         constant = self._stored(self.constant, problem, fitted)
+        if self.spreads and fitted.columns:
+            constant = [
+                np.concatenate(both) for both in zip(constant, self._own(fitted), strict=True)
+            ]
         if not any(len(errors) for errors in constant):
             return fitted
         rates = problem.rates(fitted.values)

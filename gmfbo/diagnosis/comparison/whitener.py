@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +68,8 @@ class SegmentWhitener:
         Of errors beside the noise, one a stretch, in the order in which they are taken out.
     scales : ndarray, shape (n,)
         Noise of a row, in units of that of the levels.
+    own : tuple of Spread
+        Of what a fit's own parts make, taken out last.
     """
 
     filters: tuple[Spectrum, ...]
@@ -76,6 +78,7 @@ class SegmentWhitener:
     length: int
     spreads: tuple[Spread, ...] = ()
     scales: Array | float = 1.0
+    own: tuple[Spread, ...] = ()
 
     def __call__(self, columns: Array) -> Array:
         """Whitened columns, shape (..., m, n); nothing at the masked ends."""
@@ -83,9 +86,11 @@ class SegmentWhitener:
         for spread in self.spreads:
             spread.take_out(out)
         out /= self.scales
+        for spread in self.own:
+            spread.take_out(out)
         return out
 
-    def scaled_to(self, residual: Array, stretches: Sequence[slice]) -> SegmentWhitener:
+    def scaled_to(self, white: Array, stretches: Sequence[slice]) -> SegmentWhitener:
         """The same with more noise in stretches whose residual holds more.
 
         Quantised readings, a rough track or a busy bus make noise that comes and goes, where a
@@ -94,13 +99,13 @@ class SegmentWhitener:
 
         Parameters
         ----------
-        residual : ndarray, shape (m, n)
-            [SI] Of the segment.
+        white : ndarray, shape (m, n)
+            Residual of the segment, whitened.
         stretches : sequence of slice
             Rows.
         """
-        squares, logs = self(residual) ** 2, self.log_determinants.copy()
-        scales = np.ones(residual.shape[1])
+        squares, logs = white**2, self.log_determinants.copy()
+        scales = np.ones(white.shape[1])
         for rows in stretches:
             count = np.count_nonzero(squares[:, rows])
             square = (squares[:, rows].sum() + NOISE_FREEDOM) / (count + NOISE_FREEDOM)
@@ -121,6 +126,22 @@ class SegmentWhitener:
         """
         if not len(errors):
             return self
+        spreads, logs = self._spread_by(errors, stretches)
+        return replace(self, log_determinants=logs, spreads=(*self.spreads, *spreads))
+
+    def beside_own(self, errors: Array) -> SegmentWhitener:
+        """The same with errors of one size in the segment beside all else, scales included.
+
+        Parameters
+        ----------
+        errors : ndarray, shape (k, m, n)
+            Each of one standard deviation.
+        """
+        spreads, logs = self._spread_by(errors, [slice(0, errors.shape[2])])
+        return replace(self, log_determinants=logs, own=(*self.own, *spreads))
+
+    def _spread_by(self, errors: Array, stretches: Sequence[slice]) -> tuple[list[Spread], Array]:
+        """What errors beside all else spread, and the log determinants with them."""
         white, logs = self(errors), self.log_determinants.copy()
         spreads = []
         for rows in _of_one_length(stretches):
@@ -130,7 +151,7 @@ class SegmentWhitener:
             spreads.append(Spread(slice(rows[0].start, rows[-1].stop), directions, lost))
             for one, size in zip(rows, sizes, strict=True):
                 logs[one] += np.log1p(size**2).sum() / (one.stop - one.start)
-        return replace(self, log_determinants=logs, spreads=(*self.spreads, *spreads))
+        return spreads, logs
 
     def mean_of(self, errors: Array, residual: Array) -> Array:
         """What errors beside the noise most likely made of a residual, shape (m, n).
@@ -249,16 +270,44 @@ class Whitening:
     ----------
     parts : tuple of SegmentWhitener
         One a segment.
+    spreads : mapping of str to float
+        By quantity of a hypothesis, of its own part in each segment; 0 of others.
     """
 
     parts: tuple[SegmentWhitener, ...]
+    spreads: Mapping[str, float] = field(default_factory=dict)
 
-    def scaled_to(
-        self, residuals: Sequence[Array], stretches: Sequence[Sequence[slice]]
-    ) -> Whitening:
-        """The same with more noise in stretches whose residual holds more, by segment."""
-        parts = zip(self.parts, residuals, stretches, strict=True)
-        return Whitening(tuple(part.scaled_to(left, rows) for part, left, rows in parts))
+    def scaled_to(self, white: Sequence[Array], stretches: Sequence[Sequence[slice]]) -> Whitening:
+        """The same with more noise in stretches whose whitened residual holds more, by segment."""
+        parts = zip(self.parts, white, stretches, strict=True)
+        scaled = tuple(part.scaled_to(left, rows) for part, left, rows in parts)
+        return replace(self, parts=scaled)
+
+    def about(self, names: Sequence[str], columns: Sequence[Array]) -> Whitening:
+        """The same with own parts of some quantities beside, each as its column shows it.
+
+        Parameters
+        ----------
+        names : sequence of str, length p
+            Quantities.
+        columns : sequence of ndarray, shape (p or more, m, n)
+            [SI] Change of the signals of each segment per unit of each; without any, nothing
+            changes.
+        """
+        places = [i for i, name in enumerate(names) if self.spreads.get(name, 0.0) > 0.0]
+        if not places or not len(columns):
+            return self
+        sizes = np.array([self.spreads[names[i]] for i in places])[:, None, None]
+        pairs = zip(self.parts, columns, strict=True)
+        return Whitening(tuple(part.beside_own(c[places] * sizes) for part, c in pairs))
+
+    def of_own(self, white: Sequence[Array]) -> list[Array]:
+        """Take out own parts of columns that are whitened by all else, shape (..., m, n)."""
+        found = [np.array(c) if part.own else c for part, c in zip(self.parts, white, strict=True)]
+        for part, columns in zip(self.parts, found, strict=True):
+            for spread in part.own:
+                spread.take_out(columns)
+        return found
 
     def __call__(self, columns: Sequence[Array]) -> list[Array]:
         """Whiten columns of each segment, shape (..., m, n)."""

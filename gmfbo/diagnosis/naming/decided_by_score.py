@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     EXPLAINED,
@@ -19,8 +20,7 @@ from gmfbo.diagnosis.comparison.numbers import (
     UNLIKE,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
-from gmfbo.diagnosis.comparison.row_fits import RowFits
+from gmfbo.diagnosis.comparison.row_fits import RowFits, chi
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
@@ -122,15 +122,17 @@ def measured(misfit: Misfit, row: Row) -> Fitted:
     row : Row
         A fitted hypothesis.
     """
-    hypothesis, x = row.hypothesis, row.x
+    hypothesis, x, runs = row.hypothesis, row.x, row.runs
+    if row.own.any():  # they hold in these recordings alone
+        runs = misfit.simulations.run([hypothesis.point(x)])[0]
     columns = [
-        list(c) for c in misfit.sensitivities(hypothesis, x, row.runs, range(x.size), parallel=True)
+        list(c) for c in misfit.sensitivities(hypothesis, x, runs, range(x.size), parallel=True)
     ]
     return Fitted(
         hypothesis,
         x,
-        row.runs,
-        misfit.residual(row.runs),
+        runs,
+        misfit.residual(runs),
         tuple(np.nan_to_num(block) for block in stacked(misfit, columns)),
         columns,
         row.converged,
@@ -233,7 +235,8 @@ def _gains(compared: Compared, row: Row, without: Row) -> list[Array]:
     """Fall of the whitened square in each stretch, by segment."""
     problem, whitening = compared.search.problem, compared.ledger.whitening
     before, after = (
-        problem.by_stretch([z**2 for z in whitening(one.residual)]) for one in (without, row)
+        problem.by_stretch([z**2 for z in one.beside_own_parts(whitening)(one.residual)])
+        for one in (without, row)
     )
     return [a - b for a, b in zip(before, after, strict=True)]
 
@@ -288,7 +291,7 @@ def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, 
 def _share(compared: Compared, base: Row, row: Row) -> float | None:
     """Of the square that the refitted twin leaves beyond noise, what the model explains."""
     whitening = compared.search.noise.quiet(base, compared.ledger)
-    left = [whitening.square(one.residual) for one in (base, row)]
+    left = [chi(one, whitening) for one in (base, row)]
     size = sum(z.size for z in whitening(base.residual))
     beyond = left[0] - size
     if beyond < 4.0 * np.sqrt(2.0 * size):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate

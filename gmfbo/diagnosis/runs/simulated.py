@@ -60,18 +60,26 @@ class Point:
         Recording of each effect that acts in only one.
     noise : sequence of PlayedNoise or None
         Of each recording.
+    own : sequence of Point
+        In place of these values, in each recording; empty where they hold in all.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     physics: Mapping[str, float] = field(default_factory=dict)
     only: Mapping[str, int] = field(default_factory=dict)
     noise: Sequence[PlayedNoise] | None = None
+    own: Sequence[Point] = ()
+
+    def parameters_in(self, record: int) -> Mapping[str, float]:
+        """Values of the twin in one of the recordings."""
+        return self.own[record].parameters if self.own else self.parameters
 
     def physics_in(self, record: int) -> dict[str, float]:
         """Physics that acts in one of the recordings."""
+        physics = self.own[record].physics if self.own else self.physics
         return {
             name: value
-            for name, value in self.physics.items()
+            for name, value in physics.items()
             if self.only.get(name.partition(".")[0], record) == record
         }
 

@@ -244,7 +244,8 @@ class Simulations:
 
     def _ordered(self, point: Point, record: int, tracking: Tracking | None) -> _Run:
         physics = point.physics_in(record)
-        plan, values = self._plan(record, physics), tuple(point.parameters.items())
+        values = tuple(point.parameters_in(record).items())
+        plan = self._plan(record, physics)
         return _Run(plan, record, values, tuple(physics.items()), tracking)
 
     def _seen(self, response: Response, record: int) -> Simulated:
@@ -302,7 +303,8 @@ class Simulations:
         physics = {**settings, **point.physics_in(record)}
         plan = self.records[record].plan
         with self._simulator() as simulator:
-            return simulator.run(plan, point.parameters, physics, measured=measured, held=held)
+            values = point.parameters_in(record)
+            return simulator.run(plan, values, physics, measured=measured, held=held)
 
     def read(self, response: Response, record: int) -> tuple[NDArray[np.float64], ...]:
         """Scored signals of a response at their own times."""

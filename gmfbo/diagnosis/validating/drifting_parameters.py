@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.evidence import grams
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.numbers import OWN_SPREAD
+from gmfbo.diagnosis.comparison.own_parts import by_recording
 from gmfbo.diagnosis.comparison.priors import values_at
 from gmfbo.diagnosis.naming.decision import Compared
 
 Array = NDArray[np.float64]
 
 _CHANCE = 1e-4  # that an even parameter is told so, before it is shared among parameters
-_USUAL = 0.05  # of a value: rigs warm up and loads change by that much
 
 
 def drifts_of(case: Case, compared: Compared, row: Fitted) -> dict[str, dict[str, float]]:
     """Value of each drifting parameter in each recording.
 
     A parameter has an own part in each recording, by the parabola about the fit. It drifts if
-    these differ by more than chance (Wald 1943), and by more than is usual.
+    these differ by more than chance (Wald 1943), and by more than is usual. What is told are the
+    values at which the recordings were simulated, where the model has such.
 
     Parameters
     ----------
@@ -42,7 +46,7 @@ def drifts_of(case: Case, compared: Compared, row: Fitted) -> dict[str, dict[str
     uncertain = row.hypothesis.setting.uncertain
     if len(records) < 2 or not uncertain:
         return {}
-    matrices, products, inflation = _by_recording(case, compared, row)
+    matrices, products, inflation = _of_recordings(compared, row)
     found = {}
     for i, one in enumerate(uncertain):
         if one.name in row.freed:
@@ -54,34 +58,27 @@ def drifts_of(case: Case, compared: Compared, row: Fitted) -> dict[str, dict[str
         statistic = float(steps @ np.linalg.solve(contrasts @ spread @ contrasts.T, steps))
         if chi2_distribution.sf(statistic, len(steps)) > _CHANCE / len(uncertain):
             continue
-        # What hardly shows in a recording says nothing of its value there.
-        mean = 1.0 / np.diag(spread) @ parts / np.sum(1.0 / np.diag(spread))
-        values = [_value(row, i, float(part - mean)) for part in parts]
-        if max(values) - min(values) > _USUAL * abs(float(row.x[i])):
+        if row.own.size and row.own[:, i].any():
+            changes = row.own[:, i]
+        else:
+            # What hardly shows in a recording says nothing of its value there.
+            changes = parts - 1.0 / np.diag(spread) @ parts / np.sum(1.0 / np.diag(spread))
+        values = [_value(row, i, float(change)) for change in changes]
+        if max(values) - min(values) > OWN_SPREAD * abs(float(row.x[i])):
             found[one.name] = dict(zip((r.name for r in records), values, strict=True))
     return found
 
 
-def _by_recording(case: Case, compared: Compared, row: Fitted) -> tuple[Array, Array, float]:
+def _of_recordings(compared: Compared, row: Fitted) -> tuple[Array, Array, float]:
     """Inner products by recording, and by how much the residual is more than noise."""
-    problem, whitening = compared.search.problem, compared.ledger.whitening
-    inner = grams(problem, whitening, row)
-    owner = np.array(
-        [
-            segment.record
-            for segment, stretches in zip(problem.segments, problem.stretches(), strict=True)
-            for _ in stretches
-        ]
-    )
-    at = owner[:, None] == np.arange(len(case.simulations.records))
-    z = whitening(row.residual)
+    search, ledger = compared.search, compared.ledger
+    plain = replace(ledger.errors, spreads={})
+    whitening = search.noise.whitening(row, ledger.kernels, ledger.levels, plain)
+    matrices, products = by_recording(search.problem, grams(search.problem, whitening, row))
+    z = row.beside_own_parts(ledger.whitening)(row.residual)
     size = sum(np.count_nonzero(one) for one in z)
     square = sum(float(np.sum(one**2)) for one in z)
-    return (
-        np.einsum("sr,sij->rij", at, inner.matrices),
-        np.einsum("sr,si->ri", at, inner.products),
-        max(square / max(size, 1), 1.0),
-    )
+    return matrices, products, max(square / max(size, 1), 1.0)
 
 
 def own_parts(

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.evidence import Grams, grams, log_evidences
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
 from gmfbo.diagnosis.comparison.numbers import NAMED
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.naming.decision import Compared
 from gmfbo.diagnosis.result.explained import Remainder
@@ -35,7 +35,7 @@ def remainder_of(case: Case, compared: Compared, row: Fitted, share: float) -> R
     share : float
         Of what the refitted twin leaves beyond noise.
     """
-    whitening = compared.search.noise.quiet(row, compared.ledger)
+    whitening = row.beside_own_parts(compared.search.noise.quiet(row, compared.ledger))
     against = _state(compared, row, whitening)
     port = None if against is None else "torque"
     return Remainder(share, port, against, _where(case, compared, row, whitening))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.held_out_fit import (
     Part,
     gains_on,
@@ -19,7 +20,6 @@ from gmfbo.diagnosis.comparison.held_out_fit import (
     squares_on,
 )
 from gmfbo.diagnosis.comparison.numbers import SAME
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted as Row
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
@@ -105,11 +105,12 @@ def validate(
     scored = split.held_out or chosen
     left = decision.compared.scored.size_beside(decision.row.elements)
     told = [quiet(case.simulations, part.fitted) for part in (before, after)]
-    seen = [seen_on(case, search, ledger, row, scored, left) for row in told]
+    about = (decision.base, decision.row)
+    seen = [seen_on(case, search, ledger, row, scored, about, left) for row in told]
     without = {}
     for name, row in _without(decision).items():
         lost = quiet(case.simulations, part_of(case, search, ledger, row, chosen).fitted)
-        without[name] = seen_on(case, search, ledger, lost, scored)
+        without[name] = seen_on(case, search, ledger, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
     plain = measured(misfit, told[0])
     augmented = plain if after is before else measured(misfit, told[1])
@@ -142,13 +143,13 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
         run = quiet(unseen.simulations, row)
-        there.append(seen_on(unseen, search, ledger, run, split.held_out, left))
+        there.append(seen_on(unseen, search, ledger, run, split.held_out, (), left))
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
     for name, row in _without(decision).items():
         lost = quiet(unseen.simulations, row)
-        without[name] = seen_on(unseen, search, ledger, lost, split.held_out)
+        without[name] = seen_on(unseen, search, ledger, lost, split.held_out, ())
     found = _scored(told, whole, _Seen(decision, there[0], there[1], without))
     return replace(
         found,
@@ -186,7 +187,9 @@ class _Seen:
     def squares(self) -> Squares:
         compared = self.decision.compared
         parts = [self.before, *self.without.values(), self.after]
-        noise, before, *others, after = squares_on(compared.search, compared.ledger, parts)
+        noise, before, *others, after = squares_on(
+            compared.search, compared.ledger, parts, (self.decision.base, self.decision.row)
+        )
         lost = dict(zip(self.without, others, strict=True))
         if not lost:
             lost = {found.winner.name: before for found in self.decision.rounds}

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import NAMED
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting

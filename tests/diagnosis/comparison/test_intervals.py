@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.held_out_fit import Part
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted
 from gmfbo.diagnosis.comparison.priors import Prior
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
@@ -25,13 +25,17 @@ class White:
     def __call__(self, values: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
         return values
 
+    def about(self, names: object, columns: object) -> White:
+        """Of one recording, in which nothing has an own part."""
+        return self
+
 
 def linear_part(rng: np.random.Generator, columns: NDArray[np.float64], size: float) -> Part:
     """Least squares for unit values under noise of this size; columns have shape (p, rows)."""
     noisy = columns.T @ np.ones(len(columns)) + size * rng.standard_normal(ROWS)
     x = np.linalg.lstsq(columns.T, noisy, rcond=None)[0].astype(np.float64)
     fitted = Fitted(
-        cast(Any, None),
+        cast(Any, SimpleNamespace(names=())),
         (),
         (WIDE,) * len(columns),
         x,

@@ -7,8 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.posterior_mode import Fitted, ModeSearch
+from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.diagnosis.runs.simulated import PlayedNoise
 from tests.diagnosis.noise.planted_noise import Planted, opened, planted

@@ -85,7 +85,7 @@ def test_only_a_noisier_stretch_counts_for_less() -> None:
     z = rng.standard_normal((2, ROWS))
     z[:, STRETCHES[0]] *= 3.0
     z[:, STRETCHES[1]] *= 0.1
-    scaled = white().scaled_to(z, STRETCHES)
+    scaled = white().scaled_to(white()(z), STRETCHES)
     loud, still = (scaled(z)[:, rows] / z[:, rows] for rows in STRETCHES)
     inside = slice(30, 70)
     assert loud[:, inside] == pytest.approx(1.0 / 3.0, rel=0.15)
