@@ -87,11 +87,11 @@ trusting = real_costs(by_twin)[-1]
 # %% [markdown]
 # ## The twin is corrected
 #
-# `gmfbo_diagnosed` begins with the same two real runs. They do not fit the twin, whatever its
+# `gmfbo_physics` begins with the same two real runs. They do not fit the twin, whatever its
 # parameters; so the diagnosis is asked, and what it names is wired into the twin.
 
 # %%
-by_physics, result = tuned("gmfbo_diagnosed", 4)
+by_physics, result = tuned("gmfbo_physics", 4)
 for number, reason in enumerate(result.twin_versions, start=1):
     print(f"twin version {number}: {reason}")
 costs = real_costs(by_physics)

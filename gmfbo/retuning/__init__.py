@@ -1,8 +1,8 @@
 """A diagnosis becomes IS2: the one place where tuning and diagnosis meet.
 
 After a real run the twin's uncertain parameters and tables are estimated (`Calibration`), and where
-these do not suffice, the usual physics with them (`with_usual_physics`). A mismatch that remains
-may be diagnosed (`complete`). The corrected twin replaces the old one (`PhysicsRefiner`). A twin
+these do not suffice, the diagnosis is asked (`complete`), or the usual physics is estimated with
+them (`with_usual_physics`). The corrected twin replaces the old one (`PhysicsRefiner`). A twin
 that misleads is withdrawn (`misleads`).
 
 Importing this package adds its methods to `gmfbo.tuning.methods.METHODS`.
@@ -14,7 +14,7 @@ from gmfbo.tuning.methods import METHODS
 
 RETUNING = {
     "gmfbo_physics": "gmfbo.retuning.corrected_methods:GMFBO_PHYSICS",
-    "gmfbo_diagnosed": "gmfbo.retuning.corrected_methods:GMFBO_DIAGNOSED",
+    "gmfbo_estimated": "gmfbo.retuning.corrected_methods:GMFBO_ESTIMATED",
     "gmfbo_calibrated": "gmfbo.retuning.corrected_methods:GMFBO_CALIBRATED",
     "identify_then_optimise": "gmfbo.retuning.corrected_methods:IDENTIFY_THEN_OPTIMISE",
 }

@@ -82,18 +82,18 @@ _CALIBRATION = (
 
 GMFBO_PHYSICS = OnCorrectedTwin(
     name="gmfbo_physics",
+    summary="gmfbo on a twin whose parameters, tables and missing physics are estimated",
+    reference=_CALIBRATION + "as gmfbo",
+    searching=Gmfbo(),
+    refine=_diagnose,
+)
+
+GMFBO_ESTIMATED = OnCorrectedTwin(
+    name="gmfbo_estimated",
     summary="gmfbo on a twin whose parameters, tables, friction, load and delays are estimated",
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
     refine=_complete,
-)
-
-GMFBO_DIAGNOSED = OnCorrectedTwin(
-    name="gmfbo_diagnosed",
-    summary="gmfbo on a twin that a diagnosis completes by the physics it names; takes minutes",
-    reference=_CALIBRATION + "as gmfbo",
-    searching=Gmfbo(),
-    refine=_diagnose,
 )
 
 GMFBO_CALIBRATED = OnCorrectedTwin(

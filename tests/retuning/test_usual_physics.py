@@ -12,7 +12,7 @@ import pytest
 from gmfbo import Recording, Study, Tuner
 from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.study_folder import StudyStore
-from gmfbo.retuning.corrected_methods import GMFBO_PHYSICS, OnCorrectedTwin
+from gmfbo.retuning.corrected_methods import GMFBO_ESTIMATED, OnCorrectedTwin
 from gmfbo.retuning.missing_physics import Completion
 from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.sources.fmu_file.models import models_folder
@@ -20,7 +20,7 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.tuning.query.method import CorrectionOptions
 
-METHOD = replace(GMFBO_PHYSICS, correction=CorrectionOptions(survey=12, corrected=False))
+METHOD = replace(GMFBO_ESTIMATED, correction=CorrectionOptions(survey=12, corrected=False))
 STUDY = """
 name = "servo"
 seed = 2
