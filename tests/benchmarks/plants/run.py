@@ -39,7 +39,18 @@ from tests.benchmarks.plants.judge import Judge
 from tests.benchmarks.plants.peers import StockLogEi, TextbookRule
 
 RESULTS = HERE / "results"
-METHODS = "gmfbo_physics,gmfbo_estimated,bo_ei,log_ei,identify_then_optimise,gmfbo,twin_once,textbook_rule"
+METHODS = ",".join(
+    (
+        "gmfbo_physics",
+        "gmfbo_estimated",
+        "bo_ei",
+        "log_ei",
+        "identify_then_optimise",
+        "gmfbo",
+        "twin_once",
+        "textbook_rule",
+    )
+)
 
 
 @dataclass(eq=False)
