@@ -158,7 +158,7 @@ def _next(diagnosis: Diagnosis) -> str:
     if not planned.reference:
         return planned.why
     apart = " from ".join(words(name) for name in planned.separates)
-    told = f"play {planned.reference}" if planned.reference else "record more"
+    told = f"play {planned.reference}"
     return f"{told} to tell {apart}: {planned.why}" if apart else f"{told}: {planned.why}"
 
 

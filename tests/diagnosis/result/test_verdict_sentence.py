@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
@@ -111,16 +110,6 @@ def test_too_little_evidence_is_never_told_as_nothing_missing() -> None:
     assert "Nothing is missing" not in told
     assert "1 of the known effects" in told
     assert "next.csv" in told
-
-
-def test_a_next_recording_without_a_file_to_play_is_not_told_as_one() -> None:
-    planned = rivals().next_experiment
-    assert planned is not None
-    without = replace(too_little(), next_experiment=replace(planned, reference=""))
-    assert "Record " not in without.sentence
-    shown = "\n".join(screenful(without))
-    assert "record more to tell" in shown
-    assert "play" not in shown
 
 
 def test_certain_physics_with_too_little_evidence_says_that_more_may_be_missing() -> None:
