@@ -104,12 +104,12 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Three effects are named. The carriage rubs with about 20 N while it slides: 13.6 N of presliding
-# friction, which gives way over 18 um, and 6 N beside it that differ by direction. Published are
-# 20.4 N. The difference by direction is one of *viscous* friction, -70 N s/m here; the rig's
+# Three effects are named. The carriage rubs with about 20 N while it slides: 14.4 N of presliding
+# friction, which gives way over 17 um, and 5.4 N beside it that differ by direction. Published are
+# 20.4 N. The difference by direction is one of *viscous* friction, -67 N s/m here; the rig's
 # authors give 167 and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's pitch.
 #
-# On the second half the voltage is met to 3.2 %, with eight numbers beside mass and viscous
+# On the second half the voltage is met to 3.3 %, with eight numbers beside mass and viscous
 # friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more.
 # About 3 % of what is more than noise stays unexplained, and depends on the velocity. That half
 # was looked at while the diagnosis was developed: its figures show how the tool works, and are no

@@ -89,7 +89,7 @@ class SlowTwin(AnalyticAxis):
 
 
 SURVEY = 40
-QUICK = Gmfbo(correction=replace(CORRECTION, survey=SURVEY, closer=4))
+QUICK = Gmfbo(correction=replace(CORRECTION, survey=SURVEY, closer=2))
 
 
 def tuned(folder: Path, each_s: float) -> tuple[Tuner, list[Progress]]:
