@@ -81,7 +81,7 @@ class FitNoise:
     def errors(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels | None
     ) -> SimulationErrors:
-        """Errors of the simulation about a fit, with those of noise that is played, and own parts.
+        """Errors of the simulation about a fit, with those of noise that is played.
 
         Parameters
         ----------
@@ -90,12 +90,11 @@ class FitNoise:
         kernels : PortKernels
             Paths of noise.
         levels : Levels, optional
-            Of the noise; without it none is played, and there are no own parts.
+            Of the noise that the controller reads; without it none is played.
         """
         point = self.problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        found = errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
-        return found if levels is None else self.with_own_parts(fitted, kernels, levels, found)
+        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

@@ -79,7 +79,7 @@ class Search:
         errors = noise.errors(base, kernels, None)
         for _ in range(2):
             levels = noise.levels(base, kernels, levels, errors)
-            errors = replace(noise.errors(base, kernels, levels), spreads={})
+            errors = noise.errors(base, kernels, levels)
             whitening = noise.scaled(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
@@ -236,6 +236,7 @@ class Search:
             before = ledger.levels
             levels = self.noise.levels(row, kernels, before, ledger.errors)
             errors = self.noise.errors(row, kernels, levels)
+            errors = self.noise.with_own_parts(row, kernels, levels, errors)
             whitening = self.noise.scaled(row, kernels, levels, errors)
             ledger = replace(
                 ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
