@@ -56,11 +56,22 @@ class PortKernels:
         key = port, names, frequencies.size, float(frequencies[0]), float(frequencies[-1])
         if key not in self._known:
             kernels = np.stack([self.kernels[port][name] for name in names])
-            turn = np.exp(
-                -2j * np.pi * self.step * np.outer(np.arange(kernels.shape[1]), frequencies)
-            )
-            self._known[key] = kernels @ turn
+            self._known[key] = _transformed(kernels, self.step, frequencies)
         return self._known[key]
+
+
+def _transformed(kernels: Array, step: float, frequencies: Array) -> Spectrum:
+    """Fourier transforms of the rows of kernels, shape (m, n_frequencies)."""
+    taps = kernels.shape[1]
+    if frequencies.size > 1 and frequencies[0] == 0.0:
+        length = round(1.0 / (float(frequencies[1]) * step))
+        own = np.arange(frequencies.size) / (length * step)
+        if taps <= length and frequencies.size <= length // 2 + 1 and np.allclose(own, frequencies):
+            found: Spectrum = rfft(kernels, length, axis=-1)[:, : frequencies.size]
+            return found
+    turn = np.exp(-2j * np.pi * step * np.outer(np.arange(taps), frequencies))
+    whole: Spectrum = kernels @ turn
+    return whole
 
 
 def port_kernels(
