@@ -155,11 +155,8 @@ class Problem:
         for segment in self.segments:
             n = segment.time.size
             count = max(1, round(n / self.stretch_rows))
-            # Of two lengths, the longer ones first: those of one length are whitened together.
-            lengths = np.full(count, n // count)
-            lengths[: n % count] += 1
-            edges = np.concatenate([[0], np.cumsum(lengths)])
-            found.append([slice(a, b) for a, b in pairwise(edges.tolist())])
+            edges = np.linspace(0, n, count + 1).astype(int)
+            found.append([slice(a, b) for a, b in pairwise(edges)])
         return found
 
     def by_stretch(self, values: Sequence[Array]) -> list[Array]:
