@@ -70,7 +70,7 @@ class FitNoise:
         free += [f"own:{name}" for name in self.least.own]
         if any(r.any() for r in rates):
             free.append("jitter")
-        blocks = blocks_of(problem.segments, fitted.residual, rates)
+        blocks = blocks_of(problem.segments, fitted.residual, rates, kernels)
         return estimated(kernels, blocks, self.least, free, near)
 
     def _with_inadequacy(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Levels:
@@ -94,7 +94,7 @@ class FitNoise:
         """
         point = self.problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        return errors_of(self.problem.simulations, point, fitted.runs, kernels, level)
+        return errors_of(self.problem.simulations, point, kernels, level)
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

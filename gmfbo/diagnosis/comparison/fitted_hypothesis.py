@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.priors import Prior, own_values, values_at
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
@@ -47,6 +48,8 @@ class Fitted:
     own : ndarray, shape (n_recordings, p)
         Own part of each free quantity in each recording, at which it was simulated; empty where
         there is none.
+    heard : HeardNoise, or None
+        Under which the recordings are simulated.
     """
 
     hypothesis: Hypothesis
@@ -61,6 +64,7 @@ class Fitted:
     converged: bool
     one_sided: NDArray[np.bool_]
     own: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    heard: HeardNoise | None = None
 
     @property
     def x(self) -> Array:

@@ -101,9 +101,8 @@ def part_of(
         Those that are fitted, in order.
     """
     part = _stated_on(case, search, ledger, row, windows)
-    found = ModeSearch(part.problem, part.whitening, row.hypothesis, row.freed).fitted(
-        row.parameters, row.nuisances, iterations=20, settled=AT_THE_END, near=row
-    )
+    fit = ModeSearch(part.problem, part.whitening, row.hypothesis, row.freed, row.heard)
+    found = fit.fitted(row.parameters, row.nuisances, iterations=20, settled=AT_THE_END, near=row)
     return part if found is None else replace(part, fitted=found)
 
 
@@ -165,9 +164,8 @@ def quiet(simulations: Simulations, row: Fitted) -> Fitted:
     row : Fitted
         At its values.
     """
-    hypothesis = row.hypothesis.quiet
-    runs = simulations.run([hypothesis.point(row.x)])[0]
-    return replace(row, hypothesis=hypothesis, runs=runs, own=np.zeros((0, 0)))
+    runs = simulations.run([row.hypothesis.point(row.x)])[0]
+    return replace(row, runs=runs, own=np.zeros((0, 0)), heard=None)
 
 
 def squares_on(

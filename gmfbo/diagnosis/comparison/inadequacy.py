@@ -53,7 +53,7 @@ def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -
         bumps = [*_bumps(over_speed, -1.0, 1.0), *_bumps(position, float(low), float(high))]
         columns = np.zeros((len(bumps), len(segment.names), segment.time.size))
         for i, name in enumerate(segment.names):
-            answers = through(np.stack(bumps), kernels.kernels["torque"][name])
+            answers = through(np.stack(bumps), kernels.of(segment.record).kernels["torque"][name])
             for c, answer in enumerate(answers):
                 columns[c, i] = np.interp(segment.time, grid, answer)
         made.append(columns)

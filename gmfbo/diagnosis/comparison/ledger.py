@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.moves import Response
 from gmfbo.diagnosis.comparison.noise_places import Levels
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors
 from gmfbo.diagnosis.comparison.whitener import Whitening
-from gmfbo.diagnosis.runs.simulated import PlayedNoise
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Ledger:
         Those about the twin without any element.
     errors : SimulationErrors
         Of the simulation about the row whose levels they are.
-    noise : tuple of PlayedNoise, or None
+    noise : HeardNoise, or None
         That the controller read, as the best row tells it; rows are fitted under it.
     responses : tuple of Response
         Of all elements about the twin without them.
@@ -48,7 +48,7 @@ class Ledger:
     whitening: Whitening
     opened: Levels
     errors: SimulationErrors
-    noise: tuple[PlayedNoise, ...] | None = None
+    noise: HeardNoise | None = None
     responses: tuple[Response, ...] = ()
 
 

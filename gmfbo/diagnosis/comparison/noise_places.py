@@ -102,16 +102,20 @@ class Periodograms:
         Scaled so that white noise of unit variance gives one.
     square_rates : ndarray, shape (n_blocks, m)
         As in `covariance`.
+    record : int
+        One of their recordings, which all have the same gains.
     """
 
     names: tuple[str, ...]
     frequencies: Array
     spectra: Spectrum
     square_rates: Array
+    record: int = 0
 
     def deviances(self, levels: Levels, kernels: PortKernels) -> tuple[Array, Array]:
         """Whitened squares and log determinants, summed over the frequencies, shape (n_blocks,)."""
         squares, logs = np.empty(len(self.spectra)), np.empty(len(self.spectra))
+        kernels = kernels.of(self.record)
         for rows in self._alike(levels):
             rates = self.square_rates[rows].mean(0)
             s = covariance(levels, kernels, self.names, self.frequencies, rates)
@@ -134,11 +138,15 @@ def blocks_of(
     segments: Sequence[Segment],
     residuals: Sequence[Array],
     rates: Sequence[Array],
+    kernels: PortKernels,
     band: float = BAND,
     rows: int = BLOCK_ROWS,
 ) -> list[Periodograms]:
-    """Periodograms of half overlapping blocks, those above a share of the Nyquist frequency."""
-    groups: dict[tuple[str, ...], list[tuple[float, Spectrum, Array]]] = {}
+    """Periodograms of half overlapping blocks, those above a share of the Nyquist frequency.
+
+    Blocks of one group have the same signals, length and paths of noise.
+    """
+    groups: dict[tuple[tuple[str, ...], int, int], list[tuple[Segment, Spectrum, Array]]] = {}
     for segment, residual, rate in zip(segments, residuals, rates, strict=True):
         length = min(rows, residual.shape[1]) if rows else residual.shape[1]
         taper = np.hanning(length + 2)[1:-1] if rows else _flat(length)
@@ -147,15 +155,16 @@ def blocks_of(
         for start in range(0, residual.shape[1] - length + 1, max(1, length // 2)):
             part = slice(start, start + length)
             spectrum = np.fft.rfft(residual[:, part] * taper, axis=1)[:, keep].T
-            found = (segment.spacing * length, spectrum, (rate[:, part] ** 2).mean(1))
-            groups.setdefault((*segment.names, str(length)), []).append(found)
+            found = (segment, spectrum, (rate[:, part] ** 2).mean(1))
+            paths = id(kernels.of(segment.record))
+            groups.setdefault((segment.names, length, paths), []).append(found)
     made = []
-    for (*names, length_), blocks in groups.items():
-        n = int(length_)
+    for (names, n, _), blocks in groups.items():
         first = max(1, int(np.ceil(band * (n // 2)))) if band else 0
-        bins = np.arange(first, (n + 1) // 2) / blocks[0][0]
-        spectra = np.stack([b[1] for b in blocks])
-        made.append(Periodograms(tuple(names), bins, spectra, np.stack([b[2] for b in blocks])))
+        own = blocks[0][0]
+        bins = np.arange(first, (n + 1) // 2) / (own.spacing * n)
+        spectra, square_rates = np.stack([b[1] for b in blocks]), np.stack([b[2] for b in blocks])
+        made.append(Periodograms(names, bins, spectra, square_rates, own.record))
     return made
 
 
@@ -270,7 +279,8 @@ def _largest(name: str, kernels: PortKernels, periodograms: Sequence[Periodogram
         if kind == "own" and which in group.names:
             found.append(np.sqrt(power[group.names.index(which)]))
         elif kind == "port":
-            answer = np.abs(kernels.spectra(which, group.names, group.frequencies)) ** 2
+            paths = kernels.of(group.record)
+            answer = np.abs(paths.spectra(which, group.names, group.frequencies)) ** 2
             colour = 1.0 if which == "sensor" else _coloured(group.frequencies, kernels.step)
             unit = np.mean(answer * colour, axis=1)
             found.append(np.sqrt(np.min(power / np.maximum(unit, 1e-300))))
@@ -308,7 +318,7 @@ def inadequate(
     """
     if not any(port in kernels.kernels for port in least):
         return levels
-    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, band=0.0, rows=0)]
+    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
     ports = [port for port in least if port in kernels.kernels]
 
     def nll(x: Array) -> float:
@@ -335,6 +345,7 @@ class _Binned:
     counts: Array
     powers: Spectrum
     square_rates: Array
+    record: int
 
 
 def _binned(group: Periodograms) -> _Binned:
@@ -351,11 +362,13 @@ def _binned(group: Periodograms) -> _Binned:
     np.add.at(powers, which, outer)
     powers /= (counts * len(group.spectra))[:, None, None]
     counts = counts * len(group.spectra)
-    return _Binned(group.names, middle, counts, powers, group.square_rates.mean(0))
+    rates = group.square_rates.mean(0)
+    return _Binned(group.names, middle, counts, powers, rates, group.record)
 
 
 def _deviance(group: _Binned, levels: Levels, kernels: PortKernels) -> float:
-    s = covariance(levels, kernels, group.names, group.frequencies, group.square_rates)
+    paths = kernels.of(group.record)
+    s = covariance(levels, paths, group.names, group.frequencies, group.square_rates)
     inverse = np.linalg.inv(s)
     squares = np.einsum("fij,fji->f", inverse, group.powers).real
     return float(np.sum(group.counts * (squares + np.linalg.slogdet(s)[1])))

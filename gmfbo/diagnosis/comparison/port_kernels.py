@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
+from gmfbo.diagnosis.runs.scored_record import with_same_gains
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
 
@@ -34,12 +35,19 @@ class PortKernels:
         [SI unit of the signal / FMU's unit of the port] Answers of the simulation to noise that
         the controller reads, without what the log alone has of it; empty where a loop holds an
         open-loop twin.
+    others : mapping of int to PortKernels
+        Of recordings with other gains, by their index.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
     step: float
     simulated: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
+    others: Mapping[int, PortKernels] = field(default_factory=dict)
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
+
+    def of(self, record: int) -> PortKernels:
+        """Those of a recording, by its index."""
+        return self.others.get(record, self)
 
     def spectra(self, port: str, names: tuple[str, ...], frequencies: Array) -> Spectrum:
         """Frequency responses of some signals, shape (m, n_frequencies).
@@ -84,7 +92,7 @@ def port_kernels(
     to_si: float,
     command: str | None,
 ) -> PortKernels:
-    """Push each port for one row in the middle of the longest recording.
+    """Push each port for one row in the middle of the longest recording of each set of gains.
 
     Parameters
     ----------
@@ -101,7 +109,28 @@ def port_kernels(
     command : str or None
         Output that is the controller's command: what is added to it is in the log as well.
     """
-    k = int(np.argmax([r.plan.grid.size for r in simulations.records]))
+    sizes_of = [record.plan.grid.size for record in simulations.records]
+    first, *others = sorted(
+        with_same_gains(simulations.records), key=lambda group: -max(sizes_of[k] for k in group)
+    )
+
+    def measured(group: Sequence[int]) -> PortKernels:
+        longest = max(group, key=lambda k: sizes_of[k])
+        return _in_recording(simulations, longest, point, sizes, position, to_si, command)
+
+    found = {k: kernels for group in others for kernels in [measured(group)] for k in group}
+    return replace(measured(first), others=found)
+
+
+def _in_recording(
+    simulations: Simulations,
+    k: int,
+    point: Point,
+    sizes: Mapping[str, float],
+    position: str | None,
+    to_si: float,
+    command: str | None,
+) -> PortKernels:
     grid = simulations.records[k].plan.grid
     step = float(grid[1] - grid[0])
     taps = int(min(round(_LONGEST_S / step), grid.size // 2))

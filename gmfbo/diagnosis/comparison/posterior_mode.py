@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SAME, SETTLED
 from gmfbo.diagnosis.comparison.own_parts import Eliminated, by_recording, eliminated
 from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
 
 Array = NDArray[np.float64]
 
@@ -39,6 +40,8 @@ class ModeSearch:
         Its effects' values are the start.
     freed : sequence of str
         Those of its parameters that the twin file holds fixed.
+    heard : HeardNoise, optional
+        Under which the recordings are simulated.
     """
 
     def __init__(
@@ -47,9 +50,10 @@ class ModeSearch:
         whitening: Whitening,
         hypothesis: Hypothesis,
         freed: Sequence[str] = (),
+        heard: HeardNoise | None = None,
     ) -> None:
         self._problem, self._whitening = problem, whitening
-        self._hypothesis, self._freed = hypothesis, tuple(freed)
+        self._hypothesis, self._freed, self._heard = hypothesis, tuple(freed), heard
         self._priors = priors_of(hypothesis, freed)
         self._known: list[Array] | None = None
         self._normals: tuple[Array, Array] | None = None
@@ -100,7 +104,7 @@ class ModeSearch:
             [nats] Gain that is no longer worth a step.
         """
         own = self._own_near(row)
-        if row.hypothesis.noise is self._hypothesis.noise and np.array_equal(own, row.own):
+        if row.heard is self._heard and np.array_equal(own, row.own):
             residual = self._beside(row.residual, row.columns, -own)
             there = replace(row, residual=residual)
             return self._searched(there, row.columns, iterations, settled)
@@ -166,21 +170,34 @@ class ModeSearch:
         margin = 1e-6 * (ends[:, 1] - ends[:, 0])
         return np.clip(u, ends[:, 0] + margin, ends[:, 1] - margin)
 
-    def _point(self, hypothesis: Hypothesis, u: Array, own: Array) -> Point:
-        values = own_values(self._priors, hypothesis.names, u, own)
-        return self._problem.point(hypothesis, values_at(self._priors, u), values)
+    def _own_values(self, u: Array, own: Array) -> list[dict[str, float]]:
+        return own_values(self._priors, self._hypothesis.names, u, own)
+
+    def _point(self, u: Array, own: Array) -> Point:
+        values = self._own_values(u, own)
+        return self._problem.point(self._hypothesis, values_at(self._priors, u), values)
+
+    def _noisy(self, u: Array, own: Array) -> Point:
+        assert self._heard is not None
+        hypothesis = self._hypothesis.at(values_at(self._priors, u))
+        return self._heard.points(self._problem, hypothesis, self._own_values(u, own))[0]
 
     def _at(self, u: Array, nuisances: Array | None, own: Array) -> Fitted | None:
         problem = self._problem
-        x = values_at(self._priors, u)
-        runs = problem.simulations.run([self._point(self._hypothesis, u, own)])[0]
+        hypothesis = self._hypothesis.at(values_at(self._priors, u))
+        runs: list[Simulated] | None = problem.simulations.run([self._point(u, own)])[0]
+        assert runs is not None
         if not all(run.finite for run in runs):
             return None
+        if self._heard is not None:
+            runs = self._heard.beside(problem, hypothesis, self._own_values(u, own), runs)
+            if runs is None:
+                return None
         nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
         values = problem.values(runs)
         residual = problem.residual(values, nu)
         return Fitted(
-            self._hypothesis.at(x),
+            hypothesis,
             self._freed,
             self._priors,
             u,
@@ -192,6 +209,7 @@ class ModeSearch:
             False,
             problem.logging.one_sided,
             own,
+            self._heard,
         )
 
     def _cost(self, at: Fitted) -> float:
@@ -200,33 +218,28 @@ class ModeSearch:
         return 0.5 * (self._whitening.square(at.residual) + float(np.sum(own**2))) - at.log_prior
 
     def _columns(self, at: Fitted) -> list[Array]:
-        """Differences; those of all that is linear without noise, or its answer would be a signal.
-
-        A loop that is sampled faster than it is logged answers noise otherwise than the twin does:
-        a filter time and a gain loss were named for it (development draw, 000).
-        """
+        """Differences: those of laws that meet noise about its point, all others without it."""
         problem, x = self._problem, at.x
         sizes = self._hypothesis.difference_sizes(x)
         moves, widths, hears = [], [], self._hears_noise()
-        quiet = at.values
-        if self._hypothesis.noise is not None and not all(hears):
-            runs = problem.simulations.run([self._point(self._hypothesis.quiet, at.u, at.own)])[0]
-            quiet = problem.values(runs) if all(run.finite for run in runs) else at.values
+        about = [self._point(at.u, at.own)]
+        if any(hears):
+            about.append(self._noisy(at.u, at.own))
+        still, *noisy = (problem.values(runs) for runs in problem.simulations.run(about))
         for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
             moved = x.copy()
             moved[i] += size
             if prior.logarithmic and moved[i] <= 0.0:
                 moved[i] = x[i] - size
-            hypothesis = self._hypothesis if hears[i] else self._hypothesis.quiet
             u = at.u.copy()
             u[i] = prior.to_u(moved[i])
-            moves.append(self._point(hypothesis, u, at.own))
+            moves.append(self._noisy(u, at.own) if hears[i] else self._point(u, at.own))
             widths.append(u[i] - at.u[i])
         found = []
         moved_runs = problem.simulations.run(moves)
         for runs, width, hears_it in zip(moved_runs, widths, hears, strict=True):
             if all(run.finite for run in runs):
-                base = at.values if hears_it else quiet
+                base = noisy[0] if hears_it else still
                 change = zip(problem.values(runs), base, strict=True)
                 found.append([(after - before) / width for after, before in change])
             else:
@@ -239,10 +252,10 @@ class ModeSearch:
 
     def _hears_noise(self) -> list[bool]:
         """Free quantities whose columns are those under noise: of laws that are not linear."""
-        hypothesis = self._hypothesis
+        hypothesis, hear = self._hypothesis, self._heard is not None
         own = [False] * len(hypothesis.setting.uncertain)
         for candidate in hypothesis.effects:
-            own += [not candidate.law.is_linear] * len(candidate.parameters)
+            own += [hear and not candidate.law.is_linear] * len(candidate.parameters)
         return own
 
     def _step(self, at: Fitted, columns: list[Array], damping: float) -> tuple[Array, float]:

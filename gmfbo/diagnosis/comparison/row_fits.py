@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
@@ -16,7 +17,6 @@ from gmfbo.diagnosis.comparison.priors import priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.runs.simulated import PlayedNoise
 from gmfbo.physics import CATALOGUE
 
 Rows = Mapping[frozenset[str], Fitted]
@@ -33,18 +33,17 @@ class RowFits:
     ----------
     problem : Problem
         Recordings and simulators.
-    noise : tuple of PlayedNoise, or None
+    noise : HeardNoise, or None
         Under which rows are fitted.
     """
 
-    def __init__(self, problem: Problem, noise: tuple[PlayedNoise, ...] | None) -> None:
+    def __init__(self, problem: Problem, noise: HeardNoise | None) -> None:
         self._problem, self._noise = problem, noise
 
     def _search(
         self, whitening: Whitening, hypothesis: Hypothesis, freed: Sequence[str]
     ) -> ModeSearch:
-        heard = replace(hypothesis, noise=self._noise)
-        return ModeSearch(self._problem, whitening, heard, freed)
+        return ModeSearch(self._problem, whitening, hypothesis, freed, self._noise)
 
     def with_moves(
         self, ledger: Ledger, about: Fitted, moves: Sequence[Move], best: Fitted | None = None

@@ -13,6 +13,7 @@ from scipy.special import softmax
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
@@ -275,15 +276,18 @@ class Search:
             best = ledger.rows[scored.best]
             left = ledger.errors.taken_out(problem, best, ledger.kernels, ledger.levels)
             played = sensed_noise(problem, left, ledger.kernels, ledger.levels)
-            point = problem.point(best.hypothesis, best.x, best.own_values)
-            point = replace(point, noise=played)
-            runs = problem.simulations.run([point])[0]
-            if not all(run.finite for run in runs):
+            linear = tuple(c for c in best.hypothesis.effects if c.law.is_linear)
+            about = replace(best.hypothesis, effects=linear)
+            heard = HeardNoise(played, about, best.parameters)
+            quiet = problem.point(best.hypothesis, best.x, best.own_values)
+            still = problem.simulations.run([quiet])[0]
+            runs = heard.beside(problem, best.hypothesis, best.own_values, still)
+            if runs is None:
                 break
             change = [a - b for a, b in zip(problem.values(runs), best.values, strict=True)]
             if ledger.whitening.square(change) < SAME:
                 break
-            ledger, scored = self._settled(replace(ledger, noise=played))
+            ledger, scored = self._settled(replace(ledger, noise=heard))
         return ledger, scored
 
     def _leading(self, ledger: Ledger) -> frozenset[str]:

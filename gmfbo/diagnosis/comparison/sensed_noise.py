@@ -51,8 +51,9 @@ def sensed_noise(
             continue
         length = next_fast_len(int(np.ceil(_PADDED * rows.size)), real=True)
         frequencies = np.arange(length // 2 + 1) / (length * segment.spacing)
-        s = covariance(levels, kernels, segment.names, frequencies, (rate**2).mean(1))
-        path = kernels.spectra("sensor", segment.names, frequencies).T
+        own = kernels.of(segment.record)
+        s = covariance(levels, own, segment.names, frequencies, (rate**2).mean(1))
+        path = own.spectra("sensor", segment.names, frequencies).T
         gain = level**2 * np.linalg.solve(s, path[:, :, None])[:, :, 0].conj()
         seen = rfft(residual, length, axis=-1).T
         columns[segment.record][rows] = irfft(np.sum(gain * seen, axis=1), length)[: rows.size]
@@ -83,7 +84,7 @@ def linear_answer(
         np.interp(
             signal.time,
             record.plan.grid,
-            through(noise, kernels.simulated["sensor"][signal.name]),
+            through(noise, kernels.of(k).simulated["sensor"][signal.name]),
         )
         for signal in record.signals
     )

@@ -120,7 +120,6 @@ class SimulationErrors:
 def errors_of(
     simulations: Simulations,
     point: Point,
-    runs: list[Simulated],
     kernels: PortKernels,
     level: float,
 ) -> SimulationErrors:
@@ -135,18 +134,14 @@ def errors_of(
     simulations : Simulations
         Of the recordings.
     point : Point
-        At which they are measured.
-    runs : list of Simulated
-        The recordings there.
+        At which they are measured, without noise.
     kernels : PortKernels
         Paths of noise.
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
-    # Noise that is played is in the rows that are averaged, and would be taken for an error.
-    quiet = replace(point, noise=None)
-    still = runs if point.noise is None else simulations.run([quiet])[0]
-    constant = [simulations.input_errors(quiet, still), *_averaging(simulations, still)]
+    runs = simulations.run([point])[0]
+    constant = [simulations.input_errors(point, runs), *_averaging(simulations, runs)]
     found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)

@@ -229,7 +229,7 @@ def segment_whitener(
     rates : ndarray, shape (m, n)
         [SI/s] Of the signals that jitter shows in; 0 for others.
     """
-    n = rates.shape[1]
+    n, kernels = rates.shape[1], kernels.of(segment.record)
     length = next_fast_len(int(np.ceil(n * (1.0 + _PADDED))), real=True)
     frequencies = np.arange(length // 2 + 1) / (length * segment.spacing)
     squares = rates**2

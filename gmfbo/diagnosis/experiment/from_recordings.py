@@ -100,7 +100,7 @@ def propose_for(
     if not menu.entries:
         return None
     with playing(case, menu):
-        runs = case.simulations.run([base.hypothesis.quiet.point(base.x)])[0]
+        runs = case.simulations.run([base.hypothesis.point(base.x)])[0]
         shown = []
         for record, run in zip(menu.records, runs, strict=True):
             excitation = _with_entry(

@@ -200,7 +200,7 @@ class Played:
 
 def play(case: Case, rival: Fitted) -> Played | None:
     """Simulate the menu that `case` plays now under a rival; None where a run ends early."""
-    hypothesis = rival.hypothesis.quiet
+    hypothesis = rival.hypothesis
     simulated = case.simulations.run([hypothesis.point(rival.x)])[0]
     if not all(run.finite for run in simulated):
         return None

@@ -37,15 +37,17 @@ def with_central_slopes(misfit: Misfit, fitted: Fitted) -> Fitted:
     moves = np.zeros((len(both), x.size))
     moves[range(len(both)), both] = -steps[both]
     columns = list(fitted.columns)
-    moved = misfit.run_moved(hypothesis, x, moves, parallel=True) if both else []
+    here, *moved = misfit.run_moved(
+        hypothesis, x, np.concatenate([np.zeros((1, x.size)), moves]), parallel=True
+    )
     for i, runs in zip(both, moved, strict=True):
         if not all(run.finite for run in runs):
             continue
         columns[i] = [
             tuple(
-                0.5 * (ahead + (here - back) / steps[i])
-                for ahead, here, back in zip(one_sided, base.signals, run.signals, strict=True)
+                0.5 * (ahead + (at - back) / steps[i])
+                for ahead, at, back in zip(one_sided, base.signals, run.signals, strict=True)
             )
-            for one_sided, base, run in zip(columns[i], fitted.simulated, runs, strict=True)
+            for one_sided, base, run in zip(columns[i], here, runs, strict=True)
         ]
     return replace(fitted, columns=columns, sensitivity=stacked(misfit, columns))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point
+from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.physics import CATALOGUE, Effect, Excitation
 from gmfbo.physics.effect import EffectParameter
 from gmfbo.sources.twin.uncertain import Uncertain
@@ -113,13 +113,10 @@ class Hypothesis:
         Common to all hypotheses.
     effects : tuple of Candidate
         Effects that are on; their values are the start.
-    noise : tuple of PlayedNoise, or None
-        Noise that the controller saw in each recording, where it matters to this hypothesis.
     """
 
     setting: Setting
     effects: tuple[Candidate, ...] = ()
-    noise: tuple[PlayedNoise, ...] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -219,17 +216,12 @@ class Hypothesis:
             kept = max(whole - sum(loads.values()), least)
             parameters[self.setting.inertia] = kept
             physics |= {f"{name}.shaft_inertia": kept for name in loads}
-        return Point(parameters, physics, only, self.noise)
+        return Point(parameters, physics, only)
 
     @property
     def acts_at_rest(self) -> bool:
         """Whether an effect pushes an axis that stands still."""
         return any(candidate.law.acts_at_rest for candidate in self.effects)
-
-    @property
-    def quiet(self) -> Hypothesis:
-        """The hypothesis without the recordings' noise."""
-        return replace(self, noise=None)
 
     @property
     def _nominal_inertia(self) -> float:

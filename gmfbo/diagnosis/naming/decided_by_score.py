@@ -122,11 +122,11 @@ def measured(misfit: Misfit, row: Row) -> Fitted:
     row : Row
         A fitted hypothesis.
     """
-    hypothesis, x, runs = row.hypothesis, row.x, row.runs
-    if row.own.any():  # they hold in these recordings alone
-        runs = misfit.simulations.run([hypothesis.point(x)])[0]
+    hypothesis, x = row.hypothesis, row.x
+    quiet = misfit.simulations.run([hypothesis.point(x)])[0]
+    runs = quiet if row.own.any() else row.runs  # own parts hold in these recordings alone
     columns = [
-        list(c) for c in misfit.sensitivities(hypothesis, x, runs, range(x.size), parallel=True)
+        list(c) for c in misfit.sensitivities(hypothesis, x, quiet, range(x.size), parallel=True)
     ]
     return Fitted(
         hypothesis,

@@ -110,6 +110,27 @@ class Record:
         return [(a, b) for a, b in found if b > a]
 
 
+def with_same_gains(records: Sequence[Record]) -> list[list[int]]:
+    """Recordings in groups in which the loop is the same; one whose gains change is alone.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Of one twin.
+
+    Returns
+    -------
+    list of list of int
+        Their indices.
+    """
+    groups: dict[object, list[int]] = {}
+    for k, record in enumerate(records):
+        plan = record.plan
+        gains = tuple(sorted(plan.experiment.parameters.in_force.items()))
+        groups.setdefault(k if plan.schedules.shape[1] else gains, []).append(k)
+    return list(groups.values())
+
+
 def scored_record(
     recording: Recording, plan: RunPlan, signals: Sequence[str], warmup: float
 ) -> Record:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.scored_record import Record
-from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, Tracking
+from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point, Reading, Simulated, Tracking
 from gmfbo.diagnosis.runs.twin_steps import inputs_unstated
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
@@ -32,13 +32,14 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class _Run:
-    """Key of a kept response: all values that decide it while nothing is added to the inputs."""
+    """Key of a kept response: all that decides it."""
 
     plan: RunPlan
     record: int
     values: tuple[tuple[str, float], ...]
     physics: tuple[tuple[str, float], ...]
     tracking: Tracking | None
+    noise: PlayedNoise | None = None
 
 
 class Simulations:
@@ -212,8 +213,11 @@ class Simulations:
         noise = None if point.noise is None or excitation is not None else point.noise[record]
         if noise is None:
             return self._run(point, record, excitation, measured_noise, self.tracking)
-        played = {"sensor": noise.at_port}
-        noisy = self._run(point, record, played, measured_noise, self.tracking)
+        run = replace(self._ordered(point, record, self.tracking), noise=noise)
+        if measured_noise is None:
+            noisy = self._seen(self._remembered(run), record)
+        else:
+            noisy = self._seen(self._simulate(run, None, measured_noise), record)
         signals = zip(noisy.signals, noise.linear, strict=True)
         return replace(noisy, signals=tuple(column - linear for column, linear in signals))
 
@@ -267,6 +271,8 @@ class Simulations:
         measured_noise: NDArray[np.float64] | None = None,
     ) -> Response:
         physics, measured = dict(run.physics), None
+        if run.noise is not None:
+            excitation = {"sensor": run.noise.at_port}
         if run.tracking is not None:
             physics = {**run.tracking.settings, **physics}
             measured = run.tracking.measured[run.record]

@@ -6,7 +6,7 @@ acted at the port; sent backwards, residuals show which instants at the port the
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +16,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.scored_record import with_same_gains
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.screening.impulse_response import (
@@ -175,24 +175,26 @@ def measure_port_response(
     if port not in base.simulated[0].response.ports:
         return None
     simulations, records = case.simulations, case.simulations.records
-    longest = _longest_of_groups(records)
+    groups = with_same_gains(records)
+    longest = [max(group, key=lambda k: records[k].plan.grid.size) for group in groups]
     size = _SIZE * _range_of(case, port)
-    columns = {k: random_binary(records[k].plan.grid.size, rng) for k in longest.values()}
+    columns = {k: random_binary(records[k].plan.grid.size, rng) for k in longest}
     excited = _Excited(simulations, port, base, columns)
-    first = next(iter(longest.values()))
     half, *whole = simulations.map(
-        excited.answer, [(first, 0.5 * size), *((k, size) for k in longest.values())]
+        excited.answer, [(longest[0], 0.5 * size), *((k, size) for k in longest)]
     )
     step = float(np.diff(records[0].plan.grid[:2])[0])
     kernels = {
-        key: impulse_responses(columns[k], changes, step)
-        for (key, k), changes in zip(longest.items(), whole, strict=True)
+        k: own
+        for g, changes in enumerate(whole)
+        for own in [impulse_responses(columns[longest[g]], changes, step)]
+        for k in groups[g]
     }
     return PortResponse(
         port,
         step,
         tuple(
-            tuple(kernels[_group(k, record)][signal.name] for signal in record.signals)
+            tuple(kernels[k][signal.name] for signal in record.signals)
             for k, record in enumerate(records)
         ),
         tuple(
@@ -226,22 +228,6 @@ class _Excited:
         before = _on_grid(self.simulations, self.base.simulated[k])
         after = _on_grid(self.simulations, run)
         return {name: (after[name] - before[name]) / size for name in after}
-
-
-def _group(k: int, record: Record) -> Hashable:
-    """Recordings of one group have one response."""
-    if record.plan.schedules.shape[1]:
-        return k
-    return tuple(sorted(record.plan.experiment.parameters.in_force.items()))
-
-
-def _longest_of_groups(records: Sequence[Record]) -> dict[Hashable, int]:
-    longest: dict[Hashable, int] = {}
-    for k, record in enumerate(records):
-        other = longest.setdefault(_group(k, record), k)
-        if record.plan.grid.size > records[other].plan.grid.size:
-            longest[_group(k, record)] = k
-    return longest
 
 
 def _range_of(case: Case, port: str) -> float:

@@ -74,7 +74,7 @@ def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> lis
     """Simulate each candidate at its probing size about a fitted model, without noise."""
     planned = [_planned(base.hypothesis, candidate) for candidate in candidates]
     points = [
-        hypothesis.quiet.point(hypothesis.start(base.parameters))
+        hypothesis.point(hypothesis.start(base.parameters))
         for _, variants in planned
         for hypothesis in variants
     ]

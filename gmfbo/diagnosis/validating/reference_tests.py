@@ -84,7 +84,7 @@ def _drives(case: Case) -> Mapping[str, tuple[Array, Array]]:
 
 def _step_errors(case: Case, model: Fitted) -> dict[tuple[str, str], tuple[Array, Array]]:
     """Times [s] and change [SI] of each recording's signals at half the twin's step."""
-    simulations, point = case.simulations, model.hypothesis.quiet.point(model.x)
+    simulations, point = case.simulations, model.hypothesis.point(model.x)
     changes = simulations.step_errors(point, simulations.run([point])[0])
     return {
         (record.name, signal.name): (signal.time, change)

@@ -46,7 +46,7 @@ def test_levels_are_recovered_from_their_own_noise(
     still = [np.zeros((2, ROWS)) for _ in own]
     least = Levels({"sensor": 1e-8}, {"position": 1e-7, "command": 1e-5})
     free = ["port:sensor", "own:position", "own:command"]
-    found = estimated(KERNELS, blocks_of(own, residuals, still), least, free)
+    found = estimated(KERNELS, blocks_of(own, residuals, still, KERNELS), least, free)
     seen = {"position": position, "command": command}
     for name in NAMES:
         if seen[name] > 0.05 * sensor:

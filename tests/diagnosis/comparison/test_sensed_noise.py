@@ -53,7 +53,7 @@ def test_a_dead_zone_is_as_wide_as_it_is_where_noise_bridges_it() -> None:
         search = stated.search
         ledger, scored = stated.run()
         heard = ledger.rows[scored.best]
-        hushed = ModeSearch(search.problem, ledger.whitening, heard.hypothesis.quiet)
+        hushed = ModeSearch(search.problem, ledger.whitening, heard.hypothesis)
         quiet = hushed.again(heard)
     assert scored.best == {"actuator_dead_zone"}
     assert width(heard) == pytest.approx(WIDTH, rel=0.05)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import SegmentWhitener
 from gmfbo.diagnosis.runs.scored_record import scored_record
-from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point
+from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO
@@ -115,14 +116,29 @@ def axis() -> Iterator[Simulations]:
         yield simulations
 
 
+@pytest.fixture(scope="module")
+def axis_at_two_gains() -> Iterator[Simulations]:
+    """Two recordings of the servo axis, the second under half the gains."""
+    twin = SERVO.twin()
+    first, second = SERVO.recordings({}, seconds=0.8)[:2]
+    gains = {name: 0.5 * value for name, value in first.parameters.items()}
+    recordings = first, replace(second, parameters=gains)
+    with AugmentedTwin(twin, substeps=5, isolated=False) as simulator:
+        records = [
+            scored_record(r, simulator.plan(r, {}), ["position", "torque_command"], 0.0)
+            for r in recordings
+        ]
+    with Simulations(lambda: AugmentedTwin(twin, substeps=5), records, 1) as simulations:
+        yield simulations
+
+
 def kernels_of(axis: Simulations) -> PortKernels:
     return port_kernels(axis, Point(), {"sensor": 0.4}, "position", 1.0, "torque_command")
 
 
 def measured(axis: Simulations, point: Point) -> tuple[SimulationErrors, PortKernels]:
     kernels = kernels_of(axis)
-    runs = axis.run([point])[0]
-    return errors_of(axis, point, runs, kernels, LEVEL), kernels
+    return errors_of(axis, point, kernels, LEVEL), kernels
 
 
 def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> None:
@@ -132,6 +148,14 @@ def test_a_linear_axis_has_no_error_but_that_of_its_step(axis: Simulations) -> N
     assert step < LEVEL
     assert straight == 0.0  # the controller reads its reference at the rows
     assert len(averaged) == 2  # one a signal
+
+
+def test_each_recording_answers_noise_under_its_own_gains(axis_at_two_gains: Simulations) -> None:
+    errors, kernels = measured(axis_at_two_gains, Point())
+    for own in errors.varying:  # nothing beyond the linear answer in either
+        assert all(not len(columns) for columns in own)
+    first, second = (kernels.of(k).kernels["sensor"]["torque_command"] for k in range(2))
+    assert abs(second[0]) == pytest.approx(0.5 * abs(first[0]), rel=1e-3)
 
 
 def test_friction_makes_of_noise_what_no_linear_path_makes(axis: Simulations) -> None:
@@ -150,20 +174,6 @@ def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulat
     late = 1e-3 * (5 - 1) / (2 * 5)  # [s] of five samples in a row of 1 ms
     assert averaged @ speed / (speed @ speed) == pytest.approx(-late, rel=0.01)
     assert not other.any()
-
-
-def test_played_noise_is_no_error_of_one_size(axis: Simulations) -> None:
-    rows = axis.records[0].plan.grid.size
-    noise = 10.0 * LEVEL * np.random.default_rng(4).standard_normal(rows)
-    silent = tuple(np.zeros(signal.time.size) for signal in axis.records[0].signals)
-    played = Point(noise=(PlayedNoise(noise, silent),))
-    errors, _ = measured(axis, played)
-    quiet, _ = measured(axis, Point())
-    assert (
-        np.std(axis.run([played])[0][0].signals[0] - axis.run([Point()])[0][0].signals[0]) > LEVEL
-    )
-    for own, other in zip(errors.constant[0], quiet.constant[0], strict=True):
-        np.testing.assert_allclose(own, other, atol=1e-12)
 
 
 def test_a_reference_drawn_straight_moves_a_loop_ahead_by_half_a_row(axis: Simulations) -> None:
