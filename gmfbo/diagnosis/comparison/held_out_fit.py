@@ -13,8 +13,9 @@ from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
-from gmfbo.diagnosis.comparison.opened_comparison import problem_on
+from gmfbo.diagnosis.comparison.opened_comparison import kernels_of, problem_on
 from gmfbo.diagnosis.comparison.own_parts import beside_own_parts_on
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -39,11 +40,14 @@ class Part:
         By the levels of the whole comparison.
     fitted : Fitted
         The hypothesis there.
+    kernels : PortKernels
+        Paths of noise in these recordings.
     """
 
     problem: Problem
     whitening: Whitening
     fitted: Fitted
+    kernels: PortKernels
 
     def intervals(self) -> tuple[Array, Array, Array]:
         """Standard deviations and ends of 95 % intervals of the free quantities.
@@ -150,8 +154,11 @@ def _stated_on(
     residual = problem.residual(values, row.nuisances)
     there = replace(row, values=values, residual=residual, columns=[])
     noise = replace(search.noise, problem=problem)
-    whitening = noise.whitening(there, ledger.kernels, ledger.levels, ledger.errors, inadequacy)
-    return Part(problem, whitening, there)
+    kernels = ledger.kernels
+    if problem.simulations is not search.problem.simulations:
+        kernels = kernels_of(case, problem)(there)  # other recordings may have other gains
+    whitening = noise.whitening(there, kernels, ledger.levels, ledger.errors, inadequacy)
+    return Part(problem, whitening, there, kernels)
 
 
 def quiet(simulations: Simulations, row: Fitted) -> Fitted:
@@ -185,7 +192,7 @@ def squares_on(
         As of `seen_on`.
     """
     there = replace(search.noise, problem=parts[0].problem)
-    whitening = there.quiet(parts[-1].fitted, ledger)
+    whitening = there.quiet(parts[-1].fitted, replace(ledger, kernels=parts[0].kernels))
     whitening = beside_own_parts_on(whitening, parts[0].problem, search.problem, about)
     whitened = [whitening(part.fitted.residual) for part in parts]
     counted = [[(z != 0.0).astype(float) for z in whitened[0]]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,14 +115,9 @@ def comparison_of(
         Told what happens.
     """
     problem = problem_on(case, case.budget.windows)
-    excitation, rig = case.setting.excitation, case.rig
+    rig = case.rig
     is_open = case.simulations.tracking is not None
-    sizes = {
-        "sensor": excitation.stroke,
-        "torque": excitation.torque,
-        "command": excitation.command,
-    }
-    kernels_at = _kernels_of(case, problem, sizes)
+    kernels_at, sizes = kernels_of(case, problem), _sizes(case)
     first = _first(case, problem)
     ports = set(first.runs[0].response.ports) | ({"sensor"} if is_open else set())
     if is_open and rig.position is not None:
@@ -138,11 +133,27 @@ def comparison_of(
     return Comparison(search, first)
 
 
-def _kernels_of(
-    case: Case, problem: Problem, sizes: Mapping[str, float]
-) -> Callable[[Fitted], PortKernels]:
-    """Measure the paths of noise about a fit, of whose effects only linear ones stay."""
-    rig = case.rig
+def _sizes(case: Case) -> dict[str, float]:
+    """[FMU's unit] What counts as large, by port."""
+    excitation = case.setting.excitation
+    return {
+        "sensor": excitation.stroke,
+        "torque": excitation.torque,
+        "command": excitation.command,
+    }
+
+
+def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
+    """Measure the paths of noise about a fit, of whose effects only linear ones stay.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    problem : Problem
+        Of the same recordings.
+    """
+    rig, sizes = case.rig, _sizes(case)
 
     def kernels_at(fitted: Fitted) -> PortKernels:
         linear = tuple(c for c in fitted.hypothesis.effects if c.law.is_linear)
