@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 _DAMPING = 1e-3  # of a first step
 
 _POLISHED = 6  # steps of the nuisances alone
+_HOPE = 10.0  # steps as good as the next
+_BEHIND = 10.0  # [nats] More than volumes and priors make up
 _LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
 
 
@@ -69,6 +71,7 @@ class ModeSearch:
         iterations: int = 10,
         settled: float = SETTLED,
         near: Fitted | None = None,
+        rival: float = np.inf,
     ) -> Fitted | None:
         """Search from these values of the twin's parameters; None where they cannot be simulated.
 
@@ -84,12 +87,18 @@ class ModeSearch:
             [nats] Gain that is no longer worth a step.
         near : Fitted, optional
             Whose own parts are a start.
+        rival : float
+            [nats] Cost of the best fit so far: what stays far behind it is not searched on.
         """
         own = self._own_near(near)
         at = self._at(self._inside(self._start(parameters)), nuisances, own)
-        return None if at is None else self._searched(at, self._columns(at), iterations, settled)
+        if at is None:
+            return None
+        return self._searched(at, self._columns(at), iterations, settled, rival)
 
-    def again(self, row: Fitted, iterations: int = 10, settled: float = SETTLED) -> Fitted:
+    def again(
+        self, row: Fitted, iterations: int = 10, settled: float = SETTLED, rival: float = np.inf
+    ) -> Fitted:
         """Search on from a fit under another whitening, or other noise.
 
         Nothing is simulated where noise and values stay.
@@ -102,26 +111,30 @@ class ModeSearch:
             Most points with a Jacobian.
         settled : float
             [nats] Gain that is no longer worth a step.
+        rival : float
+            [nats] As of `fitted`.
         """
         own = self._own_near(row)
         if row.heard is self._heard and np.array_equal(own, row.own):
             residual = self._beside(row.residual, row.columns, -own)
             there = replace(row, residual=residual)
-            return self._searched(there, row.columns, iterations, settled)
+            return self._searched(there, row.columns, iterations, settled, rival)
         at = self._at(row.u, row.nuisances, own)
         if at is None:
             return replace(row, converged=False)
         change = [a - b for a, b in zip(at.values, row.values, strict=True)]
         if self._whitening.square(change) < SAME:
-            return self._searched(at, row.columns, iterations, settled)
-        return self._searched(at, self._columns(at), iterations, settled)
+            return self._searched(at, row.columns, iterations, settled, rival)
+        return self._searched(at, self._columns(at), iterations, settled, rival)
 
     def _searched(
-        self, at: Fitted, columns: list[Array], iterations: int, settled: float
+        self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
         damping = _DAMPING
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
+            if self._cost(at) - _HOPE * gain > rival + _BEHIND:
+                return self._ended(at, columns, False)
             if gain < (settled if damping <= _DAMPING else AT_THE_END):
                 return self._ended(at, columns, True)
             moved = self._moved(at, step, damping)

@@ -35,10 +35,12 @@ class RowFits:
         Recordings and simulators.
     noise : HeardNoise, or None
         Under which rows are fitted.
+    rival : float
+        [nats] Cost of the best row: what stays far behind it is not searched on.
     """
 
-    def __init__(self, problem: Problem, noise: HeardNoise | None) -> None:
-        self._problem, self._noise = problem, noise
+    def __init__(self, problem: Problem, noise: HeardNoise | None, rival: float = np.inf) -> None:
+        self._problem, self._noise, self._rival = problem, noise, rival
 
     def _search(
         self, whitening: Whitening, hypothesis: Hypothesis, freed: Sequence[str]
@@ -92,7 +94,9 @@ class RowFits:
         """
         less = _less(row, name)
         search = self._search(whitening, less.hypothesis, less.freed)
-        return search.fitted(row.parameters, row.nuisances, iterations=iterations, near=row)
+        return search.fitted(
+            row.parameters, row.nuisances, iterations=iterations, near=row, rival=self._rival
+        )
 
     def again(self, whitening: Whitening, row: Fitted, fitted: Rows) -> Fitted:
         """Fit a row again under a whitening, from its limit where that leaves less by now.
@@ -114,7 +118,7 @@ class RowFits:
                 found = self._from_limit(whitening, about, element, limit, _SHARES[-1])
                 if found is not None:
                     return found
-        return self._search(whitening, row.hypothesis, row.freed).again(row)
+        return self._search(whitening, row.hypothesis, row.freed).again(row, rival=self._rival)
 
     def to_the_end(self, whitening: Whitening, row: Fitted) -> Fitted:
         """A fit whose values are told, searched on until a step promises next to nothing."""
@@ -131,7 +135,7 @@ class RowFits:
         started = element.beginning_as(limit.hypothesis.effects, near.hypothesis, share)
         hypothesis = started.added_to(near.hypothesis)
         search = self._search(whitening, hypothesis, about.freed)
-        found = search.fitted(near.parameters, near.nuisances, near=limit)
+        found = search.fitted(near.parameters, near.nuisances, near=limit, rival=self._rival)
         if found is None or chi(found, whitening) > chi(limit, whitening) + _NO_WORSE:
             return None
         return found
@@ -145,12 +149,18 @@ class RowFits:
             tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
             hypothesis = tried.added_to(about.hypothesis)
             search = self._search(whitening, hypothesis, freed)
-            found = search.fitted(tried.start(about.parameters), about.nuisances, near=about)
+            start = tried.start(about.parameters)
+            found = search.fitted(start, about.nuisances, near=about, rival=self._rival)
             if found is not None and chi(found, whitening) <= before + _NO_WORSE:
                 return found
             if not element.sizes(about.hypothesis):
                 return None
         return None
+
+
+def cost(row: Fitted, whitening: Whitening) -> float:
+    """[nats] Negative log density of the recordings and a row's values."""
+    return 0.5 * chi(row, whitening) - row.log_prior
 
 
 def chi(row: Fitted, whitening: Whitening) -> float:

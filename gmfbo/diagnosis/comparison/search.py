@@ -26,7 +26,7 @@ from gmfbo.diagnosis.comparison.numbers import (
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, limit_of, limits_in
+from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, cost, limit_of, limits_in
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.physics import CATALOGUE
 
@@ -71,7 +71,8 @@ class Search:
         return self.noise.problem
 
     def _fits(self, ledger: Ledger) -> RowFits:
-        return RowFits(self.problem, ledger.noise)
+        costs = [cost(row, ledger.whitening) for row in ledger.rows.values()]
+        return RowFits(self.problem, ledger.noise, min(costs, default=np.inf))
 
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
