@@ -26,7 +26,8 @@ _DAMPING = 1e-3  # of a first step
 _POLISHED = 6  # steps of the nuisances alone
 _HOPE = 10.0  # steps as good as the next
 _BEHIND = 10.0  # [nats] More than volumes and priors make up
-_LONGEST_STEP = 1.0  # of a coordinate with a scale of its own, in one iteration
+_RUN_AWAY = 1e6  # times a signal's range
+_LONGEST_STEP = 1.0  # of a logarithm, or a filter's coordinate, in one iteration
 
 
 class ModeSearch:
@@ -208,6 +209,8 @@ class ModeSearch:
                 return None
         nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
         values = problem.values(runs)
+        if self._has_run_away(values):
+            return None
         residual = problem.residual(values, nu)
         return Fitted(
             hypothesis,
@@ -223,6 +226,15 @@ class ModeSearch:
             problem.logging.one_sided,
             own,
             self._heard,
+        )
+
+    def _has_run_away(self, values: list[Array]) -> bool:
+        """Whether a signal left all that was recorded, so that its squares may overflow."""
+        ranges = self._problem.ranges
+        return any(
+            np.max(np.abs(own)) > _RUN_AWAY * ranges[name] > 0.0
+            for segment, columns in zip(self._problem.segments, values, strict=True)
+            for name, own in zip(segment.names, columns, strict=True)
         )
 
     def _cost(self, at: Fitted) -> float:
@@ -286,6 +298,9 @@ class ModeSearch:
         highest = np.full(g.size, np.inf)
         lowest[:p], highest[:p] = self._inside(ends[:, 0]) - at.u, self._inside(ends[:, 1]) - at.u
         lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
+        bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
+        lowest = np.where(bent, np.maximum(lowest, -_LONGEST_STEP), lowest)
+        highest = np.where(bent, np.minimum(highest, _LONGEST_STEP), highest)
         for _ in range(g.size):
             inner = a[np.ix_(free, free)]
             rest = g[free] - a[np.ix_(free, ~free)] @ step[~free]
@@ -297,9 +312,6 @@ class ModeSearch:
             step[beyond] = np.clip(step, lowest, highest)[beyond]
             free &= ~beyond
         step = np.clip(step, lowest, highest)
-        bent = np.concatenate([[q.logarithmic for q in self._priors], np.ones(at.nuisances.size)])
-        longest = float(np.max(np.abs(step) * bent, initial=0.0))
-        step *= min(1.0, _LONGEST_STEP / longest) if longest else 1.0
         gain = float(g @ step - 0.5 * step @ a @ step)
         if self._parts is not None:
             gain += self._parts.gain(at.own[:, self._places])
@@ -357,7 +369,8 @@ class ModeSearch:
             free = ~(at.at_zero & (g < 0.0))
             step = np.zeros(g.size)
             step[free] = np.linalg.solve(a[np.ix_(free, free)], g[free])
-            nuisances = at.nuisances + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
+            longest = np.where(one_sided, _LONGEST_STEP, np.inf)
+            nuisances = at.nuisances + np.clip(step, -longest, longest)
             nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
             residual = problem.residual(at.values, nuisances)
             tried = replace(at, nuisances=nuisances, residual=residual)

@@ -27,4 +27,5 @@ def test_what_stays_far_behind_the_best_fit_is_not_searched_on() -> None:
     assert level is not None
     np.testing.assert_allclose(behind.x, list(wrong.values()), rtol=1e-4)
     assert not behind.converged
-    assert cost(level, ledger.whitening) == pytest.approx(best, abs=0.1)
+    assert level.converged
+    assert cost(level, ledger.whitening) == pytest.approx(best, abs=0.2)
