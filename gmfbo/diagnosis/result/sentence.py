@@ -139,8 +139,9 @@ def _improvement(diagnosis: Findings) -> str:
     if before == after:
         before, after = (f"{100.0 * v:.3g} %" for v in (fit.parameters_only, fit.augmented))
     left = f"; {STILL_FOLLOWS}" if still_follows(diagnosis) else ""
+    change = f"falls from {before} to" if before != after else "hardly changes, it is"
     return (
-        f"the {words(name)} error on unseen recordings falls from {before} to {after}"
+        f"the {words(name)} error on unseen recordings {change} {after}"
         f"{_floor(fit.noise_floor, '()')}{left}"
     )
 

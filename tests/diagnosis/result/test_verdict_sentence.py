@@ -84,6 +84,12 @@ def test_physics_that_improves_no_signal_claims_no_improvement() -> None:
     assert replace(friction(), fit=flat).sentence == friction().effects[0].statement
 
 
+def test_an_error_that_no_digit_tells_from_what_it_was_does_not_fall() -> None:
+    same = replace(FIT, signals={"position": SignalFit(0.1, 0.013604, 0.013602, 0.1, 0.0135)})
+    told = replace(friction(), fit=same).sentence
+    assert "with it the position error on unseen recordings hardly changes, it is 1.36 %" in told
+
+
 def test_nothing_missing_is_told_with_the_noise_floor() -> None:
     assert nothing().sentence == (
         "Nothing is missing: the twin meets unseen recordings to the noise (position error "
