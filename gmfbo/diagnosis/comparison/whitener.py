@@ -25,29 +25,36 @@ _MASKED_ROWS = 20  # at each end, where a filter sees beyond it
 class Spread:
     """Directions of stretches in which whitened signals vary by more than noise.
 
+    Stretches that lie end to end are taken together; those that are shorter than the longest have
+    nothing at their end.
+
     Attributes
     ----------
-    rows : slice
-        Of the stretches, which have one length and lie end to end: they are taken together.
+    rows : ndarray of int, shape (n_stretches, length)
+        Of the stretches.
+    inside : ndarray of bool, shape (n_stretches, length)
+        Which of them a stretch really has.
     directions : ndarray, shape (n_stretches, m * length, k)
         Orthonormal.
     lost : ndarray, shape (n_stretches, 1, k)
         Share of each that is taken out, so that what is left varies as noise does.
     """
 
-    rows: slice
+    rows: NDArray[np.intp]
+    inside: NDArray[np.bool_]
     directions: Array
     lost: Array
 
     def take_out(self, white: Array) -> None:
         """Whiten these rows of whitened columns, shape (..., m, n), in place."""
-        own = white[..., self.rows]
-        *lead, m, _ = own.shape
         count, size, _ = self.directions.shape
-        split = np.moveaxis(own.reshape(*lead, m, count, size // m), -2, 0)
-        flat = split.reshape(count, -1, size)
-        flat = flat - ((flat @ self.directions) * self.lost) @ self.directions.swapaxes(1, 2)
-        white[..., self.rows] = np.moveaxis(flat.reshape(split.shape), 0, -2).reshape(own.shape)
+        length = self.rows.shape[1]
+        own = white.reshape(-1, white.shape[-1]).take(self.rows, axis=1)
+        flat = own.swapaxes(0, 1).reshape(count, -1, size)
+        change = ((flat @ self.directions) * self.lost) @ self.directions.swapaxes(1, 2)
+        back = change.reshape(count, -1, length).swapaxes(0, 1)[:, self.inside]
+        first, behind = self.rows[0, 0], self.rows[-1][self.inside[-1]][-1] + 1
+        white[..., first:behind] -= back.reshape(*white.shape[:-1], -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +72,7 @@ class SegmentWhitener:
     length : int
         Of the transforms.
     spreads : tuple of Spread
-        Of errors beside the noise, one a stretch, in the order in which they are taken out.
+        Of errors beside the noise, in the order in which they are taken out.
     scales : ndarray, shape (n,)
         Noise of a row, in units of that of the levels.
     own : tuple of Spread
@@ -126,8 +133,8 @@ class SegmentWhitener:
         """
         if not len(errors):
             return self
-        spreads, logs = self._spread_by(errors, stretches)
-        return replace(self, log_determinants=logs, spreads=(*self.spreads, *spreads))
+        spread, logs = self._spread_by(errors, stretches)
+        return replace(self, log_determinants=logs, spreads=(*self.spreads, spread))
 
     def beside_own(self, errors: Array) -> SegmentWhitener:
         """The same with errors of one size in the segment beside all else, scales included.
@@ -137,21 +144,20 @@ class SegmentWhitener:
         errors : ndarray, shape (k, m, n)
             Each of one standard deviation.
         """
-        spreads, logs = self._spread_by(errors, [slice(0, errors.shape[2])])
-        return replace(self, log_determinants=logs, own=(*self.own, *spreads))
+        spread, logs = self._spread_by(errors, [slice(0, errors.shape[2])])
+        return replace(self, log_determinants=logs, own=(*self.own, spread))
 
-    def _spread_by(self, errors: Array, stretches: Sequence[slice]) -> tuple[list[Spread], Array]:
+    def _spread_by(self, errors: Array, stretches: Sequence[slice]) -> tuple[Spread, Array]:
         """What errors beside all else spread, and the log determinants with them."""
         white, logs = self(errors), self.log_determinants.copy()
-        spreads = []
-        for rows in _of_one_length(stretches):
-            flat = [white[:, :, one].reshape(len(white), -1).T for one in rows]
-            directions, sizes, _ = np.linalg.svd(np.stack(flat), full_matrices=False)
-            lost = 1.0 - 1.0 / np.sqrt(1.0 + sizes[:, None, :] ** 2)
-            spreads.append(Spread(slice(rows[0].start, rows[-1].stop), directions, lost))
-            for one, size in zip(rows, sizes, strict=True):
-                logs[one] += np.log1p(size**2).sum() / (one.stop - one.start)
-        return spreads, logs
+        rows, inside = _together(stretches)
+        own = np.moveaxis(white[:, :, rows] * inside, 2, 0)  # (n_stretches, k, m, length)
+        flat = own.reshape(*own.shape[:2], -1).swapaxes(1, 2)
+        directions, sizes, _ = np.linalg.svd(flat, full_matrices=False)
+        lost = 1.0 - 1.0 / np.sqrt(1.0 + sizes[:, None, :] ** 2)
+        for one, size in zip(stretches, sizes, strict=True):
+            logs[one] += np.log1p(size**2).sum() / (one.stop - one.start)
+        return Spread(rows, inside, directions, lost), logs
 
     def mean_of(self, errors: Array, residual: Array) -> Array:
         """What errors beside the noise most likely made of a residual, shape (m, n).
@@ -186,17 +192,13 @@ class SegmentWhitener:
         return out
 
 
-def _of_one_length(stretches: Sequence[slice]) -> list[list[slice]]:
-    """Stretches in groups of one length that lie end to end."""
-    groups: list[list[slice]] = []
-    for rows in stretches:
-        last = groups[-1][-1] if groups else slice(0, 0)
-        alike = rows.stop - rows.start == last.stop - last.start and rows.start == last.stop
-        if groups and alike:
-            groups[-1].append(rows)
-        else:
-            groups.append([rows])
-    return groups
+def _together(stretches: Sequence[slice]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Rows of stretches, shape (n_stretches, length), and which of them each really has."""
+    starts = np.array([rows.start for rows in stretches])[:, None]
+    ends = np.array([rows.stop for rows in stretches])[:, None]
+    rows = starts + np.arange(int(np.max(ends - starts)))
+    inside = rows < ends
+    return np.where(inside, rows, starts), inside
 
 
 def _mixed(factor: Spectrum, spectrum: Spectrum) -> Spectrum:
