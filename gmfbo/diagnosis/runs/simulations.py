@@ -213,11 +213,7 @@ class Simulations:
         noise = None if point.noise is None or excitation is not None else point.noise[record]
         if noise is None:
             return self._run(point, record, excitation, measured_noise, self.tracking)
-        run = replace(self._ordered(point, record, self.tracking), noise=noise)
-        if measured_noise is None:
-            noisy = self._seen(self._remembered(run), record)
-        else:
-            noisy = self._seen(self._simulate(run, None, measured_noise), record)
+        noisy = self._run(point, record, None, measured_noise, self.tracking, noise)
         signals = zip(noisy.signals, noise.linear, strict=True)
         return replace(noisy, signals=tuple(column - linear for column, linear in signals))
 
@@ -240,8 +236,9 @@ class Simulations:
         excitation: Columns | None,
         measured_noise: NDArray[np.float64] | None,
         tracking: Tracking | None,
+        noise: PlayedNoise | None = None,
     ) -> Simulated:
-        run = self._ordered(point, record, tracking)
+        run = replace(self._ordered(point, record, tracking), noise=noise)
         if excitation is None and measured_noise is None:
             return self._seen(self._remembered(run), record)
         return self._seen(self._simulate(run, excitation, measured_noise), record)

@@ -184,12 +184,9 @@ def measure_port_response(
         excited.answer, [(longest[0], 0.5 * size), *((k, size) for k in longest)]
     )
     step = float(np.diff(records[0].plan.grid[:2])[0])
-    kernels = {
-        k: own
-        for g, changes in enumerate(whole)
-        for own in [impulse_responses(columns[longest[g]], changes, step)]
-        for k in groups[g]
-    }
+    kernels: dict[int, dict[str, Array]] = {}
+    for group, k, changes in zip(groups, longest, whole, strict=True):
+        kernels |= dict.fromkeys(group, impulse_responses(columns[k], changes, step))
     return PortResponse(
         port,
         step,
