@@ -34,7 +34,7 @@ class Fitted:
     nuisances : ndarray, shape (q,)
         [standard deviations]
     runs : list of Simulated
-        The recordings there.
+        The recordings there: signals with what noise makes, where it is heard; states without it.
     values : list of ndarray, shape (m, n)
         [SI] Simulated signals of each segment.
     residual : list of ndarray, shape (m, n)

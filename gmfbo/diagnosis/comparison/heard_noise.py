@@ -54,7 +54,10 @@ class HeardNoise:
             By recording, values of some of its quantities there.
         """
         laws = tuple(c for c in hypothesis.effects if not c.law.is_linear)
-        there = replace(self.about, effects=(*self.about.effects, *laws))
+        # Two effects can't both take their load's inertia from the same axis.
+        shared = any(c.law.inertia_share for c in laws)
+        kept_on = (c for c in self.about.effects if not (shared and c.law.inertia_share))
+        there = replace(self.about, effects=(*kept_on, *laws))
         names = {f"{c.effect}.{p.name}" for c in laws for p in c.parameters}
         kept = [{n: v for n, v in values.items() if n in names} for values in own]
         quiet = problem.point(there, there.start(self.parameters), kept)
@@ -66,10 +69,10 @@ class HeardNoise:
         hypothesis: Hypothesis,
         own: Sequence[Mapping[str, float]],
         runs: Sequence[Simulated],
-    ) -> list[Simulated] | None:
+    ) -> list[Simulated]:
         """Recordings simulated without noise, with what noise makes beyond its linear answer.
 
-        None where they can't be simulated under noise.
+        They stay as they are where the point can't be simulated.
 
         Parameters
         ----------
@@ -80,7 +83,7 @@ class HeardNoise:
         """
         noisy, quiet = problem.simulations.run(self.points(problem, hypothesis, own))
         if not all(run.finite for run in (*noisy, *quiet)):
-            return None
+            return list(runs)
         return [_beside(*one) for one in zip(runs, noisy, quiet, strict=True)]
 
 

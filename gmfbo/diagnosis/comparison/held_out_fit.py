@@ -15,7 +15,6 @@ from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
 from gmfbo.diagnosis.comparison.opened_comparison import kernels_of, problem_on
 from gmfbo.diagnosis.comparison.own_parts import beside_own_parts_on
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -40,14 +39,11 @@ class Part:
         By the levels of the whole comparison.
     fitted : Fitted
         The hypothesis there.
-    kernels : PortKernels
-        Paths of noise in these recordings.
     """
 
     problem: Problem
     whitening: Whitening
     fitted: Fitted
-    kernels: PortKernels
 
     def intervals(self) -> tuple[Array, Array, Array]:
         """Standard deviations and ends of 95 % intervals of the free quantities.
@@ -84,6 +80,22 @@ class Part:
             [v if q.logarithmic else 1.0 for q, v in zip(fitted.priors, x, strict=True)]
         )
         return np.abs(slope) * half / 1.96, low_x, high_x
+
+
+def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
+    """A ledger whose paths of noise are those of other recordings, which may have other gains.
+
+    Parameters
+    ----------
+    unseen : Case
+        The other recordings.
+    ledger : Ledger
+        Of those that were compared.
+    row : Fitted
+        About which the paths are measured.
+    """
+    problem = problem_on(unseen, unseen.budget.windows)
+    return replace(ledger, kernels=kernels_of(unseen, problem)(row))
 
 
 def part_of(
@@ -147,18 +159,15 @@ def _stated_on(
     problem = replace(
         problem_on(case, chosen),
         logging=search.problem.logging,
-        followed=search.problem.followed,
+        followed=None if search.problem.followed is None else ledger.kernels,
         held_inertia=search.problem.held_inertia,
     )
     values = problem.values(row.runs)
     residual = problem.residual(values, row.nuisances)
     there = replace(row, values=values, residual=residual, columns=[])
     noise = replace(search.noise, problem=problem)
-    kernels = ledger.kernels
-    if problem.simulations is not search.problem.simulations:
-        kernels = kernels_of(case, problem)(there)  # other recordings may have other gains
-    whitening = noise.whitening(there, kernels, ledger.levels, ledger.errors, inadequacy)
-    return Part(problem, whitening, there, kernels)
+    whitening = noise.whitening(there, ledger.kernels, ledger.levels, ledger.errors, inadequacy)
+    return Part(problem, whitening, there)
 
 
 def quiet(simulations: Simulations, row: Fitted) -> Fitted:
@@ -192,7 +201,7 @@ def squares_on(
         As of `seen_on`.
     """
     there = replace(search.noise, problem=parts[0].problem)
-    whitening = there.quiet(parts[-1].fitted, replace(ledger, kernels=parts[0].kernels))
+    whitening = there.quiet(parts[-1].fitted, ledger)
     whitening = beside_own_parts_on(whitening, parts[0].problem, search.problem, about)
     whitened = [whitening(part.fitted.residual) for part in parts]
     counted = [[(z != 0.0).astype(float) for z in whitened[0]]]

@@ -222,7 +222,7 @@ def estimated(
     else:
         x = np.log([_get(near, name) for name in free])
     for most in (2.0, 1.6, 1.6) if near is None else (1.6, 1.6):
-        kept = [_quiet(group, at(x), kernels, most) for group in periodograms]
+        kept = _quiet(periodograms, at(x), kernels, most)
 
         def nll(x: Array, kept: list[NDArray[np.bool_]] = kept) -> float:
             total = 0.0
@@ -247,11 +247,18 @@ def _starts(
 
 
 def _quiet(
-    group: Periodograms, levels: Levels, kernels: PortKernels, most: float
-) -> NDArray[np.bool_]:
-    squares, _ = group.deviances(levels, kernels)
-    kept: NDArray[np.bool_] = squares < most * np.median(squares)
-    return kept
+    groups: Sequence[Periodograms], levels: Levels, kernels: PortKernels, most: float
+) -> list[NDArray[np.bool_]]:
+    """Blocks that hold no more than noise, among all of as many values, whatever their gains."""
+    squares = [group.deviances(levels, kernels)[0] for group in groups]
+    alike: dict[tuple[object, ...], list[Array]] = {}
+    for group, own in zip(groups, squares, strict=True):
+        alike.setdefault((group.names, group.frequencies.size), []).append(own)
+    usual = {key: np.median(np.concatenate(found)) for key, found in alike.items()}
+    return [
+        own < most * usual[group.names, group.frequencies.size]
+        for group, own in zip(groups, squares, strict=True)
+    ]
 
 
 def _get(levels: Levels, name: str) -> float:
@@ -281,7 +288,7 @@ def _largest(name: str, kernels: PortKernels, periodograms: Sequence[Periodogram
         elif kind == "port":
             paths = kernels.of(group.record)
             answer = np.abs(paths.spectra(which, group.names, group.frequencies)) ** 2
-            colour = 1.0 if which == "sensor" else _coloured(group.frequencies, kernels.step)
+            colour = 1.0 if which == "sensor" else _coloured(group.frequencies, paths.step)
             unit = np.mean(answer * colour, axis=1)
             found.append(np.sqrt(np.min(power / np.maximum(unit, 1e-300))))
         elif kind == "jitter":

@@ -212,7 +212,7 @@ def problem_on(case: Case, windows: Sequence[Window]) -> Problem:
 def _followed(case: Case, problem: Problem, kernels: PortKernels) -> Problem:
     role = case.twin.file.roles.get("inertia")
     held = (role, case.twin.nominal(role)) if role else None
-    return replace(problem, followed=kernels.kernels["sensor"], held_inertia=held)
+    return replace(problem, followed=kernels, held_inertia=held)
 
 
 def _first(case: Case, problem: Problem) -> Fitted:

@@ -17,15 +17,15 @@ from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, 
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulated import Point
 
 Array = NDArray[np.float64]
 
 _DAMPING = 1e-3  # of a first step
 
 _POLISHED = 6  # steps of the nuisances alone
-_HOPE = 10.0  # steps as good as the next
-_BEHIND = 10.0  # [nats] More than volumes and priors make up
+_HOPE = 10.0  # times the gain of a fit's next step is all that is hoped of it
+_BEHIND = 10.0  # [nats] behind the best fit, a hypothesis is not believed
 _RUN_AWAY = 1e6  # times a signal's range
 _LONGEST_STEP = 1.0  # of a logarithm, or a filter's coordinate, in one iteration
 
@@ -134,7 +134,8 @@ class ModeSearch:
         damping = _DAMPING
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
-            if self._cost(at) - _HOPE * gain > rival + _BEHIND:
+            # A damped step is short, and promises little wherever it begins.
+            if damping <= _DAMPING and self._cost(at) - _HOPE * gain > rival + _BEHIND:
                 return self._ended(at, columns, False)
             if gain < (settled if damping <= _DAMPING else AT_THE_END):
                 return self._ended(at, columns, True)
@@ -199,14 +200,11 @@ class ModeSearch:
     def _at(self, u: Array, nuisances: Array | None, own: Array) -> Fitted | None:
         problem = self._problem
         hypothesis = self._hypothesis.at(values_at(self._priors, u))
-        runs: list[Simulated] | None = problem.simulations.run([self._point(u, own)])[0]
-        assert runs is not None
+        runs = problem.simulations.run([self._point(u, own)])[0]
         if not all(run.finite for run in runs):
             return None
         if self._heard is not None:
             runs = self._heard.beside(problem, hypothesis, self._own_values(u, own), runs)
-            if runs is None:
-                return None
         nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
         values = problem.values(runs)
         if self._has_run_away(values):
@@ -230,11 +228,13 @@ class ModeSearch:
 
     def _has_run_away(self, values: list[Array]) -> bool:
         """Whether a signal left all that was recorded, so that its squares may overflow."""
-        ranges = self._problem.ranges
+        problem = self._problem
         return any(
-            np.max(np.abs(own)) > _RUN_AWAY * ranges[name] > 0.0
-            for segment, columns in zip(self._problem.segments, values, strict=True)
-            for name, own in zip(segment.names, columns, strict=True)
+            np.max(np.abs(own - was)) > _RUN_AWAY * problem.ranges[name] > 0.0
+            for segment, columns, recorded in zip(
+                problem.segments, values, problem.recorded, strict=True
+            )
+            for name, own, was in zip(segment.names, columns, recorded, strict=True)
         )
 
     def _cost(self, at: Fitted) -> float:
@@ -243,14 +243,20 @@ class ModeSearch:
         return 0.5 * (self._whitening.square(at.residual) + float(np.sum(own**2))) - at.log_prior
 
     def _columns(self, at: Fitted) -> list[Array]:
-        """Differences: those of laws that meet noise about its point, all others without it."""
+        """Differences: those of laws that meet noise about its point, all others without it.
+
+        About that point the former are exact. Far from it they lack what the law makes there
+        without noise, and a search takes more steps.
+        """
         problem, x = self._problem, at.x
         sizes = self._hypothesis.difference_sizes(x)
         moves, widths, hears = [], [], self._hears_noise()
-        about = [self._point(at.u, at.own)]
-        if any(hears):
-            about.append(self._noisy(at.u, at.own))
-        still, *noisy = (problem.values(runs) for runs in problem.simulations.run(about))
+        still, noisy = at.values, at.values
+        if self._heard is not None:
+            about = problem.simulations.run([self._point(at.u, at.own), self._noisy(at.u, at.own)])
+            still, noisy = (problem.values(runs) for runs in about)
+            if not all(run.finite for run in about[1]):
+                hears = [False] * len(hears)
         for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
             moved = x.copy()
             moved[i] += size
@@ -263,9 +269,9 @@ class ModeSearch:
         found = []
         moved_runs = problem.simulations.run(moves)
         for runs, width, hears_it in zip(moved_runs, widths, hears, strict=True):
-            if all(run.finite for run in runs):
-                base = noisy[0] if hears_it else still
-                change = zip(problem.values(runs), base, strict=True)
+            values = problem.values(runs)
+            if all(run.finite for run in runs) and not self._has_run_away(values):
+                change = zip(values, noisy if hears_it else still, strict=True)
                 found.append([(after - before) / width for after, before in change])
             else:
                 found.append([np.zeros_like(v) for v in at.values])
@@ -301,16 +307,22 @@ class ModeSearch:
         bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
         lowest = np.where(bent, np.maximum(lowest, -_LONGEST_STEP), lowest)
         highest = np.where(bent, np.minimum(highest, _LONGEST_STEP), highest)
+        damped = a + damping * np.diag(np.diag(a))
         for _ in range(g.size):
-            inner = a[np.ix_(free, free)]
-            rest = g[free] - a[np.ix_(free, ~free)] @ step[~free]
-            step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), rest)
-            beyond = free & ((step < lowest) | (step > highest))
-            if not beyond.any():
+            rest = g[free] - damped[np.ix_(free, ~free)] @ step[~free]
+            way = np.zeros(g.size)
+            way[free] = np.linalg.solve(damped[np.ix_(free, free)], rest) - step[free]
+            room = np.divide(
+                np.where(way > 0.0, highest, lowest) - step,
+                way,
+                np.full(g.size, np.inf),
+                where=way != 0.0,
+            )
+            # Up to the first bound: what meets it stops there, and the others make the best of it.
+            step += way * min(1.0, room.min())
+            if room.min() >= 1.0:
                 break
-            # What meets a bound stops there, and the others make the best of it.
-            step[beyond] = np.clip(step, lowest, highest)[beyond]
-            free &= ~beyond
+            free &= room > room.min()
         step = np.clip(step, lowest, highest)
         gain = float(g @ step - 0.5 * step @ a @ step)
         if self._parts is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.nuisance_columns import Logging
-from gmfbo.diagnosis.comparison.port_kernels import through
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.segments import Segment
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
@@ -35,9 +35,9 @@ class Problem:
         Errors that the logger may have made.
     stretch_rows : int
         Rows of a stretch, the unit that is weighted in the comparison.
-    followed : mapping of str to ndarray, shape (taps,), or None
+    followed : PortKernels, or None
         Where a loop holds an open-loop twin on its recorded position: what an error of that
-        position leaves in the residual of each signal.
+        position, at the sensor port, leaves in the residual of each signal.
     held_inertia : (str, float), or None
         Parameter and value for which that loop was designed.
     """
@@ -47,7 +47,7 @@ class Problem:
     recorded: tuple[Array, ...]
     logging: Logging
     stretch_rows: int
-    followed: Mapping[str, Array] | None = None
+    followed: PortKernels | None = None
     held_inertia: tuple[str, float] | None = None
 
     @property
@@ -136,8 +136,9 @@ class Problem:
         if place is None:
             return out
         out[:, place] = 0.0
+        paths = self.followed.of(segment.record).kernels
         for i, name in enumerate(segment.names):
-            out[:, i] += through(columns[:, place], self.followed[name])
+            out[:, i] += through(columns[:, place], paths["sensor"][name])
         return out
 
     def rates(self, values: Sequence[Array]) -> list[Array]:

@@ -71,8 +71,9 @@ class Search:
         return self.noise.problem
 
     def _fits(self, ledger: Ledger) -> RowFits:
-        costs = [cost(row, ledger.whitening) for row in ledger.rows.values()]
-        return RowFits(self.problem, ledger.noise, min(costs, default=np.inf))
+        rows = (row for row in ledger.rows.values() if row.heard is ledger.noise)
+        best = min((cost(row, ledger.whitening) for row in rows), default=np.inf)
+        return RowFits(self.problem, ledger.noise, best)
 
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
@@ -243,7 +244,7 @@ class Search:
             ledger = replace(
                 ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
             )
-            row = self._fits(ledger).again(whitening, row, {})
+            row = RowFits(self.problem, ledger.noise).again(whitening, row, {})
             ledger = replace(ledger, rows={**ledger.rows, leading: row})
             cared = self.noise.cared.keys() & levels.ports.keys()
             fallen = [before.ports[p] / levels.ports[p] for p in cared]
@@ -275,16 +276,15 @@ class Search:
         problem = self.problem
         for _ in range(_HEARINGS):
             best = ledger.rows[scored.best]
-            left = ledger.errors.taken_out(problem, best, ledger.kernels, ledger.levels)
-            played = sensed_noise(problem, left, ledger.kernels, ledger.levels)
+            kernels = self.kernels_at(best)
+            left = ledger.errors.taken_out(problem, best, kernels, ledger.levels)
+            played = sensed_noise(problem, left, kernels, ledger.levels)
             linear = tuple(c for c in best.hypothesis.effects if c.law.is_linear)
             about = replace(best.hypothesis, effects=linear)
             heard = HeardNoise(played, about, best.parameters)
             quiet = problem.point(best.hypothesis, best.x, best.own_values)
             still = problem.simulations.run([quiet])[0]
             runs = heard.beside(problem, best.hypothesis, best.own_values, still)
-            if runs is None:
-                break
             change = [a - b for a, b in zip(problem.values(runs), best.values, strict=True)]
             if ledger.whitening.square(change) < SAME:
                 break

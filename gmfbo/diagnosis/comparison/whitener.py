@@ -54,7 +54,7 @@ class Spread:
         change = ((flat @ self.directions) * self.lost) @ self.directions.swapaxes(1, 2)
         back = change.reshape(count, -1, length).swapaxes(0, 1)[:, self.inside]
         first, behind = self.rows[0, 0], self.rows[-1][self.inside[-1]][-1] + 1
-        white[..., first:behind] -= back.reshape(*white.shape[:-1], -1)
+        white[..., first:behind] -= back.reshape(*white.shape[:-1], behind - first)
 
 
 @dataclass(frozen=True, eq=False)

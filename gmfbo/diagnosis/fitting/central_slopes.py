@@ -37,6 +37,8 @@ def with_central_slopes(misfit: Misfit, fitted: Fitted) -> Fitted:
     moves = np.zeros((len(both), x.size))
     moves[range(len(both)), both] = -steps[both]
     columns = list(fitted.columns)
+    if not both:
+        return fitted
     here, *moved = misfit.run_moved(
         hypothesis, x, np.concatenate([np.zeros((1, x.size)), moves]), parallel=True
     )

@@ -124,9 +124,9 @@ def _contribution(case: Case, candidate: Candidate, fitted_with: Fitted) -> list
     others = tuple(c for c in whole.effects if c.effect != candidate.effect)
     without = replace(whole, effects=others)
     point = without.point(without.start(fitted_with.parameters))
-    runs = case.simulations.run([point])[0]
+    acting, runs = case.simulations.run([whole.point(fitted_with.x), point])
     weights = []
-    for k, (after, before) in enumerate(zip(fitted_with.simulated, runs, strict=True)):
+    for k, (after, before) in enumerate(zip(acting, runs, strict=True)):
         grid = case.simulations.records[k].plan.grid
         weights.append(smeared(grid, _squares(case, k, after, before), _SHOWS_LATE_S))
     return weights

@@ -14,11 +14,13 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.held_out_fit import (
     Part,
     gains_on,
+    ledger_on,
     part_of,
     quiet,
     seen_on,
     squares_on,
 )
+from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import SAME
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted
@@ -115,7 +117,7 @@ def validate(
     plain = measured(misfit, told[0])
     augmented = plain if after is before else measured(misfit, told[1])
     models = _Told(case, misfit, scored, plain, augmented, split, unnamed)
-    return _scored(models, after, _Seen(decision, seen[0], seen[1], without))
+    return _scored(models, after, _Seen(decision, ledger, seen[0], seen[1], without))
 
 
 def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
@@ -140,17 +142,19 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     search, ledger = decision.compared.search, decision.compared.ledger
     whole = part_of(case, search, ledger, decision.row, split.fitted)
+    there_ledger = ledger_on(unseen, ledger, whole.fitted)
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
         run = quiet(unseen.simulations, row)
-        there.append(seen_on(unseen, search, ledger, run, split.held_out, (), left))
+        there.append(seen_on(unseen, search, there_ledger, run, split.held_out, (), left))
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
     for name, row in _without(decision).items():
         lost = quiet(unseen.simulations, row)
-        without[name] = seen_on(unseen, search, ledger, lost, split.held_out, ())
-    found = _scored(told, whole, _Seen(decision, there[0], there[1], without))
+        without[name] = seen_on(unseen, search, there_ledger, lost, split.held_out, ())
+    seen = _Seen(decision, there_ledger, there[0], there[1], without)
+    found = _scored(told, whole, seen)
     return replace(
         found,
         parameters_only=measured(case.misfit, decision.base),
@@ -180,15 +184,18 @@ class _Seen:
     """Models on the stretches that are scored."""
 
     decision: Decision
+    ledger: Ledger
     before: Part
     after: Part
     without: Mapping[str, Part]
 
     def squares(self) -> Squares:
-        compared = self.decision.compared
-        parts = [self.before, *self.without.values(), self.after]
+        parts, search = (
+            [self.before, *self.without.values(), self.after],
+            self.decision.compared.search,
+        )
         noise, before, *others, after = squares_on(
-            compared.search, compared.ledger, parts, (self.decision.base, self.decision.row)
+            search, self.ledger, parts, (self.decision.base, self.decision.row)
         )
         lost = dict(zip(self.without, others, strict=True))
         if not lost:

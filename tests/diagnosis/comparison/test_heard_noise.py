@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,7 +39,6 @@ def simulated(
     at = hypothesis.start({**heard.parameters, **parameters})
     (quiet,) = problem.simulations.run([problem.point(hypothesis, at)])
     noisy = heard.beside(problem, hypothesis, (), quiet)
-    assert noisy is not None
     return quiet, noisy
 
 
@@ -83,3 +83,20 @@ def test_no_parameter_changes_what_noise_makes(played: tuple[Problem, HeardNoise
     as_told = change(simulated(played, hypothesis))
     heavier = change(simulated(played, hypothesis, inertia=1.3 * inertia))
     np.testing.assert_allclose(heavier, as_told, atol=1e-12)
+
+
+def test_a_gap_and_a_shaft_do_not_share_one_load_while_noise_is_played(
+    played: tuple[Problem, HeardNoise],
+) -> None:
+    problem, heard = played
+    whole = heard.parameters["inertia"]
+    shaft = Candidate(
+        "torsional_compliance",
+        {"stiffness": 100.0, "damping": 0.01, "load_inertia": 0.5 * whole},
+    )
+    gap = Candidate("backlash", {"gap": 1e-3, "load_inertia": 0.5 * whole})
+    about = replace(heard, about=replace(heard.about, effects=(shaft,)))
+    noisy, quiet = about.points(problem, Hypothesis(heard.about.setting, (gap,)))
+    for point in (noisy, quiet):
+        assert not any(name.startswith("torsional") for name in point.physics)
+        assert point.parameters["inertia"] == pytest.approx(0.5 * whole)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.held_out_fit import Part
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.priors import Prior
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
@@ -50,7 +49,7 @@ def linear_part(rng: np.random.Generator, columns: NDArray[np.float64], size: fl
     )
     stretches = [[slice(a, a + STRETCH) for a in range(0, ROWS, STRETCH)]]
     problem = SimpleNamespace(stretches=lambda: stretches)
-    return Part(cast(Any, problem), cast(Whitening, White()), fitted, PortKernels({}, 1e-3))
+    return Part(cast(Any, problem), cast(Whitening, White()), fitted)
 
 
 def test_intervals_hold_the_truth_in_about_95_of_100_fits() -> None:

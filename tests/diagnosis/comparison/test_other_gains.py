@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gmfbo.diagnosis.comparison.held_out_fit import quiet, seen_on
+from gmfbo.diagnosis.comparison.held_out_fit import ledger_on, quiet, seen_on
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from tests.diagnosis.noise.planted_noise import opened, planted
 from tests.diagnosis.short_recordings import SERVO
@@ -21,7 +21,8 @@ def test_unseen_recordings_are_whitened_by_the_noise_of_their_own_gains() -> Non
         ledger = search.opened(stated.first)
         row = ledger.rows[frozenset()]
         windows = range(len(unseen.budget.windows))
-        part = seen_on(unseen, search, ledger, quiet(unseen.simulations, row), windows, ())
+        run = quiet(unseen.simulations, row)
+        part = seen_on(unseen, search, ledger_on(unseen, ledger, row), run, windows, ())
     white = np.concatenate([z.ravel() for z in part.whitening(part.fitted.residual)])
     # Levels that were read at one gain are a little off at another; by the paths of the first gains
     # it would be ten.

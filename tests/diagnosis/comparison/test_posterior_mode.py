@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
+from gmfbo.diagnosis.comparison.priors import Prior
 from gmfbo.diagnosis.comparison.row_fits import cost
 from tests.diagnosis.noise.planted_noise import opened, planted
 
@@ -29,3 +36,46 @@ def test_what_stays_far_behind_the_best_fit_is_not_searched_on() -> None:
     assert not behind.converged
     assert level.converged
     assert cost(level, ledger.whitening) == pytest.approx(best, abs=0.2)
+
+
+class Parabola(ModeSearch):
+    """A search whose cost is a parabola of two logarithms, from its middle."""
+
+    def __init__(self, curvature: NDArray[np.float64], slope: NDArray[np.float64]) -> None:
+        self._priors = (Prior(1e-9, 1e9, True, "uniform", 0.0, 0.0),) * 2
+        self._parts, self._made = None, (curvature, slope)
+
+    def _normal(self, at: Any, columns: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self._made
+
+    def step(self, damping: float = 0.0) -> tuple[NDArray[np.float64], float]:
+        none = np.zeros(0)
+        at = SimpleNamespace(
+            u=np.zeros(2), nuisances=none, at_zero=none > 0.0, one_sided=none > 0.0
+        )
+        return self._step(cast(Any, at), [], damping)
+
+
+def test_a_step_of_what_bends_stays_in_a_narrow_valley() -> None:
+    stiff, soft = np.array([3.0, 1.0]) / np.sqrt(10.0), np.array([1.0, -3.0]) / np.sqrt(10.0)
+    curvature = 100.0 * np.outer(stiff, stiff) + np.outer(soft, soft)
+    wanted = np.array([2.0, -6.0])
+    step, gain = Parabola(curvature, curvature @ wanted).step()
+    np.testing.assert_allclose(step, [1.0 / 3.0, -1.0], atol=0.02)
+    assert gain > 0.0
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(st.floats(-3.0, 3.0), min_size=4, max_size=4),
+    st.lists(st.floats(-10.0, 10.0), min_size=2, max_size=2),
+    st.sampled_from([0.0, 1e-3, 1.0]),
+)
+def test_a_step_within_bounds_never_promises_a_loss(
+    root: list[float], wanted: list[float], damping: float
+) -> None:
+    factor = np.reshape(root, (2, 2))
+    curvature = factor @ factor.T + 0.1 * np.eye(2)
+    step, gain = Parabola(curvature, curvature @ np.array(wanted)).step(damping)
+    assert np.abs(step).max() <= 1.0 + 1e-12
+    assert gain >= -1e-9

@@ -51,6 +51,25 @@ def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:
     assert told == pytest.approx(exact, rel=1e-10)
 
 
+def test_no_columns_are_whitened_beside_errors_too() -> None:
+    errors = np.random.default_rng(5).standard_normal((1, 2, ROWS))
+    beside = white().beside(errors, STRETCHES)
+    assert beside(np.zeros((0, 2, ROWS))).shape == (0, 2, ROWS)
+
+
+def test_stretches_are_whitened_together_as_each_is_alone() -> None:
+    rng = np.random.default_rng(6)
+    errors, z = 2.0 * rng.standard_normal((2, 2, ROWS)), rng.standard_normal((3, 2, ROWS))
+    uneven = [slice(0, 41), slice(41, 81), slice(81, 150), slice(150, ROWS)]
+    together = white().beside(errors, uneven)
+    alone = white()
+    for rows in uneven:
+        only = np.zeros_like(errors)
+        only[:, :, rows] = errors[:, :, rows]
+        alone = alone.beside(only, [slice(0, ROWS)])
+    np.testing.assert_allclose(together(z), alone(z), atol=1e-12)
+
+
 def test_errors_of_a_recording_and_of_its_stretches_add_to_the_dense_covariance() -> None:
     rng = np.random.default_rng(3)
     plain = white()
