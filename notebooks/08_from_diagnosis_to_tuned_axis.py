@@ -98,6 +98,11 @@ costs = real_costs(by_physics)
 print(f"real runs: {', '.join(f'{cost:.2f}' for cost in costs)}")
 
 # %% [markdown]
+# Only a delay was hidden. The first version has one, but shorter than the hidden one; it takes the
+# rest of the time for a lag of the sensor. The ripple and the elastic torque that it names are not
+# in the drive. So this list is wrong about the drive, though the twin with all of it foretells
+# the runs well.
+#
 # The corrected twin is an FMU in the study's folder. It predicts a run that it has not seen: the
 # third one, whose gains were chosen on it.
 
