@@ -49,9 +49,12 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     newest = max(MADE["tuning"][study][-11:-1] for study in SHORT)
     assert f"Version 0.1, {newest}:" in FRONT
     assert f"Version 0.1, {last.made['committed'][-11:-1]};" in FRONT
-    draw = (RESULTS / "diagnosis_draw/development_seed_34_5fdfc7d.txt").read_text("utf-8")
+    draw = (RESULTS / "diagnosis_draw/development_seed_34_76f577d.txt").read_text("utf-8")
     (claimed,) = re.findall(r"^all .*?(\d+ of \d+) ", draw, re.MULTILINE)
-    assert f"on {claimed} development axes" in FRONT
+    assert f"claimed physics on {claimed} that" in FRONT
+    (named,) = re.findall(r"^owed, right  .*?(\d+ of \d+) ", draw, re.MULTILINE)
+    (outside,) = re.findall(r"^verdict .*?(\d+ of \d+) ", draw, re.MULTILINE)
+    assert f"named {named} effects, and recognised {outside} unknown laws" in FRONT
     axis = (RESULTS / "emps_diagnosis/emps_diagnosis.txt").read_text("utf-8")
     said = re.search(r"^force error: ([\d.]+)% with .*, ([\d.]+)% with", axis, re.MULTILINE)
     assert said is not None
