@@ -207,11 +207,10 @@ print("lines of the turning motor:", moving)
 
 # %% [markdown]
 # Eight lines are one cogging: they were found one after the other and then fitted together. Those
-# of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them two sets are
-# told, and a constant torque is in both: one of compliance, inertia and a constant torque, and one
-# of friction that depends on the position, compliance and a constant torque. Sliding friction is
-# the likely cause: the motor turns one way only, and there friction and a constant torque are one.
-# Runs in both directions would tell.
+# of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them friction that
+# depends on the position, friction by direction and a compliance are told as certain. That is more
+# than these runs can show: the motor turns one way only, and there friction and a constant torque
+# are one. Runs in both directions would tell.
 
 # %%
 figure = NotebookFigure(figsize=(8.0, 3.0), layout="constrained")
