@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
-from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SAME, SETTLED
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END, FAR_BEHIND, HOPED_STEPS, SAME, SETTLED
 from gmfbo.diagnosis.comparison.own_parts import Eliminated, by_recording, eliminated
 from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 _DAMPING = 1e-3  # of a first step
 
 _POLISHED = 6  # steps of the nuisances alone
-_HOPE = 10.0  # times the gain of a fit's next step is all that is hoped of it
-_BEHIND = 10.0  # [nats] behind the best fit, a hypothesis is not believed
 _RUN_AWAY = 1e6  # times a signal's range
 _LONGEST_STEP = 1.0  # of a logarithm, or a filter's coordinate, in one iteration
 
@@ -131,26 +129,27 @@ class ModeSearch:
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping = _DAMPING
+        damping, cost = _DAMPING, self._cost(at)
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
-            if damping <= _DAMPING and self._cost(at) - _HOPE * gain > rival + _BEHIND:
+            if damping <= _DAMPING and cost - HOPED_STEPS * gain > rival + FAR_BEHIND:
                 return self._ended(at, columns, False)
             if gain < (settled if damping <= _DAMPING else AT_THE_END):
                 return self._ended(at, columns, True)
             moved = self._moved(at, step, damping)
-            fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
-            while fall <= 0.0 and damping < 1e4:
+            after = np.inf if moved is None else self._cost(moved)
+            while after >= cost and damping < 1e4:
                 damping *= 10.0
                 # A short step promises little, wherever it begins.
                 step, gain = self._step(at, columns, damping)
                 if gain < AT_THE_END:
                     return self._ended(at, columns, True)
                 moved = self._moved(at, step, damping)
-                fall = -np.inf if moved is None else self._cost(at) - self._cost(moved)
-            if moved is None or fall <= 0.0:
+                after = np.inf if moved is None else self._cost(moved)
+            if moved is None or after >= cost:
                 return self._ended(at, columns, False)
+            fall, cost = cost - after, after
             at, damping = moved, max(0.1 * damping, 1e-7)
             columns = self._columns(at)
             if fall < AT_THE_END:

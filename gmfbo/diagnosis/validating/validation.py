@@ -190,12 +190,10 @@ class _Seen:
     without: Mapping[str, Part]
 
     def squares(self) -> Squares:
-        parts, search = (
-            [self.before, *self.without.values(), self.after],
-            self.decision.compared.search,
-        )
+        decision = self.decision
+        parts = [self.before, *self.without.values(), self.after]
         noise, before, *others, after = squares_on(
-            search, self.ledger, parts, (self.decision.base, self.decision.row)
+            decision.compared.search, self.ledger, parts, (decision.base, decision.row)
         )
         lost = dict(zip(self.without, others, strict=True))
         if not lost:

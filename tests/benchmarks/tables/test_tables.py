@@ -51,7 +51,7 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     assert f"Version 0.1, {last.made['committed'][-11:-1]};" in FRONT
     draw = (RESULTS / "diagnosis_draw/development_seed_34_76f577d.txt").read_text("utf-8")
     (claimed,) = re.findall(r"^all .*?(\d+ of \d+) ", draw, re.MULTILINE)
-    assert f"claimed physics on {claimed} that" in FRONT
+    assert f"was wrong on {claimed} that" in FRONT
     (named,) = re.findall(r"^owed, right  .*?(\d+ of \d+) ", draw, re.MULTILINE)
     (outside,) = re.findall(r"^verdict .*?(\d+ of \d+) ", draw, re.MULTILINE)
     assert f"named {named} effects, and recognised {outside} unknown laws" in FRONT
