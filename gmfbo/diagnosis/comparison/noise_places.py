@@ -306,9 +306,11 @@ def inadequate(
     rates: Sequence[Array],
     levels: Levels,
     least: Mapping[str, float],
-    near: Levels | None = None,
 ) -> Levels:
-    """Levels at the torque and command ports that make the rest of a residual likely.
+    """Levels over the whole band: torque and command ports, and white noise hidden at its top.
+
+    What the controller reads may hide the logger's own noise where levels of noise are read, at
+    high frequencies, and not below. It must not be taken for a torque there.
 
     Parameters
     ----------
@@ -319,28 +321,40 @@ def inadequate(
     residuals, rates : sequence of ndarray, shape (m, n)
         [SI], [SI/s] By segment.
     levels : Levels
-        Of the white noise.
+        Of the white noise at high frequencies: that of the logger is no less, that of the
+        controller no more.
     least : mapping of str to float
         [FMU's unit] By port, the level below which nobody cares.
     """
-    if not any(port in kernels.kernels for port in least):
-        return levels
-    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
     ports = [port for port in least if port in kernels.kernels]
-
-    def nll(x: Array) -> float:
-        at = levels.with_ports(**dict(zip(ports, np.exp(x), strict=True)))
-        return sum(_deviance(group, at, kernels) for group in whole)
-
-    low = np.log([least[port] for port in ports])
+    free = [f"port:{port}" for port in ports] + [f"own:{name}" for name in levels.own]
+    low = np.log([*(least[port] for port in ports), *levels.own.values()])
     # No more is missing at a port than what acts there at most.
     high = low - np.log(TOLERANCE)
+    if "sensor" in levels.ports and levels.ports["sensor"] > 0.0:
+        free.append("port:sensor")
+        high = np.append(high, np.log(levels.ports["sensor"]))
+        low = np.append(low, high[-1] + np.log(TOLERANCE))
+    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
+    shares = [_Shares.of(group, levels, free, kernels) for group in whole]
+
+    def nll(x: Array) -> tuple[float, Array]:
+        found = [one.deviance(np.exp(2.0 * x)) for one in shares]
+        return sum(f for f, _ in found), np.sum([g for _, g in found], axis=0)
+
+    quiet = np.where([name == "port:sensor" for name in free], high, low)
     steps = np.arange(0.0, -np.log(TOLERANCE), 2.0)
-    begin = min((low + c for c in product(steps, repeat=len(ports))), key=nll)
-    found = minimize(
-        nll, begin, method="Nelder-Mead", options={"maxiter": 80, "xatol": 0.03, "fatol": 0.05}
-    ).x
-    return levels.with_ports(**dict(zip(ports, np.exp(np.clip(found, low, high)), strict=True)))
+    pushed = [quiet + np.append(c, np.zeros(low.size - len(ports))) for c in product(steps, repeat=len(ports))]
+    begin = [min(pushed, key=lambda x: nll(x)[0]), quiet]
+    begin = [b + np.where([n.startswith("own:") for n in free], a, 0.0) for b in begin for a in (0.0, 1.5)]
+    bounds = list(zip(low, high, strict=True))
+    best = min(
+        (minimize(nll, b, jac=True, method="L-BFGS-B", bounds=bounds) for b in begin),
+        key=lambda found: float(found.fun),
+    )
+    for name, value in zip(free, np.exp(best.x), strict=True):
+        levels = _with(levels, name, float(value))
+    return levels
 
 
 @dataclass(frozen=True, eq=False)
@@ -373,9 +387,50 @@ def _binned(group: Periodograms) -> _Binned:
     return _Binned(group.names, middle, counts, powers, rates, group.record)
 
 
-def _deviance(group: _Binned, levels: Levels, kernels: PortKernels) -> float:
-    paths = kernels.of(group.record)
-    s = covariance(levels, paths, group.names, group.frequencies, group.square_rates)
-    inverse = np.linalg.inv(s)
-    squares = np.einsum("fij,fji->f", inverse, group.powers).real
-    return float(np.sum(group.counts * (squares + np.linalg.slogdet(s)[1])))
+@dataclass(frozen=True, eq=False)
+class _Shares:
+    """Covariance of a group as a sum of variances, each times what its place makes."""
+
+    group: _Binned
+    constant: Spectrum
+    units: Spectrum
+
+    @classmethod
+    def of(
+        cls, group: _Binned, levels: Levels, free: Sequence[str], kernels: PortKernels
+    ) -> _Shares:
+        """Split what is free from what stays.
+
+        Parameters
+        ----------
+        group : _Binned
+            Spectra.
+        levels : Levels
+            Of what stays.
+        free : sequence of str
+            Places, as of `estimated`.
+        kernels : PortKernels
+            Paths from the ports to the signals.
+        """
+        nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
+        at = replace(levels, ports=dict(levels.ports), own=dict(levels.own))
+        for name in free:
+            at = _with(at, name, 0.0)
+
+        def alone(one: Levels) -> Spectrum:
+            paths = kernels.of(group.record)
+            return covariance(one, paths, group.names, group.frequencies, group.square_rates)
+
+        units = np.stack([alone(_with(nothing, name, 1.0)) for name in free])
+        return cls(group, alone(at), units)
+
+    def deviance(self, variances: Array) -> tuple[float, Array]:
+        """Whittle's deviance and its slopes over the logarithms of the levels."""
+        counts, s = self.group.counts, self.constant + np.tensordot(variances, self.units, 1)
+        inverse = np.linalg.inv(s)
+        left = np.eye(s.shape[1]) - inverse @ self.group.powers
+        squares = s.shape[1] - np.einsum("fii->f", left).real
+        value = float(np.sum(counts * (squares + np.linalg.slogdet(s)[1])))
+        pull = counts[:, None, None] * (left @ inverse)
+        slopes = np.einsum("fij,kfji->k", pull, self.units).real
+        return value, 2.0 * variances * slopes

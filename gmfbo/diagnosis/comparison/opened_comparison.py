@@ -37,7 +37,7 @@ _MOST_STRETCHES = 200
 _FREED_RANGE = 4.0
 """Times the value of a freed parameter, either way: three standard deviations and a half."""
 
-_LEAST_OWN, _LEAST_OWN_POSITION = 5e-4, 1e-5  # of a signal's range
+_LEAST_OWN, _LEAST_OWN_POSITION = 5e-4, 1e-6  # of a signal's range
 _LEAST_ROUNDING = 0.1  # of a resolution: a reading may be rounded before the controller reads it
 _LEAST_JITTER_S = 1e-7
 _FOLLOWED = 0.02  # of a position's least noise, where the twin follows it

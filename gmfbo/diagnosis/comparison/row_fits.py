@@ -168,6 +168,14 @@ def chi(row: Fitted, whitening: Whitening) -> float:
     return row.beside_own_parts(whitening).square(row.residual)
 
 
+def beyond_noise(row: Fitted, whitening: Whitening) -> float | None:
+    """Whitened square of what a row leaves, less that of noise; None where noise may make it."""
+    white = row.beside_own_parts(whitening)(row.residual)
+    size = sum(z.size for z in white)
+    beyond = sum(float(np.sum(z**2)) for z in white) - size
+    return None if beyond < 4.0 * np.sqrt(2.0 * size) else beyond
+
+
 def limits_in(elements: frozenset[str]) -> int:
     """Number of simpler laws that the laws of a row hold: those with fewer are fitted first."""
     return sum(len(CATALOGUE[name].contains) for name in elements if name in CATALOGUE)

@@ -26,7 +26,7 @@ from gmfbo.diagnosis.comparison.numbers import (
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.row_fits import RowFits, chi, cost, limit_of, limits_in
+from gmfbo.diagnosis.comparison.row_fits import RowFits, beyond_noise, chi, cost, limit_of, limits_in
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.physics import CATALOGUE
 
@@ -108,7 +108,7 @@ class Search:
             ledger, rows=self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
         )
         ledger, scored = self._settled(ledger)
-        if self._is_inadequate(ledger):
+        if self._is_inadequate(ledger, scored):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
         ledger, scored = self._heard(ledger, scored)
         for _ in range(2 * len(PRIOR_OF_COUNT)):
@@ -146,10 +146,12 @@ class Search:
                 rows[elements] = row
         return replace(ledger, rows=rows)
 
-    def _is_inadequate(self, ledger: Ledger) -> bool:
-        """Whether the best row leaves more than anybody cares about."""
-        level = ledger.levels.ports.get("torque", 0.0)
-        return "torque" in self.noise.cared and level > self.tolerance
+    def _is_inadequate(self, ledger: Ledger, scored: Scored) -> bool:
+        """Whether the best row leaves clearly more than noise of loop and logger."""
+        if "torque" not in self.noise.cared:
+            return False
+        best = ledger.rows[scored.best]
+        return beyond_noise(best, self.noise.quiet(best, ledger)) is not None
 
     def _next(
         self, ledger: Ledger, scored: Scored, found: Sequence[Response]

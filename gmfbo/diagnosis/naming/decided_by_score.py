@@ -20,7 +20,7 @@ from gmfbo.diagnosis.comparison.numbers import (
     UNLIKE,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.row_fits import RowFits, chi
+from gmfbo.diagnosis.comparison.row_fits import RowFits, beyond_noise, chi
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
@@ -291,12 +291,10 @@ def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, 
 def _share(compared: Compared, base: Row, row: Row) -> float | None:
     """Of the square that the refitted twin leaves beyond noise, what the model explains."""
     whitening = compared.search.noise.quiet(base, compared.ledger)
-    left = [chi(one, whitening) for one in (base, row)]
-    size = sum(z.size for z in whitening(base.residual))
-    beyond = left[0] - size
-    if beyond < 4.0 * np.sqrt(2.0 * size):
+    beyond = beyond_noise(base, whitening)
+    if beyond is None:
         return None
-    return 1.0 - (left[1] - size) / beyond
+    return (chi(base, whitening) - chi(row, whitening)) / beyond
 
 
 def _is_outside(compared: Compared, share: float | None) -> bool:
