@@ -221,6 +221,7 @@ def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
     x = hypothesis.start({**row.parameters, **best.parameters})
     if not x.size:
         return row
-    u = np.array([p.to_u(float(v)) for p, v in zip(row.priors, x, strict=True)])
+    priors = priors_of(hypothesis, row.freed)  # the larger one may hold more lines of an effect
+    u = np.array([p.to_u(float(v)) for p, v in zip(priors, x, strict=True)])
     own = best.own_of(hypothesis.names)
-    return replace(row, hypothesis=hypothesis, u=u, nuisances=best.nuisances, own=own)
+    return replace(row, hypothesis=hypothesis, priors=priors, u=u, nuisances=best.nuisances, own=own)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from math import factorial, log
 
@@ -20,6 +20,7 @@ from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, re
 from gmfbo.diagnosis.comparison.numbers import (
     FIXED_SHARE,
     LEAST_GAIN,
+    NAMED,
     PRIOR_OF_COUNT,
     SAME,
 )
@@ -111,20 +112,22 @@ class Search:
         if self._is_inadequate(ledger, scored):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
         ledger, scored = self._heard(ledger, scored)
+        seen: set[frozenset[str]] = set()
         for _ in range(2 * len(PRIOR_OF_COUNT)):
-            before = scored.best
+            before, ahead = scored.best, _ahead(scored) - seen
+            seen |= ahead
             ledger = self._with_fewer(ledger, before)
-            plans = self._next(ledger, scored, found)
+            plans = self._next(ledger, scored, found, ahead)
             if not plans:
                 break
             best = ledger.rows[before]
             for about, chosen in plans:
-                rows = self._fits(ledger).with_moves(ledger, about, chosen, best)
+                near = about if best.elements < about.elements else best
+                rows = self._fits(ledger).with_moves(ledger, about, chosen, near)
                 ledger = replace(ledger, rows=rows)
             ledger, scored = self._settled(ledger)
-            if scored.best == before:
-                break
-            ledger, scored = self._heard(ledger, scored)
+            if scored.best != before:
+                ledger, scored = self._heard(ledger, scored)
         return ledger, self.scored(ledger)
 
     def _by_noise_alone(self, ledger: Ledger, base: Fitted, found: Sequence[Response]) -> Ledger:
@@ -154,13 +157,20 @@ class Search:
         return beyond_noise(best, self.noise.quiet(best, ledger)) is not None
 
     def _next(
-        self, ledger: Ledger, scored: Scored, found: Sequence[Response]
+        self,
+        ledger: Ledger,
+        scored: Scored,
+        found: Sequence[Response],
+        ahead: Collection[frozenset[str]],
     ) -> list[tuple[Fitted, list[Move]]]:
-        """Moves from the best row: one element more, and one in the place of another."""
+        """Moves from rows ahead: one element more; of the best one, one in another's place too."""
         best = ledger.rows[scored.best]
         plans = []
-        origins = [best] if len(best.elements) < len(PRIOR_OF_COUNT) - 1 else []
-        fewer = [ledger.rows.get(best.elements - {name}) for name in best.elements]
+        origins = [ledger.rows[e] for e in ahead if len(e) < len(PRIOR_OF_COUNT) - 1]
+        if best.elements not in ahead:
+            fewer = []
+        else:
+            fewer = [ledger.rows.get(best.elements - {name}) for name in best.elements]
         origins += [row for row in fewer if row is not None and row.elements]
         for about in origins:
             moves = ranked(ledger.whitening, about, found)
@@ -174,11 +184,11 @@ class Search:
             limits = {n for e in best.elements if e in CATALOGUE for n in CATALOGUE[e].contains}
             chosen += [m for m in fitting if m.element.name in limits and m not in chosen]
             chosen = [m for m in chosen if about.elements | {m.element.name} not in ledger.rows]
-            if about is not best:
+            if about.elements not in ahead:
                 chosen = [self._as_fitted_alone(ledger, m) for m in chosen]
             if chosen:
                 plans.append((about, chosen))
-        return plans + self._larger(ledger, best, found)
+        return plans + (self._larger(ledger, best, found) if best.elements in ahead else [])
 
     def _larger(
         self, ledger: Ledger, best: Fitted, found: Sequence[Response]
@@ -346,6 +356,18 @@ class Search:
             else:
                 total += log((1.0 - (FIXED_SHARE if fixed else 0.0)) / effects)
         return total
+
+
+def _ahead(scored: Scored) -> set[frozenset[str]]:
+    """The best row, and larger ones that may be as good: what they lack shows beside them alone."""
+    logs = scored.log_evidences.mean(1)
+    near = logs > logs.max() - log(NAMED / (1.0 - NAMED))
+    larger = {
+        elements
+        for elements, is_near in zip(scored.elements, near, strict=True)
+        if is_near and len(elements) > len(scored.best)
+    }
+    return {scored.best} | larger
 
 
 def _one_holds_the_other(name: str, elements: frozenset[str]) -> bool:
