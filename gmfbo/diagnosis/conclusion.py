@@ -167,7 +167,7 @@ class Conclusion:
         share = self.result.squares.remainder
         if share is None:
             return None
-        return remainder_of(self.case, self.decision.compared, self.decision.row, share)
+        return remainder_of(self.case, self.decision, share)
 
     @cached_property
     def _measured(self) -> Fitted:

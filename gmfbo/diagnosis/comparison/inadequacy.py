@@ -50,7 +50,7 @@ def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -
         grid = problem.simulations.records[segment.record].plan.grid
         # Finer where friction changes: about standstill.
         over_speed = np.sign(velocity) * np.sqrt(np.abs(velocity) / fast)
-        bumps = [*_bumps(over_speed, -1.0, 1.0), *_bumps(position, float(low), float(high))]
+        bumps = [*smooth(over_speed, -1.0, 1.0), *smooth(position, float(low), float(high))]
         columns = np.zeros((len(bumps), len(segment.names), segment.time.size))
         for i, name in enumerate(segment.names):
             answers = through(np.stack(bumps), kernels.of(segment.record).kernels["torque"][name])
@@ -60,21 +60,35 @@ def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -
     return made
 
 
-def _bumps(values: Array, low: float, high: float) -> list[Array]:
+def smooth(values: Array, low: float, high: float, count: int = _BUMPS) -> Array:
     """Columns whose independent normal amplitudes make a smooth function of about that size.
 
     Neighbouring bumps rise together (Rasmussen and Williams 2006, eq. 2.16): were they
     independent, a step at standstill would be as likely as any curve, and that is friction.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Of a state.
+    low, high : float
+        Its range.
+    count : int
+        Of bumps over the range.
+
+    Returns
+    -------
+    ndarray, shape (count, n)
     """
-    centres = np.linspace(low, high, _BUMPS)
+    centres = np.linspace(low, high, count)
     width = max(centres[1] - centres[0], 1e-300)
     bumps = np.exp(-0.5 * ((values - centres[:, None]) / width) ** 2)
-    apart = np.arange(_BUMPS)
+    apart = np.arange(count)
     alike = np.exp(-0.5 * ((apart[:, None] - apart) / SMOOTH_BUMPS) ** 2)
-    middle = np.exp(-0.5 * (apart - 0.5 * (_BUMPS - 1)) ** 2)
+    middle = np.exp(-0.5 * (apart - 0.5 * (count - 1)) ** 2)
     size = np.sqrt(middle @ alike @ middle)
-    factor = np.linalg.cholesky(alike + 1e-6 * np.eye(_BUMPS)) / size
-    return list(factor.T @ bumps)
+    factor = np.linalg.cholesky(alike + 1e-6 * np.eye(count)) / size
+    found: Array = factor.T @ bumps
+    return found
 
 
 def with_inadequacy(

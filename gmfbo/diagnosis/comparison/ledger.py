@@ -66,15 +66,12 @@ class Scored:
         Mean over the weightings.
     sizes : ndarray, shape (n_rows,)
         [FMU's unit of the torque port] Of the inadequacy beside each row.
-    inadequate : ndarray, shape (n_rows,)
-        Probability that it is more than twice what nobody cares about.
     """
 
     elements: tuple[frozenset[str], ...]
     log_evidences: Array
     beliefs: Array
     sizes: Array
-    inadequate: Array
 
     def size_beside(self, row: frozenset[str]) -> float:
         """[FMU's unit of the torque port] Of the inadequacy beside a row."""

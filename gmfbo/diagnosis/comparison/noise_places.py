@@ -344,9 +344,16 @@ def inadequate(
 
     quiet = np.where([name == "port:sensor" for name in free], high, low)
     steps = np.arange(0.0, -np.log(TOLERANCE), 2.0)
-    pushed = [quiet + np.append(c, np.zeros(low.size - len(ports))) for c in product(steps, repeat=len(ports))]
+    pushed = [
+        quiet + np.append(c, np.zeros(low.size - len(ports)))
+        for c in product(steps, repeat=len(ports))
+    ]
     begin = [min(pushed, key=lambda x: nll(x)[0]), quiet]
-    begin = [b + np.where([n.startswith("own:") for n in free], a, 0.0) for b in begin for a in (0.0, 1.5)]
+    begin = [
+        b + np.where([n.startswith("own:") for n in free], a, 0.0)
+        for b in begin
+        for a in (0.0, 1.5)
+    ]
     bounds = list(zip(low, high, strict=True))
     best = min(
         (minimize(nll, b, jac=True, method="L-BFGS-B", bounds=bounds) for b in begin),

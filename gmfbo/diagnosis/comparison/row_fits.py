@@ -224,4 +224,6 @@ def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
     priors = priors_of(hypothesis, row.freed)  # the larger one may hold more lines of an effect
     u = np.array([p.to_u(float(v)) for p, v in zip(priors, x, strict=True)])
     own = best.own_of(hypothesis.names)
-    return replace(row, hypothesis=hypothesis, priors=priors, u=u, nuisances=best.nuisances, own=own)
+    return replace(
+        row, hypothesis=hypothesis, priors=priors, u=u, nuisances=best.nuisances, own=own
+    )

@@ -27,7 +27,14 @@ from gmfbo.diagnosis.comparison.numbers import (
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.row_fits import RowFits, beyond_noise, chi, cost, limit_of, limits_in
+from gmfbo.diagnosis.comparison.row_fits import (
+    RowFits,
+    beyond_noise,
+    chi,
+    cost,
+    limit_of,
+    limits_in,
+)
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.physics import CATALOGUE
 
@@ -329,7 +336,7 @@ class Search:
         bumps = ledger.whitening(
             inadequacy_columns(problem, ledger.kernels, next(iter(ledger.rows.values())))
         )
-        weights, logs, sizes, above = None, [], [], []
+        weights, logs, sizes = None, [], []
         for row in ledger.rows.values():
             whitening = row.beside_own_parts(ledger.whitening)
             inner = grams(problem, whitening, row, whitening.of_own(bumps))
@@ -337,13 +344,12 @@ class Search:
                 n = len(inner.squares)
                 weights = weightings(n) if weighted else np.ones((1, n))
             extra = bumps[0].shape[0]
-            own, size, more = with_inadequacy(row, inner, weights, extra, self.tolerance)
+            own, size, _ = with_inadequacy(row, inner, weights, extra, self.tolerance)
             logs.append(own + self.log_prior(row.elements))
             sizes.append(float(size.mean()))
-            above.append(float(more.mean()))
         table = np.stack(logs)
         beliefs = softmax(table, axis=0).mean(1)
-        return Scored(tuple(ledger.rows), table, beliefs, np.array(sizes), np.array(above))
+        return Scored(tuple(ledger.rows), table, beliefs, np.array(sizes))
 
     def log_prior(self, elements: frozenset[str]) -> float:
         """[nats] Of a hypothesis, by what it adds to the twin."""

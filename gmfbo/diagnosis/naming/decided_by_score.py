@@ -21,6 +21,7 @@ from gmfbo.diagnosis.comparison.numbers import (
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.row_fits import RowFits, beyond_noise, chi
+from gmfbo.diagnosis.comparison.unknown_laws import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
@@ -75,6 +76,7 @@ def decide(
     model = measured(case.misfit, row)
     rounds = [_round(case, compared, row, model, claim) for claim in held_by_row if _effects(claim)]
     share = _share(compared, base, row)
+    unknown = unknown_of(compared, row)
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
@@ -89,7 +91,8 @@ def decide(
         shown=tuple(seen),
         like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
         share=share,
-        is_outside=_is_outside(compared, share),
+        unknown=unknown,
+        is_outside=_is_outside(compared, unknown, share),
         compared=compared,
         notes=(*notes, *_notes_of(rounds)),
     )
@@ -297,14 +300,26 @@ def _share(compared: Compared, base: Row, row: Row) -> float | None:
     return (chi(base, whitening) - chi(row, whitening)) / beyond
 
 
-def _is_outside(compared: Compared, share: float | None) -> bool:
-    """Whether the best row is believed to be inadequate, and most of it is unexplained.
+def unknown_of(compared: Compared, row: Row) -> Unknown | None:
+    """What acts beside a fit of a comparison, as a free function of the states.
+
+    Parameters
+    ----------
+    compared : Compared
+        The comparison.
+    row : Fitted
+        The fit.
+    """
+    search = compared.search
+    return unknown_beside(search.problem, compared.ledger, row, search.tolerance)
+
+
+def _is_outside(compared: Compared, unknown: Unknown | None, share: float | None) -> bool:
+    """Whether something acts beside the model for sure, and is most of what the twin lacks.
 
     A torque without any law that is as large as half of the drive's is no noise of the shaft.
     """
-    scored, search = compared.scored, compared.search
-    believed = float(scored.inadequate[scored.elements.index(scored.best)])
-    usual = search.tolerance / INADEQUACY_TOLERANCE
+    usual = compared.search.tolerance / INADEQUACY_TOLERANCE
     coloured = compared.ledger.levels.ports.get("torque", 0.0)
-    is_inadequate = believed >= NAMED or coloured > EXPLAINED * usual
-    return is_inadequate and share is not None and share < EXPLAINED
+    acts = unknown is not None and unknown.probability >= NAMED
+    return (acts or coloured > EXPLAINED * usual) and share is not None and share < EXPLAINED

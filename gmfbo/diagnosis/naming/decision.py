@@ -9,6 +9,7 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
 from gmfbo.diagnosis.comparison.search import Search
+from gmfbo.diagnosis.comparison.unknown_laws import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.result.named_effect import RivalShare
@@ -114,6 +115,8 @@ class Decision:
         Effects that cannot be told, and why: mostly a parameter of the twin does the same.
     share : float or None
         Of what the refitted twin leaves beyond noise, explained; None where it leaves no more.
+    unknown : Unknown or None
+        What acts beside the model, as a free function of the states; None without a torque port.
     is_outside : bool
         Something acts that no law of the library explains for the most part.
     notes : tuple of str
@@ -129,6 +132,7 @@ class Decision:
     shown: tuple[Shown, ...]
     like_parameters: Mapping[str, str]
     share: float | None
+    unknown: Unknown | None
     is_outside: bool
     compared: Compared
     notes: tuple[str, ...] = field(default=())

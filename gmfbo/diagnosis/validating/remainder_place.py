@@ -2,68 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.comparison.evidence import Grams, grams, log_evidences
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
 from gmfbo.diagnosis.comparison.numbers import NAMED
 from gmfbo.diagnosis.comparison.whitener import Whitening
-from gmfbo.diagnosis.naming.decision import Compared
+from gmfbo.diagnosis.naming.decision import Compared, Decision
 from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.plain_words import number
 
-Array = NDArray[np.float64]
 
-
-def remainder_of(case: Case, compared: Compared, row: Fitted, share: float) -> Remainder:
+def remainder_of(case: Case, decision: Decision, share: float) -> Remainder:
     """Describe what a model leaves beyond noise.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
-    compared : Compared
-        The comparison that the model comes from.
-    row : Fitted
-        The model.
+    decision : Decision
+        The model, and what acts beside it.
     share : float
         Of what the refitted twin leaves beyond noise.
     """
+    compared, row, unknown = decision.compared, decision.row, decision.unknown
     whitening = row.beside_own_parts(compared.search.noise.quiet(row, compared.ledger))
-    against = _state(compared, row, whitening)
-    port = None if against is None else "torque"
-    return Remainder(share, port, against, _where(case, compared, row, whitening))
-
-
-def _state(compared: Compared, row: Fitted, whitening: Whitening) -> str | None:
-    """State of which a smooth torque explains most, where it is told from none at 0.95."""
-    search, kernels = compared.search, compared.ledger.kernels
-    bumps = inadequacy_columns(search.problem, kernels, row)
-    extra = bumps[0].shape[0] // 2
-    if not extra:
-        return None
-    inner = grams(search.problem, whitening, row, whitening(bumps))
-    count = inner.matrices.shape[1] - 2 * extra
-    once = np.ones((1, inner.squares.size))
-    alone = float(log_evidences(row, _chosen(inner, range(count)), once)[0])
-    gains = {}
-    for k, state in enumerate(("velocity", "position")):
-        first = count + k * extra
-        chosen = _chosen(inner, [*range(count), *range(first, first + extra)])
-        gains[state] = float(with_inadequacy(row, chosen, once, extra, search.tolerance)[0][0])
-    best = max(gains, key=lambda state: gains[state])
-    return best if gains[best] - alone > log(NAMED / (1.0 - NAMED)) else None
-
-
-def _chosen(inner: Grams, places: Sequence[int]) -> Grams:
-    where = list(places)
-    return Grams(inner.matrices[:, where][:, :, where], inner.products[:, where], inner.squares)
+    where = _where(case, compared, row, whitening)
+    if unknown is None or unknown.log_odds <= log(NAMED / (1.0 - NAMED)):
+        return Remainder(share, None, None, where)
+    return Remainder(share, unknown.port, unknown.against, where)
 
 
 def _where(case: Case, compared: Compared, row: Fitted, whitening: Whitening) -> str:
