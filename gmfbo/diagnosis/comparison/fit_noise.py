@@ -10,7 +10,8 @@ import numpy as np
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
 from gmfbo.diagnosis.comparison.ledger import Ledger
-from gmfbo.diagnosis.comparison.noise_places import Levels, blocks_of, estimated, inadequate
+from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of, estimated
+from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
 from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -56,12 +57,12 @@ class FitNoise:
             fitted, kernels, self._of_noise(fitted, kernels, None)
         )
         left = errors.taken_out(self.problem, fitted, kernels, about)
-        return self._with_inadequacy(left, kernels, self._of_noise(left, kernels, near))
+        return self._with_inadequacy(left, kernels, self._of_noise(left, kernels, near), near)
 
     def with_inadequacy(self, fitted: Fitted, ledger: Ledger) -> Levels:
         """A ledger's levels of noise, with those of the inadequacy that a fit leaves."""
         left = ledger.errors.taken_out(self.problem, fitted, ledger.kernels, ledger.levels)
-        return self._with_inadequacy(left, ledger.kernels, ledger.levels)
+        return self._with_inadequacy(left, ledger.kernels, ledger.levels, ledger.levels)
 
     def _of_noise(self, fitted: Fitted, kernels: PortKernels, near: Levels | None) -> Levels:
         problem = self.problem
@@ -73,10 +74,14 @@ class FitNoise:
         blocks = blocks_of(problem.segments, fitted.residual, rates, kernels)
         return estimated(kernels, blocks, self.least, free, near)
 
-    def _with_inadequacy(self, fitted: Fitted, kernels: PortKernels, levels: Levels) -> Levels:
+    def _with_inadequacy(
+        self, fitted: Fitted, kernels: PortKernels, levels: Levels, near: Levels | None = None
+    ) -> Levels:
         problem = self.problem
         rates = problem.rates(fitted.values)
-        return inadequate(kernels, problem.segments, fitted.residual, rates, levels, self.cared)
+        return inadequate(
+            kernels, problem.segments, fitted.residual, rates, levels, self.cared, near
+        )
 
     def errors(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels | None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.moves import Response
-from gmfbo.diagnosis.comparison.noise_places import Levels
+from gmfbo.diagnosis.comparison.noise.places import Levels
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors
 from gmfbo.diagnosis.comparison.whitener import Whitening

@@ -13,7 +13,7 @@ from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, ranked, responses
-from gmfbo.diagnosis.comparison.noise_places import Levels
+from gmfbo.diagnosis.comparison.noise.places import Levels
 from gmfbo.diagnosis.comparison.nuisance_columns import logging_of
 from gmfbo.diagnosis.comparison.numbers import (
     INADEQUACY_TOLERANCE,

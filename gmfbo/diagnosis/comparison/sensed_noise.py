@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.noise_places import Levels, covariance
+from gmfbo.diagnosis.comparison.noise.places import Levels, covariance
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.runs.simulated import PlayedNoise

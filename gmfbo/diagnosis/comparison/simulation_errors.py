@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.noise_places import Levels
+from gmfbo.diagnosis.comparison.noise.places import Levels
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from gmfbo.diagnosis.comparison.noise_places import Levels, covariance
+from gmfbo.diagnosis.comparison.noise.places import Levels, covariance
 from gmfbo.diagnosis.comparison.numbers import NOISE_FREEDOM
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment

@@ -26,7 +26,7 @@ Beliefs = Mapping[tuple[str, ...], float]
 def claims(beliefs: Beliefs, above: Mapping[str, float] | None = None) -> tuple[Claim, ...]:
     rows = tuple(frozenset(names) for names in beliefs)
     values = np.array(list(beliefs.values()))
-    scored = Scored(rows, np.log(values + 1e-300)[:, None], values, 0.0 * values, 0.0 * values)
+    scored = Scored(rows, np.log(values + 1e-300)[:, None], values, 0.0 * values)
     return claims_of(scored, {row: {n: (above or {}).get(n, 1.0) for n in row} for row in rows})
 
 

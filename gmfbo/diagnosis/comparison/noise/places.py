@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from gmfbo.diagnosis.comparison.numbers import BAND, BLOCK_ROWS, FLOOR, TOLERANCE, TORQUE_TIME
+from gmfbo.diagnosis.comparison.numbers import BAND, BLOCK_ROWS, FLOOR, TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
 
@@ -45,6 +45,13 @@ class Levels:
     def with_ports(self, **levels: float) -> Levels:
         """The same with other levels at some ports."""
         return replace(self, ports={**self.ports, **levels})
+
+    def of(self, name: str) -> float:
+        """Level of a place, as `estimated` names them."""
+        kind, _, which = name.partition(":")
+        if kind == "jitter":
+            return self.jitter
+        return (self.ports if kind == "port" else self.own)[which]
 
 
 def covariance(
@@ -169,10 +176,15 @@ def blocks_of(
 
 
 def _flat(length: int) -> Array:
-    ramp = max(1, length // 250)
+    """Cosine taper of a quarter at each end (Tukey 1967).
+
+    A recording is cut where noise goes on. Signals that answer the same noise are alike but for
+    that cut, and what leaks from it would be taken for noise of their own.
+    """
+    ramp = max(1, length // 4)
     taper = np.ones(length)
-    taper[:ramp] = np.linspace(0.0, 1.0, ramp + 1)[1:]
-    taper[-ramp:] = taper[:ramp][::-1]
+    taper[:ramp] = np.sin(0.5 * np.pi * (np.arange(ramp) + 0.5) / ramp) ** 2
+    taper[length - ramp :] = taper[:ramp][::-1]
     return taper
 
 
@@ -198,12 +210,12 @@ def estimated(
     near : Levels, optional
         Where the search begins; without it several starts are tried.
     """
-    low = np.log([_get(least, name) for name in free])
+    low = np.log([least.of(name) for name in free])
 
     def at(x: Array) -> Levels:
         levels = least
         for name, value in zip(free, np.exp(x), strict=True):
-            levels = _with(levels, name, float(value))
+            levels = with_level(levels, name, float(value))
         return levels
 
     def robust(x: Array) -> float:
@@ -220,7 +232,7 @@ def estimated(
         begin = min((np.array(c) for c in product(*starts)), key=robust)
         x = minimize(robust, begin, method="L-BFGS-B", bounds=bounds).x
     else:
-        x = np.log([_get(near, name) for name in free])
+        x = np.log([near.of(name) for name in free])
     for most in (2.0, 1.6, 1.6) if near is None else (1.6, 1.6):
         kept = _quiet(periodograms, at(x), kernels, most)
 
@@ -261,19 +273,13 @@ def _quiet(
     ]
 
 
-def _get(levels: Levels, name: str) -> float:
-    kind, _, which = name.partition(":")
-    if kind == "jitter":
-        return levels.jitter
-    return (levels.ports if kind == "port" else levels.own)[which]
-
-
-def _with(levels: Levels, name: str, value: float) -> Levels:
+def with_level(levels: Levels, name: str, value: float) -> Levels:
+    """The same levels with another one of a place, as `estimated` names them."""
     kind, _, which = name.partition(":")
     if kind == "jitter":
         return replace(levels, jitter=value)
     if kind == "port":
-        return replace(levels, ports={**levels.ports, which: value})
+        return levels.with_ports(**{which: value})
     return replace(levels, own={**levels.own, which: value})
 
 
@@ -297,147 +303,3 @@ def _largest(name: str, kernels: PortKernels, periodograms: Sequence[Periodogram
             if shown.any():
                 found.append(np.sqrt(np.min(power[shown] / rate[shown])))
     return float(max(found, default=1e-12)) or 1e-12
-
-
-def inadequate(
-    kernels: PortKernels,
-    segments: Sequence[Segment],
-    residuals: Sequence[Array],
-    rates: Sequence[Array],
-    levels: Levels,
-    least: Mapping[str, float],
-) -> Levels:
-    """Levels over the whole band: torque and command ports, and white noise hidden at its top.
-
-    What the controller reads may hide the logger's own noise where levels of noise are read, at
-    high frequencies, and not below. It must not be taken for a torque there.
-
-    Parameters
-    ----------
-    kernels : PortKernels
-        Paths from the ports to the signals.
-    segments : sequence of Segment
-        Stretches that are compared.
-    residuals, rates : sequence of ndarray, shape (m, n)
-        [SI], [SI/s] By segment.
-    levels : Levels
-        Of the white noise at high frequencies: that of the logger is no less, that of the
-        controller no more.
-    least : mapping of str to float
-        [FMU's unit] By port, the level below which nobody cares.
-    """
-    ports = [port for port in least if port in kernels.kernels]
-    free = [f"port:{port}" for port in ports] + [f"own:{name}" for name in levels.own]
-    low = np.log([*(least[port] for port in ports), *levels.own.values()])
-    # No more is missing at a port than what acts there at most.
-    high = low - np.log(TOLERANCE)
-    if "sensor" in levels.ports and levels.ports["sensor"] > 0.0:
-        free.append("port:sensor")
-        high = np.append(high, np.log(levels.ports["sensor"]))
-        low = np.append(low, high[-1] + np.log(TOLERANCE))
-    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
-    shares = [_Shares.of(group, levels, free, kernels) for group in whole]
-
-    def nll(x: Array) -> tuple[float, Array]:
-        found = [one.deviance(np.exp(2.0 * x)) for one in shares]
-        return sum(f for f, _ in found), np.sum([g for _, g in found], axis=0)
-
-    quiet = np.where([name == "port:sensor" for name in free], high, low)
-    steps = np.arange(0.0, -np.log(TOLERANCE), 2.0)
-    pushed = [
-        quiet + np.append(c, np.zeros(low.size - len(ports)))
-        for c in product(steps, repeat=len(ports))
-    ]
-    begin = [min(pushed, key=lambda x: nll(x)[0]), quiet]
-    begin = [
-        b + np.where([n.startswith("own:") for n in free], a, 0.0)
-        for b in begin
-        for a in (0.0, 1.5)
-    ]
-    bounds = list(zip(low, high, strict=True))
-    best = min(
-        (minimize(nll, b, jac=True, method="L-BFGS-B", bounds=bounds) for b in begin),
-        key=lambda found: float(found.fun),
-    )
-    for name, value in zip(free, np.exp(best.x), strict=True):
-        levels = _with(levels, name, float(value))
-    return levels
-
-
-@dataclass(frozen=True, eq=False)
-class _Binned:
-    """Mean covariance of spectra within narrow bins, and how many lie in each."""
-
-    names: tuple[str, ...]
-    frequencies: Array
-    counts: Array
-    powers: Spectrum
-    square_rates: Array
-    record: int
-
-
-def _binned(group: Periodograms) -> _Binned:
-    """Bins a tenth wide: a spectrum changes little within them."""
-    place = np.floor(np.log(np.maximum(group.frequencies, 1e-12)) / 0.1)
-    place[group.frequencies <= 0.0] = -np.inf
-    _, which = np.unique(place, return_inverse=True)
-    size = int(which.max()) + 1
-    counts = np.bincount(which, minlength=size).astype(float)
-    middle = np.bincount(which, group.frequencies, size) / counts
-    m = len(group.names)
-    powers = np.zeros((size, m, m), dtype=np.complex128)
-    outer = np.einsum("bfi,bfj->fij", group.spectra, group.spectra.conj())
-    np.add.at(powers, which, outer)
-    powers /= (counts * len(group.spectra))[:, None, None]
-    counts = counts * len(group.spectra)
-    rates = group.square_rates.mean(0)
-    return _Binned(group.names, middle, counts, powers, rates, group.record)
-
-
-@dataclass(frozen=True, eq=False)
-class _Shares:
-    """Covariance of a group as a sum of variances, each times what its place makes."""
-
-    group: _Binned
-    constant: Spectrum
-    units: Spectrum
-
-    @classmethod
-    def of(
-        cls, group: _Binned, levels: Levels, free: Sequence[str], kernels: PortKernels
-    ) -> _Shares:
-        """Split what is free from what stays.
-
-        Parameters
-        ----------
-        group : _Binned
-            Spectra.
-        levels : Levels
-            Of what stays.
-        free : sequence of str
-            Places, as of `estimated`.
-        kernels : PortKernels
-            Paths from the ports to the signals.
-        """
-        nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
-        at = replace(levels, ports=dict(levels.ports), own=dict(levels.own))
-        for name in free:
-            at = _with(at, name, 0.0)
-
-        def alone(one: Levels) -> Spectrum:
-            paths = kernels.of(group.record)
-            return covariance(one, paths, group.names, group.frequencies, group.square_rates)
-
-        units = np.stack([alone(_with(nothing, name, 1.0)) for name in free])
-        return cls(group, alone(at), units)
-
-    def deviance(self, variances: Array) -> tuple[float, Array]:
-        """Whittle's deviance and its slopes over the logarithms of the levels."""
-        counts, s = self.group.counts, self.constant + np.tensordot(variances, self.units, 1)
-        inverse = np.linalg.inv(s)
-        left = np.eye(s.shape[1]) - inverse @ self.group.powers
-        squares = s.shape[1] - np.einsum("fii->f", left).real
-        value = float(np.sum(counts * (squares + np.linalg.slogdet(s)[1])))
-        pull = counts[:, None, None] * (left @ inverse)
-        slopes = np.einsum("fij,kfji->k", pull, self.units).real
-        return value, 2.0 * variances * slopes

@@ -1,0 +1,177 @@
+"""Levels over the whole band of a residual: what is missing at the ports, and hidden white noise.
+
+What the controller reads may hide the logger's own noise where levels of noise are read, at high
+frequencies, and not below. There it must not be taken for a torque that the twin lacks (development
+draw, 072: own noise of the command looked like 2 mN m of torque, in which friction of 6 was lost).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from gmfbo.diagnosis.comparison.noise.places import (
+    Levels,
+    Periodograms,
+    blocks_of,
+    covariance,
+    with_level,
+)
+from gmfbo.diagnosis.comparison.numbers import TOLERANCE
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.segments import Segment
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+_STEP = 2.0  # between starts of a level, in its logarithm
+
+
+def inadequate(
+    kernels: PortKernels,
+    segments: Sequence[Segment],
+    residuals: Sequence[Array],
+    rates: Sequence[Array],
+    levels: Levels,
+    least: Mapping[str, float],
+    near: Levels | None = None,
+) -> Levels:
+    """Levels over the whole band: torque and command ports, and white noise hidden at its top.
+
+    Parameters
+    ----------
+    kernels : PortKernels
+        Paths from the ports to the signals.
+    segments : sequence of Segment
+        Stretches that are compared.
+    residuals, rates : sequence of ndarray, shape (m, n)
+        [SI], [SI/s] By segment.
+    levels : Levels
+        Of the white noise at high frequencies: that of the logger is no less, that of the
+        controller no more.
+    least : mapping of str to float
+        [FMU's unit] By port, the level below which nobody cares.
+    near : Levels, optional
+        Where the search begins, beside nothing missing; without it many starts are tried.
+    """
+    ports = [port for port in least if port in kernels.kernels]
+    free = [f"port:{port}" for port in ports] + [f"own:{name}" for name in levels.own]
+    low = np.log([*(least[port] for port in ports), *levels.own.values()])
+    # No more is missing at a port than what acts there at most.
+    high = low - np.log(TOLERANCE)
+    if "sensor" in levels.ports and levels.ports["sensor"] > 0.0:
+        free.append("port:sensor")
+        high = np.append(high, np.log(levels.ports["sensor"]))
+        low = np.append(low, high[-1] + np.log(TOLERANCE))
+    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
+    shares = [_Shares.of(group, levels, free, kernels) for group in whole]
+
+    def nll(x: Array) -> tuple[float, Array]:
+        found = [one.deviance(np.exp(2.0 * x)) for one in shares]
+        return sum(f for f, _ in found), np.sum([g for _, g in found], axis=0)
+
+    quiet = np.where([name == "port:sensor" for name in free], high, low)
+    if near is None:
+        steps = np.arange(0.0, -np.log(TOLERANCE), _STEP)
+        grid = [
+            np.append(c, np.zeros(low.size - len(ports))) for c in product(steps, repeat=len(ports))
+        ]
+        pushed = min((quiet + c for c in grid), key=lambda x: nll(x)[0])
+    else:
+        pushed = np.clip(np.log([near.of(name) for name in free]), low, high)
+    own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
+    bounds = list(zip(low, high, strict=True))
+    best = min(
+        (
+            minimize(nll, start, jac=True, method="L-BFGS-B", bounds=bounds)
+            for start in (pushed, quiet + own)
+        ),
+        key=lambda found: float(found.fun),
+    )
+    for name, value in zip(free, np.exp(best.x), strict=True):
+        levels = with_level(levels, name, float(value))
+    return levels
+
+
+@dataclass(frozen=True, eq=False)
+class _Binned:
+    """Mean covariance of spectra within narrow bins, and how many lie in each."""
+
+    names: tuple[str, ...]
+    frequencies: Array
+    counts: Array
+    powers: Spectrum
+    square_rates: Array
+    record: int
+
+
+def _binned(group: Periodograms) -> _Binned:
+    """Bins a tenth wide: a spectrum changes little within them."""
+    place = np.floor(np.log(np.maximum(group.frequencies, 1e-12)) / 0.1)
+    place[group.frequencies <= 0.0] = -np.inf
+    _, which = np.unique(place, return_inverse=True)
+    size = int(which.max()) + 1
+    counts = np.bincount(which, minlength=size).astype(float)
+    middle = np.bincount(which, group.frequencies, size) / counts
+    m = len(group.names)
+    powers = np.zeros((size, m, m), dtype=np.complex128)
+    outer = np.einsum("bfi,bfj->fij", group.spectra, group.spectra.conj())
+    np.add.at(powers, which, outer)
+    powers /= (counts * len(group.spectra))[:, None, None]
+    counts = counts * len(group.spectra)
+    rates = group.square_rates.mean(0)
+    return _Binned(group.names, middle, counts, powers, rates, group.record)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shares:
+    """Covariance of a group as a sum of variances, each times what its place makes."""
+
+    group: _Binned
+    constant: Spectrum
+    units: Spectrum
+
+    @classmethod
+    def of(
+        cls, group: _Binned, levels: Levels, free: Sequence[str], kernels: PortKernels
+    ) -> _Shares:
+        """Split what is free from what stays.
+
+        Parameters
+        ----------
+        group : _Binned
+            Spectra.
+        levels : Levels
+            Of what stays.
+        free : sequence of str
+            Places, as of `estimated`.
+        kernels : PortKernels
+            Paths from the ports to the signals.
+        """
+        nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
+        at = replace(levels, ports=dict(levels.ports), own=dict(levels.own))
+        for name in free:
+            at = with_level(at, name, 0.0)
+
+        def alone(one: Levels) -> Spectrum:
+            paths = kernels.of(group.record)
+            return covariance(one, paths, group.names, group.frequencies, group.square_rates)
+
+        units = np.stack([alone(with_level(nothing, name, 1.0)) for name in free])
+        return cls(group, alone(at), units)
+
+    def deviance(self, variances: Array) -> tuple[float, Array]:
+        """Whittle's deviance and its slopes over the logarithms of the levels."""
+        counts, s = self.group.counts, self.constant + np.tensordot(variances, self.units, 1)
+        inverse = np.linalg.inv(s)
+        left = np.eye(s.shape[1]) - inverse @ self.group.powers
+        squares = s.shape[1] - np.einsum("fii->f", left).real
+        value = float(np.sum(counts * (squares + np.linalg.slogdet(s)[1])))
+        pull = counts[:, None, None] * (left @ inverse)
+        slopes = np.einsum("fij,kfji->k", pull, self.units).real
+        return value, 2.0 * variances * slopes

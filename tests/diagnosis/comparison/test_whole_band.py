@@ -1,0 +1,77 @@
+"""Noise of the logger that the controller's noise hides at high frequencies is no torque."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of, estimated
+from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
+from gmfbo.diagnosis.comparison.numbers import TORQUE_TIME
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.segments import Segment
+
+STEP, ROWS, TAPS = 1e-3, 4000, 400
+NAMES = ("position", "command")
+KP, KD, INERTIA = 40.0, 0.8, 0.01
+CARED = {"torque": 1e-5}
+
+
+def answers(pushed: str) -> dict[str, NDArray[np.float64]]:
+    """Impulse responses of a rotor under a proportional and derivative controller."""
+    q = v = last = 0.0
+    found = {name: np.zeros(TAPS) for name in NAMES}
+    for k in range(TAPS):
+        read = q + (1.0 if pushed == "sensor" and k == 0 else 0.0)
+        command = -KP * read - KD * (read - last) / STEP
+        last = read
+        found["position"][k] = read
+        found["command"][k] = command
+        torque = command + (1.0 if pushed == "torque" and k == 0 else 0.0)
+        v += STEP * torque / INERTIA
+        q += STEP * v
+    return found
+
+
+KERNELS = PortKernels({port: answers(port) for port in ("sensor", "torque")}, STEP)
+
+
+def coloured(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Torque noise of unit variance with the correlation time of the table."""
+    keep = np.exp(-STEP / TORQUE_TIME)
+    found = np.zeros(ROWS)
+    for k in range(1, ROWS):
+        found[k] = keep * found[k - 1] + np.sqrt(1.0 - keep**2) * rng.standard_normal()
+    return found
+
+
+@pytest.mark.parametrize(("torque", "command"), [(0.0, 8e-3), (2e-2, 1e-3)])
+def test_hidden_white_noise_and_a_torque_are_told_apart(torque: float, command: float) -> None:
+    rng = np.random.default_rng(2)
+    time = np.linspace(0.0, STEP * (ROWS - 1), ROWS)
+    own = [Segment(k, NAMES, time, (time, time)) for k in range(3)]
+    residuals = []
+    for _ in own:
+        read, pushed = 4e-5 * rng.standard_normal(ROWS), torque * coloured(rng)
+        paths = KERNELS.kernels
+        signals = [
+            np.convolve(read, paths["sensor"][name])[:ROWS]
+            + np.convolve(pushed, paths["torque"][name])[:ROWS]
+            for name in NAMES
+        ]
+        signals[0] = signals[0] + 2e-6 * rng.standard_normal(ROWS)
+        signals[1] = signals[1] + command * rng.standard_normal(ROWS)
+        residuals.append(np.stack(signals))
+    still = [np.zeros((2, ROWS)) for _ in own]
+    least = Levels({"sensor": 1e-9}, {"position": 1e-7, "command": 5e-5})
+    free = ["port:sensor", "own:position", "own:command"]
+    top = estimated(KERNELS, blocks_of(own, residuals, still, KERNELS), least, free)
+    for near in (None, top.with_ports(torque=1e-3)):
+        found = inadequate(KERNELS, own, residuals, still, top, CARED, near)
+        assert found.ports["sensor"] == pytest.approx(4e-5, rel=0.05)
+        if torque:
+            assert found.ports["torque"] == pytest.approx(torque, rel=0.15)
+        else:
+            assert found.ports["torque"] < 1e-3  # an eighth of the noise that hides
+            assert found.own["command"] == pytest.approx(command, rel=0.1)
