@@ -19,6 +19,7 @@ from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
+from gmfbo.diagnosis.comparison.simulation_errors import errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.runs.simulations import Simulations
 
@@ -83,7 +84,10 @@ class Part:
 
 
 def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
-    """A ledger whose paths of noise are those of other recordings, which may have other gains.
+    """A ledger whose paths of noise, and errors of the simulation, are those of other recordings.
+
+    They may have other gains. What the logger may have averaged is free in the recordings that were
+    compared, and so it is here: else a fit's shift of a column that stands for it would count.
 
     Parameters
     ----------
@@ -95,7 +99,11 @@ def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
         About which the paths are measured.
     """
     problem = problem_on(unseen, unseen.budget.windows)
-    return replace(ledger, kernels=kernels_of(unseen, problem)(row))
+    kernels = kernels_of(unseen, problem)(row)
+    level = ledger.levels.ports.get("sensor", 0.0)
+    point = problem.point(row.hypothesis, row.x)
+    errors = errors_of(unseen.simulations, point, kernels, level)
+    return replace(ledger, kernels=kernels, errors=replace(errors, spreads=ledger.errors.spreads))
 
 
 def part_of(

@@ -21,7 +21,9 @@ SIGMA = 3e-4  # [rad]
 def sensed(case: Case) -> tuple[PlayedNoise, ...]:
     search = (stated := comparison_of(case, [])).search
     ledger = search.opened(stated.first)
-    return sensed_noise(search.problem, ledger.rows[frozenset()], ledger.kernels, ledger.levels)
+    row, kernels, levels = ledger.rows[frozenset()], ledger.kernels, ledger.levels
+    left = ledger.errors.taken_out(search.problem, row, kernels, levels)
+    return sensed_noise(search.problem, left, kernels, levels)
 
 
 def test_planted_noise_is_told() -> None:
