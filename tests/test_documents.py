@@ -49,8 +49,18 @@ def test_control_a_changed_number_is_noticed() -> None:
     assert documented_numbers(changed) != numbers_in_force()
 
 
-@pytest.mark.parametrize(("name", "most"), [("diagnosis", 1500), ("diagnosis_decision", 3000)])
-def test_pages_of_the_diagnosis_stay_short(name: str, most: int) -> None:
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("diagnosis", 1100),
+        ("diagnosis_decision", 3000),
+        ("sources", 600),
+        ("mismatch", 600),
+        ("verdict", 600),
+        ("cannot_know", 600),
+    ],
+)
+def test_pages_that_explain_stay_short(name: str, most: int) -> None:
     page = (ROOT / f"notebooks/docs/{name}.md").read_text(encoding="utf-8")
     assert len(page.split()) <= most
 

@@ -221,4 +221,6 @@ def test_the_pages_of_the_documentation_are_reached_from_the_first() -> None:
     for page in DOCS.glob("*.md"):
         assert page.stem == "index" or f"\n{page.stem}\n" in first
     captions = re.findall(r"^:caption: (.+)$", first, re.MULTILINE)
+    concepts = first.partition(":caption: Concepts")[2].partition("```")[0].split()
+    assert concepts[2:] == ["sources", "mismatch", "verdict", "cannot_know", "diagnosis_decision"]
     assert captions == ["Start", "How to", "Concepts", "Reference", "Benchmarks", "Decisions"]
