@@ -66,9 +66,9 @@ def test_pages_that_explain_stay_short(name: str, most: int) -> None:
 
 
 def test_documented_effect_is_one() -> None:
-    page = (ROOT / "notebooks/docs/fmus.md").read_text(encoding="utf-8")
+    page = (ROOT / "notebooks/docs/own_effect.md").read_text(encoding="utf-8")
     names: dict[str, object] = {}
-    exec(page.split("## Effects at the ports")[1].split("```python\n")[1].split("```")[0], names)
+    exec(page.split("```python\n")[1].split("```")[0], names)
     effect = names["cubic_spring"]
     assert isinstance(effect, Effect)
     (start,) = effect.starts(EXAMPLE_AXIS)
