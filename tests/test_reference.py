@@ -221,4 +221,15 @@ def test_the_pages_of_the_documentation_are_reached_from_the_first() -> None:
     for page in DOCS.glob("*.md"):
         assert page.stem == "index" or f"\n{page.stem}\n" in first
     captions = re.findall(r"^:caption: (.+)$", first, re.MULTILINE)
+    concepts = first.partition(":caption: Concepts")[2].partition("```")[0].split()
+    how = first.partition(":caption: How to")[2].partition("```")[0]
+    for asked in (
+        "notebook_pages/05_your_own_rig",
+        "vendor_fmu",
+        "bench",
+        "many_machines",
+        "own_effect",
+    ):
+        assert asked in how
+    assert concepts[2:] == ["sources", "mismatch", "verdict", "cannot_know", "diagnosis_decision"]
     assert captions == ["Start", "How to", "Concepts", "Reference", "Benchmarks", "Decisions"]

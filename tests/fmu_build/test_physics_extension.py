@@ -15,8 +15,7 @@ from tests.fmu_build.fmu_instance import FmuInstance, unpacked_fmu
 
 def documented() -> tuple[str, str, str, str]:
     """C function, its call, its parameter's name and description, from the page."""
-    page = (SOURCES.parent / "notebooks" / "docs" / "fmus.md").read_text(encoding="utf-8")
-    section = page.split("## Effects at the ports")[1]
+    section = (SOURCES.parent / "notebooks" / "docs" / "own_effect.md").read_text(encoding="utf-8")
     function, call = (block.split("```")[0] for block in section.split("```c\n")[1:])
     (variable,) = tomllib.loads(section.split("```toml\n")[1].split("```")[0])["variable"]
     return function, call, variable["name"], variable["description"]

@@ -26,7 +26,7 @@ MANUAL = Manual(
         "gmfbo check",
         "gmfbo diagnose",
         "notebooks/docs/effects.md",
-        "notebooks/docs/fmus.md",
+        "notebooks/docs/own_effect.md",
     ),
 )
 

@@ -33,7 +33,7 @@ MANUAL = Manual(
         ),
         "With one gain held, for a script:": "gmfbo ask monday.toml --fix ctl.Kd=3 --json",
     },
-    see_also=("gmfbo tell", "gmfbo tune", "notebooks/docs/studies.md"),
+    see_also=("gmfbo tell", "gmfbo tune", "notebooks/docs/bench.md"),
 )
 
 

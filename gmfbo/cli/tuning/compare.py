@@ -36,7 +36,7 @@ MANUAL = Manual(
         "Draw what is there again:": "gmfbo compare joint.compare --figures figures",
     },
     exits={3: "some runs failed; the others are kept, and the same command tries again"},
-    see_also=("gmfbo methods", "gmfbo report", "notebooks/docs/studies.md"),
+    see_also=("gmfbo methods", "gmfbo report", "notebooks/docs/many_machines.md"),
 )
 
 

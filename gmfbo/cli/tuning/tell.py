@@ -34,7 +34,7 @@ MANUAL = Manual(
         "One of several that were asked for:": "gmfbo tell monday.toml --trial 6 run6.csv",
         "The last one was told by mistake:": "gmfbo tell monday.toml --undo",
     },
-    see_also=("gmfbo ask", "notebooks/docs/studies.md", "notebooks/docs/recordings.md"),
+    see_also=("gmfbo ask", "notebooks/docs/bench.md", "notebooks/docs/recordings.md"),
 )
 
 

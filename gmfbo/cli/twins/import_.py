@@ -16,7 +16,7 @@ MANUAL = Manual(
         "DIR/": "the FMUs, as they lie in the package",
     },
     examples={"Unpack a drive:": "gmfbo import drive.ssp --out drive"},
-    see_also=("gmfbo inspect", "gmfbo simulate", "notebooks/docs/fmus.md"),
+    see_also=("gmfbo inspect", "gmfbo simulate", "notebooks/docs/vendor_fmu.md"),
 )
 
 

@@ -46,7 +46,7 @@ MANUAL = Manual(
         "Of a known logger:": "gmfbo init vendor.fmu odrive.csv --preset odrive --out axis",
     },
     exits={3: "the FMU failed on the first log; nothing is written"},
-    see_also=("gmfbo columns", "gmfbo check", "gmfbo diagnose", "notebooks/docs/fmus.md"),
+    see_also=("gmfbo columns", "gmfbo check", "gmfbo diagnose", "notebooks/docs/vendor_fmu.md"),
 )
 
 

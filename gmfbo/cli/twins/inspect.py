@@ -30,7 +30,7 @@ MANUAL = Manual(
         "gmfbo init",
         "gmfbo simulate",
         "gmfbo import",
-        "notebooks/docs/fmus.md",
+        "notebooks/docs/vendor_fmu.md",
         "notebooks/docs/faults.md",
     ),
 )

@@ -35,7 +35,7 @@ MANUAL = Manual(
         ),
     },
     exits={3: "the FMU failed; the rows before that are in FILE"},
-    see_also=("gmfbo inspect", "gmfbo diagnose", "notebooks/docs/fmus.md"),
+    see_also=("gmfbo inspect", "gmfbo diagnose", "notebooks/docs/vendor_fmu.md"),
 )
 
 
