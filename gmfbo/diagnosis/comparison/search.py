@@ -312,10 +312,8 @@ class Search:
 
     def _leading(self, ledger: Ledger) -> frozenset[str]:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""
-        scored = self.scored(ledger, weighted=False)
-        order = np.argsort(-scored.log_evidences.mean(1))
         most, leading = -np.inf, frozenset[str]()
-        for elements in dict.fromkeys([scored.elements[i] for i in order[:_COMPARED]]):
+        for elements in self._unbeaten(ledger):
             row, kernels = ledger.rows[elements], ledger.kernels
             errors = self.noise.with_own_parts(row, kernels, ledger.levels, ledger.errors)
             levels = self.noise.with_inadequacy(row, replace(ledger, errors=errors))
@@ -329,6 +327,18 @@ class Search:
             if value > most:
                 most, leading = value, elements
         return leading
+
+    def _unbeaten(self, ledger: Ledger) -> list[frozenset[str]]:
+        """Best rows that no better one also beats by noise alone: others lead under no levels."""
+        scored = self.scored(ledger, weighted=False)
+        order = np.argsort(-scored.log_evidences.mean(1))[:_COMPARED]
+        whitening = self.noise.quiet(ledger.rows[scored.elements[order[0]]], ledger)
+        left, found = np.inf, []
+        for elements in [scored.elements[i] for i in order]:
+            own = chi(ledger.rows[elements], whitening)
+            if own < left:
+                left, found = own, [*found, elements]
+        return found
 
     def scored(self, ledger: Ledger, *, weighted: bool = True) -> Scored:
         """Beliefs in all rows."""

@@ -75,8 +75,7 @@ def decide(
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
     model = measured(case.misfit, row)
     rounds = [_round(case, compared, row, model, claim) for claim in held_by_row if _effects(claim)]
-    share = _share(compared, base, row)
-    unknown = unknown_of(compared, row)
+    share, unknown = _share(compared, base, row), unknown_of(compared, row)
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={

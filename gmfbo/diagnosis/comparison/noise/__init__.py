@@ -1,1 +1,5 @@
-"""Levels of noise about a fit: of three places at high frequencies, and over the whole band."""
+"""Levels of noise about a fit.
+
+`places` has its three places, read at high frequencies; `whole_band` tells what is missing at the
+torque and command ports from white noise that was hidden there.
+"""

@@ -60,14 +60,9 @@ def inadequate(
         Where the search begins, beside nothing missing; without it many starts are tried.
     """
     ports = [port for port in least if port in kernels.kernels]
-    free = [f"port:{port}" for port in ports] + [f"own:{name}" for name in levels.own]
-    low = np.log([*(least[port] for port in ports), *levels.own.values()])
-    # No more is missing at a port than what acts there at most.
-    high = low - np.log(TOLERANCE)
-    if "sensor" in levels.ports and levels.ports["sensor"] > 0.0:
-        free.append("port:sensor")
-        high = np.append(high, np.log(levels.ports["sensor"]))
-        low = np.append(low, high[-1] + np.log(TOLERANCE))
+    if not ports:
+        return levels  # what is missing would be taken for noise of the logger
+    free, low, high = _ranges(levels, {port: least[port] for port in ports})
     whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
     shares = [_Shares.of(group, levels, free, kernels) for group in whole]
 
@@ -76,26 +71,36 @@ def inadequate(
         return sum(f for f, _ in found), np.sum([g for _, g in found], axis=0)
 
     quiet = np.where([name == "port:sensor" for name in free], high, low)
+    own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
     if near is None:
         steps = np.arange(0.0, -np.log(TOLERANCE), _STEP)
-        grid = [
-            np.append(c, np.zeros(low.size - len(ports))) for c in product(steps, repeat=len(ports))
-        ]
+        rest = np.zeros(low.size - len(ports))
+        grid = [np.append(c, rest) for c in product(steps, repeat=len(ports))]
         pushed = min((quiet + c for c in grid), key=lambda x: nll(x)[0])
     else:
         pushed = np.clip(np.log([near.of(name) for name in free]), low, high)
-    own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
     bounds = list(zip(low, high, strict=True))
-    best = min(
-        (
-            minimize(nll, start, jac=True, method="L-BFGS-B", bounds=bounds)
-            for start in (pushed, quiet + own)
-        ),
-        key=lambda found: float(found.fun),
-    )
+    tried = [
+        minimize(nll, start, jac=True, method="L-BFGS-B", bounds=bounds)
+        for start in (pushed, quiet + own)
+    ]
+    best = min(tried, key=lambda found: float(found.fun))
     for name, value in zip(free, np.exp(best.x), strict=True):
         levels = with_level(levels, name, float(value))
     return levels
+
+
+def _ranges(levels: Levels, least: Mapping[str, float]) -> tuple[list[str], Array, Array]:
+    """Places of what is free, as `estimated` names them, and the ends of its log levels."""
+    free = [f"port:{port}" for port in least] + [f"own:{name}" for name in levels.own]
+    low = np.log([*least.values(), *levels.own.values()])
+    # No more is missing at a port than what acts there at most.
+    high = low - np.log(TOLERANCE)
+    read = levels.ports.get("sensor", 0.0)
+    if read > 0.0:
+        free.append("port:sensor")
+        low, high = np.append(low, np.log(TOLERANCE * read)), np.append(high, np.log(read))
+    return free, low, high
 
 
 @dataclass(frozen=True, eq=False)
