@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 _LONGEST_S = 1.0
-_PUSH = 1e-3
+_PUSH = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
