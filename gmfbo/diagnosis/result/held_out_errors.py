@@ -62,12 +62,9 @@ class Fit:
 
     @property
     def most_improved(self) -> str | None:
-        """Signal whose error the physics reduces to the smallest share; None without one.
-
-        A signal that is mostly noise would fall by more points, and show nothing.
-        """
+        """Signal whose error the physics reduces most, in points of NRMSE; None without one."""
         falls = {
-            name: 1.0 - fit.augmented / fit.parameters_only
+            name: fit.parameters_only - fit.augmented
             for name, fit in self.signals.items()
             if fit.augmented < fit.parameters_only
         }

@@ -13,12 +13,13 @@ from gmfbo.recordings.recording import Recording
 from tests.diagnosis.short_recordings import SERVO, diagnosed, multisine, named
 
 LOOP = ("transport_delay", "actuator_lag")
+LAG = {"actuator_lag.time": 1.2e-3}  # [s]
 
 
 @pytest.fixture(scope="module")
 def rivals() -> Diagnosis:
     """A lag of the drive that one short recording hardly tells from a dead time."""
-    recordings = SERVO.recordings({"actuator_lag.time": 1.1e-3}, (multisine,), seed=8)
+    recordings = SERVO.recordings(LAG, (multisine,), seed=8, seconds=0.6)
     return diagnosed(SERVO.twin(), recordings, only=LOOP)
 
 
@@ -65,9 +66,8 @@ def test_the_reference_that_was_chosen_separates_them_once_it_is_recorded(
         played = Recording.read(tmp_path / "next.csv", twin)
     rows = round(played.time[-1] * 1000.0) + 1
     reference = np.interp(np.arange(rows) * 1e-3, played.time, played.signal("reference"))
-    physics = {"actuator_lag.time": 1.1e-3}
-    first = SERVO.recordings(physics, (multisine,))
-    (second,) = SERVO.recordings(physics, (lambda t: reference,), seconds=rows * 1e-3, seed=6)
+    first = SERVO.recordings(LAG, (multisine,), seconds=0.6)
+    (second,) = SERVO.recordings(LAG, (lambda t: reference,), seconds=rows * 1e-3, seed=6)
     diagnosis = diagnosed(SERVO.twin(), [*first, second], only=LOOP)
     assert named(diagnosis) == ["actuator_lag"]
     assert diagnosis.effects[0].indistinguishable_from == ()
