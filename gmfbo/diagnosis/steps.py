@@ -13,7 +13,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, split_of
 from gmfbo.diagnosis.conclusion import Conclusion
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.naming.decided_by_score import decide, measured, unknown_of
+from gmfbo.diagnosis.naming.decided_by_score import decide, measured
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.outside.free_function import Unnamed, unnamed
 from gmfbo.diagnosis.screening.exclusion import Excluded
@@ -128,8 +128,7 @@ class Search:
             freed={},
             row=decision.base,
             model=self.case.base,
-            unknown=unknown_of(decision.compared, decision.base),
-            is_outside=decision.share is not None,
+            is_withdrawn=True,
         )
         return withdrawn, self._validated(withdrawn, free, unseen)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
@@ -33,28 +36,87 @@ def inadequacy_columns(problem: Problem, kernels: PortKernels, fitted: Fitted) -
     """
     if "torque" not in kernels.kernels:
         return [np.zeros((0, len(s.names), s.time.size)) for s in problem.segments]
-    states = []
+    motion = motion_of(problem, fitted)
+    low, high = ends_of(motion.positions)
+    curves = [
+        np.concatenate([smooth(speed, -1.0, 1.0), smooth(position, low, high)])
+        for speed, position in zip(motion.speeds, motion.positions, strict=True)
+    ]
+    return through_loop(problem, kernels, "torque", curves)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """How the axis moves in each simulated recording.
+
+    Attributes
+    ----------
+    positions, velocities : list of ndarray, shape (rows,)
+        [FMU's units]
+    speeds : list of ndarray, shape (rows,)
+        Signed roots of the velocities, in those of `fast`: finer about standstill, where friction
+        changes.
+    fast : float
+        [FMU's unit of the velocity] That is hardly exceeded.
+    """
+
+    positions: list[Array]
+    velocities: list[Array]
+    speeds: list[Array]
+    fast: float
+
+
+def motion_of(problem: Problem, fitted: Fitted) -> Motion:
+    """Positions and velocities of a fit.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    fitted : Fitted
+        Whose simulated states are taken.
+    """
+    positions, velocities = [], []
     for record, run in zip(problem.simulations.records, fitted.runs, strict=True):
-        position = run.response.states["position"]
+        positions.append(run.response.states["position"])
         velocity = run.response.states.get("velocity")
         if velocity is None:
-            velocity = np.gradient(position, record.plan.grid)
-        states.append((velocity, position))
-    speeds = np.concatenate([v for v, _ in states])
-    places = np.concatenate([q for _, q in states])
-    fast = float(np.quantile(np.abs(speeds), 0.998)) or 1.0
-    low, high = np.quantile(places, [0.002, 0.998])
+            velocity = np.gradient(positions[-1], record.plan.grid)
+        velocities.append(velocity)
+    fast = float(np.quantile(np.abs(np.concatenate(velocities)), 0.998)) or 1.0
+    speeds = [np.sign(v) * np.sqrt(np.abs(v) / fast) for v in velocities]
+    return Motion(positions, velocities, speeds, fast)
+
+
+def ends_of(columns: Sequence[Array]) -> tuple[float, float]:
+    """Ends of the range that a state has in all recordings, but for a few rows."""
+    low, high = np.quantile(np.concatenate(columns), [0.002, 0.998])
+    return float(low), float(high)
+
+
+def through_loop(
+    problem: Problem, kernels: PortKernels, port: str, signals: Sequence[Array]
+) -> list[Array]:
+    """What signals at a port cause, by segment, shape (c, m, n).
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    kernels : PortKernels
+        Answer of the recorded signals to each port.
+    port : str
+        Where they act.
+    signals : sequence of ndarray, shape (c, rows)
+        [FMU's unit of the port] By recording, on its grid.
+    """
     made = []
     for segment in problem.segments:
-        velocity, position = states[segment.record]
         grid = problem.simulations.records[segment.record].plan.grid
-        # Finer where friction changes: about standstill.
-        over_speed = np.sign(velocity) * np.sqrt(np.abs(velocity) / fast)
-        bumps = [*smooth(over_speed, -1.0, 1.0), *smooth(position, float(low), float(high))]
-        columns = np.zeros((len(bumps), len(segment.names), segment.time.size))
+        own, paths = signals[segment.record], kernels.of(segment.record).kernels[port]
+        columns = np.zeros((len(own), len(segment.names), segment.time.size))
         for i, name in enumerate(segment.names):
-            answers = through(np.stack(bumps), kernels.of(segment.record).kernels["torque"][name])
-            for c, answer in enumerate(answers):
+            for c, answer in enumerate(through(own, paths[name])):
                 columns[c, i] = np.interp(segment.time, grid, answer)
         made.append(columns)
     return made

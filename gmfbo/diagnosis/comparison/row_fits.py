@@ -24,6 +24,7 @@ Rows = Mapping[frozenset[str], Fitted]
 _SHARES = (1.0, 0.3, 0.05)  # of a start: a smaller size is nearer to the row without it
 _PART = 0.3  # of the linear start, of what a law has beside its limit
 _NO_WORSE = 20.0  # of chi2: what priors may ask for
+_BEYOND_NOISE = 4.0  # standard deviations of the whitened square
 
 
 class RowFits:
@@ -168,12 +169,19 @@ def chi(row: Fitted, whitening: Whitening) -> float:
     return row.beside_own_parts(whitening).square(row.residual)
 
 
-def beyond_noise(row: Fitted, whitening: Whitening) -> float | None:
-    """Whitened square of what a row leaves, less that of noise; None where noise may make it."""
-    white = row.beside_own_parts(whitening)(row.residual)
-    size = sum(z.size for z in white)
-    beyond = sum(float(np.sum(z**2)) for z in white) - size
-    return None if beyond < 4.0 * np.sqrt(2.0 * size) else beyond
+def beyond_noise(row: Fitted, whitening: Whitening) -> float:
+    """Whitened square of what a row leaves, less that of noise."""
+    return chi(row, whitening) - values_in(row)
+
+
+def values_in(row: Fitted) -> int:
+    """Number of values that are compared: the whitened square of noise."""
+    return sum(own.size for own in row.residual)
+
+
+def is_more_than_noise(beyond: float, values: float) -> bool:
+    """Whether noise in so many values would hardly leave so large a square beyond its own."""
+    return bool(beyond > _BEYOND_NOISE * np.sqrt(2.0 * values))
 
 
 def limits_in(elements: frozenset[str]) -> int:

@@ -32,8 +32,10 @@ from gmfbo.diagnosis.comparison.row_fits import (
     beyond_noise,
     chi,
     cost,
+    is_more_than_noise,
     limit_of,
     limits_in,
+    values_in,
 )
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.physics import CATALOGUE
@@ -161,7 +163,8 @@ class Search:
         if "torque" not in self.noise.cared:
             return False
         best = ledger.rows[scored.best]
-        return beyond_noise(best, self.noise.quiet(best, ledger)) is not None
+        beyond = beyond_noise(best, self.noise.quiet(best, ledger))
+        return is_more_than_noise(beyond, values_in(best))
 
     def _next(
         self,
@@ -174,11 +177,9 @@ class Search:
         best = ledger.rows[scored.best]
         plans = []
         origins = [ledger.rows[e] for e in ahead if len(e) < len(PRIOR_OF_COUNT) - 1]
-        if best.elements not in ahead:
-            fewer = []
-        else:
+        if best.elements in ahead:
             fewer = [ledger.rows.get(best.elements - {name}) for name in best.elements]
-        origins += [row for row in fewer if row is not None and row.elements]
+            origins += [row for row in fewer if row is not None and row.elements]
         for about in origins:
             moves = ranked(ledger.whitening, about, found)
             self.log(
@@ -333,11 +334,13 @@ class Search:
         scored = self.scored(ledger, weighted=False)
         order = np.argsort(-scored.log_evidences.mean(1))[:_COMPARED]
         whitening = self.noise.quiet(ledger.rows[scored.elements[order[0]]], ledger)
-        left, found = np.inf, []
+        left = np.inf
+        found: list[frozenset[str]] = []
         for elements in [scored.elements[i] for i in order]:
             own = chi(ledger.rows[elements], whitening)
             if own < left:
-                left, found = own, [*found, elements]
+                left = own
+                found.append(elements)
         return found
 
     def scored(self, ledger: Ledger, *, weighted: bool = True) -> Scored:

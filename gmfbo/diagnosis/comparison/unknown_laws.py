@@ -7,7 +7,7 @@ another port. Each of these is one more kind of inadequacy, with the same prior 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +16,16 @@ from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import Grams, grams, log_evidences, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, smooth, with_inadequacy
+from gmfbo.diagnosis.comparison.inadequacy import (
+    ends_of,
+    inadequacy_columns,
+    motion_of,
+    smooth,
+    through_loop,
+    with_inadequacy,
+)
 from gmfbo.diagnosis.comparison.ledger import Ledger
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
 
 Array = NDArray[np.float64]
@@ -91,8 +98,9 @@ def unknown_beside(
     energy = _energy(usual)
 
     def seen(kind: _Kind) -> _Seen:
-        white = ledger.whitening(_through_loop(problem, kernels, kind))
-        unit = np.sqrt(energy / _energy(white)) if _energy(white) > 0.0 else 0.0
+        white = ledger.whitening(through_loop(problem, kernels, kind.port, kind.signals))
+        own = _energy(white)
+        unit = np.sqrt(energy / own) if own > 0.0 else 0.0
         scaled = [unit * one for one in white]
         inner = grams(problem, whitening, row, whitening.of_own(scaled))
         return _Seen(kind.port, kind.against, inner, len(white[0]))
@@ -120,70 +128,48 @@ def _energy(columns: Sequence[Array]) -> float:
     return sum(float(np.sum(own**2)) for own in columns)
 
 
-def _through_loop(problem: Problem, kernels: PortKernels, kind: _Kind) -> list[Array]:
-    """What the unit signals of a kind cause, by segment, shape (c, m, n)."""
-    made = []
-    for segment in problem.segments:
-        grid = problem.simulations.records[segment.record].plan.grid
-        paths, signals = kernels.of(segment.record).kernels[kind.port], kind.signals[segment.record]
-        columns = np.zeros((len(signals), len(segment.names), segment.time.size))
-        for i, name in enumerate(segment.names):
-            for c, answer in enumerate(through(signals, paths[name])):
-                columns[c, i] = np.interp(segment.time, grid, answer)
-        made.append(columns)
-    return made
-
-
 def _kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[_Kind]:
-    records = problem.simulations.records
-    states = [run.response.states for run in row.runs]
-    position = [s["position"] for s in states]
-    velocity = [
-        s["velocity"] if "velocity" in s else np.gradient(q, record.plan.grid)
-        for s, q, record in zip(states, position, records, strict=True)
-    ]
-    fast = float(np.quantile(np.abs(np.concatenate(velocity)), 0.998)) or 1.0
-    # Finer where friction changes: about standstill.
-    speed = [np.sign(v) * np.sqrt(np.abs(v) / fast) for v in velocity]
-    fine, coarse = _bumps_over(position, _FINE), _bumps_over(position, _COARSE)
-    over_speed, coarse_speed = _bumps_over(speed, _FINE), _bumps_over(speed, _COARSE)
-    by_direction = [_each_way(fine(q), v) for q, v in zip(position, velocity, strict=True)]
+    motion = motion_of(problem, row)
+    fine, coarse = _over(motion.positions, _FINE), _over(motion.positions, _COARSE)
+    coarse_speed = _over(motion.speeds, _COARSE)
+    by_direction = _each_way(fine, motion.velocities)
+    over_speed = _over(motion.speeds, _FINE)
     kinds = [
         _Kind("torque", "position", by_direction),
         _Kind(
             "torque",
             "position",
-            [fine(q) * v / fast for q, v in zip(position, velocity, strict=True)],
+            [b * v / motion.fast for b, v in zip(fine, motion.velocities, strict=True)],
         ),
-        _Kind("torque", "velocity", [_each_way(over_speed(s), np.gradient(s)) for s in speed]),
+        _Kind("torque", "velocity", _each_way(over_speed, [np.gradient(s) for s in motion.speeds])),
         _Kind(
             "torque",
             "velocity",
-            [_products(coarse(q), coarse_speed(s)) for q, s in zip(position, speed, strict=True)],
+            [_products(a, b) for a, b in zip(coarse, coarse_speed, strict=True)],
         ),
     ]
+    states = [run.response.states for run in row.runs]
     if all("command" in s for s in states) and "command" in kernels.kernels:
         command = [s["command"] for s in states]
-        over_command = _bumps_over(command, _FINE_COMMAND)
-        kinds.append(
-            _Kind(
-                "command", "command", [_each_way(over_command(u), np.gradient(u)) for u in command]
-            )
-        )
+        rates = [np.gradient(u) for u in command]
+        kinds.append(_Kind("command", "command", _each_way(_over(command, _FINE_COMMAND), rates)))
     if "sensor" in kernels.kernels:
         kinds.append(_Kind("sensor", "position", by_direction))
     return kinds
 
 
-def _bumps_over(columns: Sequence[Array], count: int) -> Callable[[Array], Array]:
-    """Smooth functions over the range that a state has in all recordings."""
-    low, high = np.quantile(np.concatenate(columns), [0.002, 0.998])
-    return lambda values: smooth(values, float(low), float(high), count)
+def _over(columns: Sequence[Array], count: int) -> list[Array]:
+    """Smooth functions over the range that a state has in all recordings, shape (count, n)."""
+    low, high = ends_of(columns)
+    return [smooth(values, low, high, count) for values in columns]
 
 
-def _each_way(bumps: Array, rate: Array) -> Array:
+def _each_way(bumps: Sequence[Array], rates: Sequence[Array]) -> list[Array]:
     """Functions of their own for each direction, shape (2 c, n)."""
-    return np.concatenate([bumps * (rate > 0.0), bumps * (rate <= 0.0)])
+    return [
+        np.concatenate([own * (rate > 0.0), own * (rate <= 0.0)])
+        for own, rate in zip(bumps, rates, strict=True)
+    ]
 
 
 def _products(first: Array, second: Array) -> Array:

@@ -13,15 +13,17 @@ from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_flo
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
-    EXPLAINED,
-    INADEQUACY_TOLERANCE,
     NAMED,
     SEEN_ONCE,
     UNLIKE,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.row_fits import RowFits, beyond_noise, chi
-from gmfbo.diagnosis.comparison.unknown_laws import Unknown, unknown_beside
+from gmfbo.diagnosis.comparison.row_fits import (
+    RowFits,
+    beyond_noise,
+    is_more_than_noise,
+    values_in,
+)
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
@@ -75,7 +77,6 @@ def decide(
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
     model = measured(case.misfit, row)
     rounds = [_round(case, compared, row, model, claim) for claim in held_by_row if _effects(claim)]
-    share, unknown = _share(compared, base, row), unknown_of(compared, row)
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
@@ -89,9 +90,7 @@ def decide(
         threshold=log(NAMED / (1.0 - NAMED)),
         shown=tuple(seen),
         like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
-        share=share,
-        unknown=unknown,
-        is_outside=_is_outside(compared, unknown, share),
+        share=_share(compared, base, row),
         compared=compared,
         notes=(*notes, *_notes_of(rounds)),
     )
@@ -294,31 +293,6 @@ def _share(compared: Compared, base: Row, row: Row) -> float | None:
     """Of the square that the refitted twin leaves beyond noise, what the model explains."""
     whitening = compared.search.noise.quiet(base, compared.ledger)
     beyond = beyond_noise(base, whitening)
-    if beyond is None:
+    if not is_more_than_noise(beyond, values_in(base)):
         return None
-    return (chi(base, whitening) - chi(row, whitening)) / beyond
-
-
-def unknown_of(compared: Compared, row: Row) -> Unknown | None:
-    """What acts beside a fit of a comparison, as a free function of the states.
-
-    Parameters
-    ----------
-    compared : Compared
-        The comparison.
-    row : Fitted
-        The fit.
-    """
-    search = compared.search
-    return unknown_beside(search.problem, compared.ledger, row, search.tolerance)
-
-
-def _is_outside(compared: Compared, unknown: Unknown | None, share: float | None) -> bool:
-    """Whether something acts beside the model for sure, and is most of what the twin lacks.
-
-    A torque without any law that is as large as half of the drive's is no noise of the shaft.
-    """
-    usual = compared.search.tolerance / INADEQUACY_TOLERANCE
-    coloured = compared.ledger.levels.ports.get("torque", 0.0)
-    acts = unknown is not None and unknown.probability >= NAMED
-    return (acts or coloured > EXPLAINED * usual) and share is not None and share < EXPLAINED
+    return 1.0 - beyond_noise(row, whitening) / beyond

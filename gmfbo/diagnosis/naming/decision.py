@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
+from gmfbo.diagnosis.comparison.numbers import EXPLAINED, INADEQUACY_TOLERANCE, NAMED
 from gmfbo.diagnosis.comparison.search import Search
-from gmfbo.diagnosis.comparison.unknown_laws import Unknown
+from gmfbo.diagnosis.comparison.unknown_laws import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.result.named_effect import RivalShare
@@ -115,12 +117,10 @@ class Decision:
         Effects that cannot be told, and why: mostly a parameter of the twin does the same.
     share : float or None
         Of what the refitted twin leaves beyond noise, explained; None where it leaves no more.
-    unknown : Unknown or None
-        What acts beside the model, as a free function of the states; None without a torque port.
-    is_outside : bool
-        Something acts that no law of the library explains for the most part.
     notes : tuple of str
         Why what explains the recordings is not named.
+    is_withdrawn : bool
+        Held-out recordings contradict all that was believed.
     """
 
     rounds: tuple[Round, ...]
@@ -132,7 +132,27 @@ class Decision:
     shown: tuple[Shown, ...]
     like_parameters: Mapping[str, str]
     share: float | None
-    unknown: Unknown | None
-    is_outside: bool
     compared: Compared
     notes: tuple[str, ...] = field(default=())
+    is_withdrawn: bool = False
+
+    @cached_property
+    def unknown(self) -> Unknown | None:
+        """What acts beside the model, as a free function of states; None without a torque port."""
+        search, ledger = self.compared.search, self.compared.ledger
+        return unknown_beside(search.problem, ledger, self.row, search.tolerance)
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether something acts that no law of the library explains for the most part.
+
+        A torque without any law that is as large as half of the drive's is no noise of the shaft.
+        """
+        if self.share is None or self.is_withdrawn:
+            return self.share is not None
+        if self.share >= EXPLAINED:
+            return False
+        usual = self.compared.search.tolerance / INADEQUACY_TOLERANCE
+        if self.compared.ledger.levels.ports.get("torque", 0.0) > EXPLAINED * usual:
+            return True
+        return self.unknown is not None and self.unknown.probability >= NAMED

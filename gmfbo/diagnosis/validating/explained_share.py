@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.evidence import weightings
+from gmfbo.diagnosis.comparison.row_fits import is_more_than_noise
 from gmfbo.diagnosis.result.explained import Share
 
 Array = NDArray[np.float64]
-
-_BEYOND_NOISE = 4.0  # standard deviations of the whitened square
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,4 +71,4 @@ class Squares:
         return float(left.sum() / beyond.sum())
 
     def _is_more_than_noise(self, beyond: Array) -> bool:
-        return bool(beyond.sum() > _BEYOND_NOISE * np.sqrt(2.0 * self.noise.sum()))
+        return is_more_than_noise(float(beyond.sum()), float(self.noise.sum()))

@@ -8,7 +8,7 @@ draw, 072: own noise of the command looked like 2 mN m of torque, in which frict
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -159,7 +159,7 @@ class _Shares:
             Paths from the ports to the signals.
         """
         nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
-        at = replace(levels, ports=dict(levels.ports), own=dict(levels.own))
+        at = levels
         for name in free:
             at = with_level(at, name, 0.0)
 
