@@ -85,6 +85,7 @@ def diagnose(
     with ExitStack() as closing:
         if opened is not twin:
             closing.callback(opened.close)
+        closing.enter_context(opened.keeping_workers())
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, cases.unseen)

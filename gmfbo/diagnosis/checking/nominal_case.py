@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -70,8 +69,7 @@ def open_nominal(
         The twin as it is cannot follow a recording.
     """
     # A twin of which nothing is uncertain is not refitted when its case is opened.
-    fixed = copy.copy(twin)
-    fixed.file = twin.file.model_copy(update={"uncertain": {}})
+    fixed = twin.with_uncertain({})
     case = open_case(fixed, recordings, seed=seed, jobs=jobs, on_run=on_run)
     try:
         checked = parities(case, case.base)

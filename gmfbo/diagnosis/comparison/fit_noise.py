@@ -10,7 +10,8 @@ import numpy as np
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
 from gmfbo.diagnosis.comparison.ledger import Ledger
-from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of, estimated
+from gmfbo.diagnosis.comparison.noise.high_band import estimated
+from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of
 from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
 from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels

@@ -50,6 +50,8 @@ class Fitted:
         there is none.
     heard : HeardNoise, or None
         Under which the recordings are simulated.
+    under : Whitening, or None
+        Under which it was fitted.
     """
 
     hypothesis: Hypothesis
@@ -65,6 +67,7 @@ class Fitted:
     one_sided: NDArray[np.bool_]
     own: Array = field(default_factory=lambda: np.zeros((0, 0)))
     heard: HeardNoise | None = None
+    under: Whitening | None = None
 
     @property
     def x(self) -> Array:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from gmfbo.diagnosis.comparison.evidence import Grams, log_evidences
+from gmfbo.diagnosis.comparison.evidence import Grams, grams, log_evidences
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import SMOOTH_BUMPS
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
 
@@ -151,6 +154,40 @@ def smooth(values: Array, low: float, high: float, count: int = _BUMPS) -> Array
     factor = np.linalg.cholesky(alike + 1e-6 * np.eye(count)) / size
     found: Array = factor.T @ bumps
     return found
+
+
+class BesideInadequacy:
+    """Inner products of rows beside an inadequacy, made once while row and whitening stay.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._about: tuple[Whitening, PortKernels, Fitted] | None = None
+        self._bumps: list[Array] = []
+        self._known: WeakKeyDictionary[Fitted, Grams] = WeakKeyDictionary()
+
+    def begin(self, ledger: Ledger) -> int:
+        """Number of bumps under the whitening of a ledger, as its first row moves the axis."""
+        whitening, kernels = ledger.whitening, ledger.kernels
+        first = next(iter(ledger.rows.values()))
+        about = (whitening, kernels, first)
+        if self._about is None or any(a is not b for a, b in zip(about, self._about, strict=True)):
+            self._about, self._known = about, WeakKeyDictionary()
+            self._bumps = whitening(inadequacy_columns(self._problem, kernels, first))
+        return len(self._bumps[0])
+
+    def grams(self, row: Fitted) -> Grams:
+        """Of a row's columns, then of the bumps."""
+        assert self._about is not None
+        if row not in self._known:
+            own = row.beside_own_parts(self._about[0])
+            self._known[row] = grams(self._problem, own, row, own.of_own(self._bumps))
+        return self._known[row]
 
 
 def with_inadequacy(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from gmfbo.sources.twin.uncertain import Uncertain
 
 Array = NDArray[np.float64]
 
-_FREED_START = 1.15  # times the value of a freed parameter
+_FREED_STEP = 0.15  # of the value of a freed parameter
 _SHOWN = 1.0  # whitened square of a start that these recordings do not show
 _MOST = 1.6  # times the start: beyond it a straight line says little
 
@@ -31,10 +32,13 @@ class Element:
         An effect.
     freed : Uncertain or None
         A parameter that the twin file holds fixed.
+    share : float
+        Of the usual step of a freed parameter, at which it starts.
     """
 
     candidate: Candidate | None = None
     freed: Uncertain | None = None
+    share: float = 1.0
 
     @property
     def name(self) -> str:
@@ -58,7 +62,7 @@ class Element:
         """Values of the twin's parameters at its start."""
         if self.freed is None:
             return dict(parameters)
-        moved = self.freed.nominal * _FREED_START
+        moved = self.freed.nominal * (1.0 + self.share * _FREED_STEP)
         return {**parameters, self.freed.name: min(max(moved, self.freed.low), self.freed.high)}
 
     def sizes(self, hypothesis: Hypothesis) -> list[str]:
@@ -73,7 +77,7 @@ class Element:
     def moved(self, share: float, more: Mapping[str, float]) -> Element:
         """The same with its sizes multiplied by a share, and something added to some of them."""
         if self.candidate is None:
-            return self
+            return replace(self, share=share)
         values = {
             name: value * share + more[name] if name in more else value
             for name, value in self.candidate.values.items()
@@ -147,6 +151,15 @@ class Response:
     steps: tuple[float, ...]
     columns: list[Array]
     is_signed: bool
+    _white: WeakKeyDictionary[Whitening, list[Array]] = field(
+        default_factory=WeakKeyDictionary, repr=False
+    )
+
+    def whitened(self, whitening: Whitening) -> list[Array]:
+        """Columns under a whitening without own parts, made once."""
+        if whitening not in self._white:
+            self._white[whitening] = whitening(self.columns)
+        return self._white[whitening]
 
 
 def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> list[Response]:
@@ -217,9 +230,9 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
     found : sequence of Response
         Of the elements.
     """
-    whitening = about.beside_own_parts(whitening)
-    z = _flat([r[None] for r in whitening(about.residual)])[0]
-    j = _flat(whitening(about.columns))
+    own_parts = about.beside_own_parts(whitening)
+    z = _flat([r[None] for r in own_parts(about.residual)])[0]
+    j = _flat(own_parts(about.columns))
     inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
     left = z - j.T @ (inverse @ (j @ z))
     best: dict[str, Move] = {}
@@ -227,7 +240,7 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
         name = response.element.name
         if name in about.elements:
             continue
-        d = _flat(whitening(response.columns))
+        d = _flat(own_parts.of_own(response.whitened(whitening)))
         own = j @ d.T
         square = d @ d.T - own.T @ inverse @ own
         if np.diag(square).max() < _SHOWN:

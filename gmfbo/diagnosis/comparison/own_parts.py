@@ -29,7 +29,7 @@ _NONE = 1e-2  # of the prior's mean: a smaller spread is none
 def own_spreads(problem: Problem, whitening: Whitening, fitted: Fitted) -> dict[str, float]:
     """Learn the spread of each free quantity over the recordings, where there is any.
 
-    Quantities that a twin file holds fixed have no own part.
+    Quantities that a twin file holds fixed have no own part, nor have lines, times and stiffnesses.
 
     Parameters
     ----------
@@ -56,10 +56,15 @@ def own_spreads(problem: Problem, whitening: Whitening, fitted: Fitted) -> dict[
 
 
 def _usual_spreads(fitted: Fitted) -> Array:
-    """Mean of the prior of each own part's spread, shape (p,), in the quantities' coordinates."""
+    """Mean of the prior of each own part's spread, shape (p,), in the quantities' coordinates.
+
+    Lines, times and stiffnesses of a law have none: a machine's geometry is the same in each run.
+    """
     names = fitted.hypothesis.names
     own = [
-        0.0 if name in fitted.freed else OWN_SPREAD * (1.0 if prior.logarithmic else abs(u))
+        OWN_SPREAD * (1.0 if prior.logarithmic else abs(u))
+        if name not in fitted.freed and prior.kind != "uniform"
+        else 0.0
         for name, prior, u in zip(names, fitted.priors, fitted.u, strict=True)
     ]
     return np.array(own)

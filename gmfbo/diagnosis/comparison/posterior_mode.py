@@ -21,10 +21,9 @@ from gmfbo.diagnosis.runs.simulated import Point
 
 Array = NDArray[np.float64]
 
-_DAMPING = 1e-3  # of a first step
+_DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
 
 _POLISHED = 6  # steps of the nuisances alone
-_RUN_AWAY = 1e6  # times a signal's range
 _LONGEST_STEP = 1.0  # of a logarithm, or a filter's coordinate, in one iteration
 
 
@@ -113,6 +112,9 @@ class ModeSearch:
         rival : float
             [nats] As of `fitted`.
         """
+        is_known = row.under is self._whitening and row.heard is self._heard
+        if is_known and row.converged and settled >= SETTLED:
+            return row
         own = self._own_near(row)
         if row.heard is self._heard and np.array_equal(own, row.own):
             residual = self._beside(row.residual, row.columns, -own)
@@ -126,6 +128,13 @@ class ModeSearch:
             return self._searched(at, row.columns, iterations, settled, rival)
         return self._searched(at, self._columns(at), iterations, settled, rival)
 
+    def cost_at_start(
+        self, parameters: dict[str, float], nuisances: Array, near: Fitted | None = None
+    ) -> float:
+        """[nats] Where a search of these arguments begins; infinite where nothing is simulated."""
+        at = self._at(self._inside(self._start(parameters)), nuisances, self._own_near(near))
+        return np.inf if at is None else self._cost(at)
+
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
@@ -133,17 +142,16 @@ class ModeSearch:
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
-            if damping <= _DAMPING and cost - HOPED_STEPS * gain > rival + FAR_BEHIND:
+            promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
+            if cost - HOPED_STEPS * promised > rival + FAR_BEHIND:
                 return self._ended(at, columns, False)
-            if gain < (settled if damping <= _DAMPING else AT_THE_END):
+            if promised < settled or gain < AT_THE_END:
                 return self._ended(at, columns, True)
             moved = self._moved(at, step, damping)
             after = np.inf if moved is None else self._cost(moved)
-            while after >= cost and damping < 1e4:
-                damping *= 10.0
-                # A short step promises little, wherever it begins.
-                step, gain = self._step(at, columns, damping)
-                if gain < AT_THE_END:
+            while after >= cost and damping < _MOST_DAMPING:
+                step, gain, damping = self._shorter(at, columns, gain, damping)
+                if gain < settled:
                     return self._ended(at, columns, True)
                 moved = self._moved(at, step, damping)
                 after = np.inf if moved is None else self._cost(moved)
@@ -156,9 +164,20 @@ class ModeSearch:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)
 
+    def _shorter(
+        self, at: Fitted, columns: list[Array], gain: float, damping: float
+    ) -> tuple[Array, float, float]:
+        """A step that promises half as much at most: one like that which failed fails too."""
+        step, shorter = np.zeros(0), np.inf
+        while shorter > 0.5 * gain and damping < _MOST_DAMPING:
+            damping *= 2.0
+            step, shorter = self._step(at, columns, damping)
+        return step, shorter, damping
+
     def _ended(self, at: Fitted, columns: list[Array], converged: bool) -> Fitted:
         residual = self._beside(at.residual, columns, at.own)
-        return replace(at, residual=residual, columns=columns, converged=converged)
+        under = self._whitening
+        return replace(at, residual=residual, columns=columns, converged=converged, under=under)
 
     def _own_near(self, row: Fitted | None) -> Array:
         """Own parts of another fit, of the quantities that have any here."""
@@ -206,7 +225,7 @@ class ModeSearch:
             runs = self._heard.beside(problem, hypothesis, self._own_values(u, own), runs)
         nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
         values = problem.values(runs)
-        if self._has_run_away(values):
+        if problem.has_run_away(values):
             return None
         residual = problem.residual(values, nu)
         return Fitted(
@@ -223,17 +242,6 @@ class ModeSearch:
             problem.logging.one_sided,
             own,
             self._heard,
-        )
-
-    def _has_run_away(self, values: list[Array]) -> bool:
-        """Whether a signal left all that was recorded, so that its squares may overflow."""
-        problem = self._problem
-        return any(
-            np.max(np.abs(own - was)) > _RUN_AWAY * problem.ranges[name] > 0.0
-            for segment, columns, recorded in zip(
-                problem.segments, values, problem.recorded, strict=True
-            )
-            for name, own, was in zip(segment.names, columns, recorded, strict=True)
         )
 
     def _cost(self, at: Fitted) -> float:
@@ -269,7 +277,7 @@ class ModeSearch:
         moved_runs = problem.simulations.run(moves)
         for runs, width, hears_it in zip(moved_runs, widths, hears, strict=True):
             values = problem.values(runs)
-            if all(run.finite for run in runs) and not self._has_run_away(values):
+            if all(run.finite for run in runs) and not problem.has_run_away(values):
                 change = zip(values, noisy if hears_it else still, strict=True)
                 found.append([(after - before) / width for after, before in change])
             else:
@@ -325,20 +333,13 @@ class ModeSearch:
         step = np.clip(step, lowest, highest)
         gain = float(g @ step - 0.5 * step @ a @ step)
         if self._parts is not None:
-            gain += self._parts.gain(at.own[:, self._places])
+            left = damping / (1.0 + damping)
+            gain += (1.0 - left**2) * self._parts.gain(at.own[:, self._places])
         return step, gain
 
     def _normal(self, at: Fitted, columns: list[Array]) -> tuple[Array, Array]:
         if self._normals is None or self._known is not columns:
-            a = np.diag(
-                np.concatenate(
-                    [
-                        [p.curvature(u) for p, u in zip(at.priors, at.u, strict=True)],
-                        np.ones(at.nuisances.size),
-                    ]
-                )
-            )
-            g = -at.slopes
+            a, g = np.diag(at.curvatures), -at.slopes
             if self._places.size:
                 there = self._ended(at, columns, False)
                 inner = by_recording(self._problem, grams(self._problem, self._whitening, there))

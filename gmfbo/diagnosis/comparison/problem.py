@@ -18,6 +18,8 @@ from gmfbo.diagnosis.runs.simulations import Simulations
 
 Array = NDArray[np.float64]
 
+_RUN_AWAY = 1e6  # times a signal's range
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -107,6 +109,14 @@ class Problem:
     def values(self, runs: Sequence[Simulated]) -> list[Array]:
         """Signals of simulated recordings on the segments' rows, shape (m, n)."""
         return [segment.read(runs[segment.record].signals) for segment in self.segments]
+
+    def has_run_away(self, values: Sequence[Array]) -> bool:
+        """Whether a signal left all that was recorded, so that its squares may overflow."""
+        return any(
+            np.max(np.abs(own - was)) > _RUN_AWAY * self.ranges[name] > 0.0
+            for segment, columns, recorded in zip(self.segments, values, self.recorded, strict=True)
+            for name, own, was in zip(segment.names, columns, recorded, strict=True)
+        )
 
     def residual(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
         """[SI] Recorded less simulated, as the logger stores it, by segment."""

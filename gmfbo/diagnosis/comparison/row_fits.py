@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import groupby
 
 import numpy as np
 
@@ -64,18 +66,30 @@ class RowFits:
         best : Fitted, optional
             What a row shares with this one starts at the values there.
         """
-        rows = dict(ledger.rows)
-        for move in moves:
-            limit, found = limit_of(move.element, about, rows), None
-            if limit is not None:
-                found = self._from_limit(ledger.whitening, about, move.element, limit, _PART)
-            if found is None:
-                near = about if best is None else _with_values_of(about, best)
-                left = chi(about, ledger.whitening)
-                found = self._no_worse(ledger.whitening, near, move.element, left)
-            if found is not None:
-                rows[found.elements] = found
+        rows, left = dict(ledger.rows), list(moves)
+        side_by_side = self._problem.simulations.side_by_side
+        while left:
+            # A law begins as its limit, which is fitted before.
+            names = {move.element.name for move in left}
+            now = [move for move in left if not _contained(move.element) & names]
+            moved = partial(self._moved, ledger, about, best, dict(rows))
+            for found in side_by_side(moved, now):
+                if found is not None:
+                    rows[found.elements] = found
+            left = [move for move in left if move not in now]
         return rows
+
+    def _moved(
+        self, ledger: Ledger, about: Fitted, best: Fitted | None, rows: Rows, move: Move
+    ) -> Fitted | None:
+        limit, found = limit_of(move.element, about, rows), None
+        if limit is not None:
+            found = self._from_limit(ledger.whitening, about, move.element, limit, _PART)
+        if found is not None:
+            return found
+        near = about if best is None else _with_values_of(about, best)
+        left = chi(about, ledger.whitening)
+        return self._no_worse(ledger.whitening, near, move.element, left)
 
     def without(
         self, whitening: Whitening, row: Fitted, name: str, iterations: int
@@ -121,6 +135,34 @@ class RowFits:
                     return found
         return self._search(whitening, row.hypothesis, row.freed).again(row, rival=self._rival)
 
+    def all_again(
+        self, whitening: Whitening, rows: Rows, stale: Collection[frozenset[str]], fitted: Rows
+    ) -> dict[frozenset[str], Fitted]:
+        """Fit several rows again, those with fewer limits first.
+
+        Parameters
+        ----------
+        whitening : Whitening
+            Under which they are fitted.
+        rows : mapping of frozenset of str to Fitted
+            As they were.
+        stale : collection of frozenset of str
+            Those to fit.
+        fitted : mapping of frozenset of str to Fitted
+            Rows that were fitted under the whitening.
+        """
+        found: dict[frozenset[str], Fitted] = {}
+        for _, group in groupby(sorted(stale, key=limits_in), key=limits_in):
+            now, known = sorted(group, key=sorted), {**fitted, **found}
+            again = partial(self._again, whitening, rows, known)
+            found |= zip(now, self._problem.simulations.side_by_side(again, now), strict=True)
+        return found
+
+    def _again(
+        self, whitening: Whitening, rows: Rows, fitted: Rows, elements: frozenset[str]
+    ) -> Fitted:
+        return self.again(whitening, rows[elements], fitted)
+
     def to_the_end(self, whitening: Whitening, row: Fitted) -> Fitted:
         """A fit whose values are told, searched on until a step promises next to nothing."""
         return self._search(whitening, row.hypothesis, row.freed).again(row, settled=AT_THE_END)
@@ -146,16 +188,16 @@ class RowFits:
     ) -> Fitted | None:
         """Fit of one element more that leaves no more than the row without it; else None."""
         freed = about.freed if element.freed is None else (*about.freed, element.freed.name)
-        for share in _SHARES:
+        starts = []
+        for share in _SHARES if element.sizes(about.hypothesis) else _SHARES[:1]:
             tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
-            hypothesis = tried.added_to(about.hypothesis)
-            search = self._search(whitening, hypothesis, freed)
+            search = self._search(whitening, tried.added_to(about.hypothesis), freed)
             start = tried.start(about.parameters)
+            starts.append((search.cost_at_start(start, about.nuisances, about), search, start))
+        for _, search, start in sorted(starts, key=lambda one: one[0]):
             found = search.fitted(start, about.nuisances, near=about, rival=self._rival)
             if found is not None and chi(found, whitening) <= before + _NO_WORSE:
                 return found
-            if not element.sizes(about.hypothesis):
-                return None
         return None
 
 
@@ -205,6 +247,10 @@ def limit_of(element: Element, about: Fitted, rows: Rows) -> Fitted | None:
         return None
     among = [rows.get(about.elements | {name}) for name in element.candidate.law.contains]
     return next((row for row in among if row is not None), None)
+
+
+def _contained(element: Element) -> set[str]:
+    return set() if element.candidate is None else set(element.candidate.law.contains)
 
 
 def _less(row: Fitted, name: str) -> Fitted:

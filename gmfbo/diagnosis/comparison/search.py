@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import factorial, log
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import softmax
 
-from gmfbo.diagnosis.comparison.evidence import grams, weightings
+from gmfbo.diagnosis.comparison.evidence import weightings
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
-from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns, with_inadequacy
+from gmfbo.diagnosis.comparison.inadequacy import BesideInadequacy, with_inadequacy
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
 from gmfbo.diagnosis.comparison.numbers import (
@@ -43,6 +44,7 @@ from gmfbo.physics import CATALOGUE
 Array = NDArray[np.float64]
 
 _FIRST_FITS, _LATER_FITS, _FREED_FITS, _QUIET_FITS = 6, 3, 4, 3
+_ANYWAY = 2  # first fits of the moves that gain most, however little that is
 _MUCH = 3.0  # times the level about which nobody cares
 _WITHOUT = 4  # points of a fit without one of the best elements: most are far worse
 _LEVELS = 4  # most rounds of levels and rows
@@ -74,6 +76,10 @@ class Search:
     tolerance: float
     kernels_at: Callable[[Fitted], PortKernels]
     log: Callable[[str], None] = field(default=lambda line: None)
+
+    @cached_property
+    def _beside(self) -> BesideInadequacy:
+        return BesideInadequacy(self.problem)
 
     @property
     def problem(self) -> Problem:
@@ -111,6 +117,7 @@ class Search:
         ledger = replace(ledger, responses=tuple(found))
         moves = ranked(ledger.whitening, base, found)
         self.log("moves " + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:10]))
+        moves = [m for k, m in enumerate(moves) if k < _ANYWAY or m.gain > LEAST_GAIN]
         effects = [m for m in moves if m.element.candidate is not None][:_FIRST_FITS]
         effects.sort(key=lambda m: limits_in(frozenset({m.element.name})))
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
@@ -281,10 +288,9 @@ class Search:
             stale = ({scored.elements[i] for i in order[:_KEPT]} | asked) - done
             if not stale:
                 return replace(ledger, rows=rows), scored
-            for elements in sorted(stale, key=limits_in):
-                fitted = {e: rows[e] for e in done}
-                rows[elements] = self._fits(ledger).again(ledger.whitening, rows[elements], fitted)
-                done.add(elements)
+            fitted = {e: rows[e] for e in done}
+            rows |= self._fits(ledger).all_again(ledger.whitening, rows, stale, fitted)
+            done |= stale
 
     def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:
         """Best rows fitted again under the noise that the best one says the controller read.
@@ -324,7 +330,8 @@ class Search:
                 levels=levels,
                 whitening=self.noise.scaled(row, kernels, levels, errors),
             )
-            value = float(self.scored(own, weighted=False).log_evidences.mean())
+            alone = BesideInadequacy(self.problem)
+            value = float(self.scored(own, weighted=False, beside=alone).log_evidences.mean())
             if value > most:
                 most, leading = value, elements
         return leading
@@ -343,20 +350,17 @@ class Search:
                 found.append(elements)
         return found
 
-    def scored(self, ledger: Ledger, *, weighted: bool = True) -> Scored:
+    def scored(
+        self, ledger: Ledger, *, weighted: bool = True, beside: BesideInadequacy | None = None
+    ) -> Scored:
         """Beliefs in all rows."""
-        problem = self.problem
-        bumps = ledger.whitening(
-            inadequacy_columns(problem, ledger.kernels, next(iter(ledger.rows.values())))
-        )
-        weights, logs, sizes = None, [], []
+        beside = beside or self._beside
+        extra, weights, logs, sizes = beside.begin(ledger), None, [], []
         for row in ledger.rows.values():
-            whitening = row.beside_own_parts(ledger.whitening)
-            inner = grams(problem, whitening, row, whitening.of_own(bumps))
+            inner = beside.grams(row)
             if weights is None:
                 n = len(inner.squares)
                 weights = weightings(n) if weighted else np.ones((1, n))
-            extra = bumps[0].shape[0]
             own, size, _ = with_inadequacy(row, inner, weights, extra, self.tolerance)
             logs.append(own + self.log_prior(row.elements))
             sizes.append(float(size.mean()))

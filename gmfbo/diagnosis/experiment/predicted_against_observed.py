@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -86,8 +85,7 @@ def _opened(
     twin: FmuTwin, told: Predictions, recording: Recording, seed: int, jobs: int | None
 ) -> Case:
     """A case in which nothing is uncertain, so that nothing is refitted."""
-    fixed = copy.copy(twin)
-    fixed.file = twin.file.model_copy(update={"uncertain": {}})
+    fixed = twin.with_uncertain({})
     rows = None if recording.written_by else frozenset(told.new_rows)
     return open_case(fixed, [recording], seed=seed, jobs=jobs, new_rows=rows)
 

@@ -132,3 +132,21 @@ def require_run(simulated: Sequence[Simulated], what: str) -> None:
     for run in simulated:
         if not run.finite:
             raise SimulationError(f"{what}: {run.response.outcome.message}")
+
+
+def changes(
+    runs: Sequence[Simulated], others: Sequence[Simulated]
+) -> list[tuple[NDArray[np.float64], ...] | None]:
+    """[SI] By how much other runs of the recordings differ; None where one ended early.
+
+    Parameters
+    ----------
+    runs, others : sequence of Simulated
+        By recording.
+    """
+    return [
+        tuple(after - before for before, after in zip(one.signals, other.signals, strict=True))
+        if other.finite
+        else None
+        for one, other in zip(runs, others, strict=True)
+    ]

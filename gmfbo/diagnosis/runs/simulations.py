@@ -15,7 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.scored_record import Record
-from gmfbo.diagnosis.runs.simulated import PlayedNoise, Point, Reading, Simulated, Tracking
+from gmfbo.diagnosis.runs.simulated import (
+    PlayedNoise,
+    Point,
+    Reading,
+    Simulated,
+    Tracking,
+    changes,
+)
 from gmfbo.diagnosis.runs.twin_steps import inputs_unstated
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
@@ -126,7 +133,7 @@ class Simulations:
         finer = self.half_step
         if finer is None:
             return [None] * len(runs)
-        return _changes(runs, finer.run([point])[0])
+        return changes(runs, finer.run([point])[0])
 
     def input_errors(
         self, point: Point, runs: Sequence[Simulated]
@@ -146,7 +153,7 @@ class Simulations:
         """
         if not self.unstated or self.tracking is not None:
             return [None] * len(runs)
-        return _changes(runs, self.map(lambda k: self._run_straight(point, k), range(len(runs))))
+        return changes(runs, self.map(lambda k: self._run_straight(point, k), range(len(runs))))
 
     def averaged(self, run: Simulated, record: int) -> tuple[NDArray[np.float64], ...]:
         """[SI] Scored signals of a run as a logger stores them that averages over its rows.
@@ -159,7 +166,7 @@ class Simulations:
             Its index.
         """
         own = self.records[record]
-        return tuple(_at(own.plan, run.response.mean[s.name], s.time) for s in own.signals)
+        return tuple(own.plan.at(run.response.mean[s.name], s.time) for s in own.signals)
 
     def _run_straight(self, point: Point, record: int) -> Simulated:
         run = self._ordered(point, record, self.tracking)
@@ -317,12 +324,22 @@ class Simulations:
                 source = response.new[signal.name]
             else:
                 source = response.held[signal.name]
-            columns.append(_at(self.records[record].plan, source, signal.time))
+            columns.append(self.records[record].plan.at(source, signal.time))
         return tuple(columns)
 
     def map(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
         """Apply work that uses `run_here` or `run_one`, several tasks at a time."""
         return list(self._threads.map(work, tasks))
+
+    def side_by_side(self, work: Callable[[Task], Made], tasks: Iterable[Task]) -> list[Made]:
+        """Apply work that uses `run`, as many tasks at a time as there are simulators.
+
+        While one waits for its simulations, another computes.
+        """
+        if len(self._all) == 1:
+            return [work(task) for task in tasks]
+        with ThreadPoolExecutor(len(self._all)) as threads:
+            return list(threads.map(work, tasks))
 
     def _logged(self, response: Response) -> Response:
         """Add the signal at the sensor port to a reading that does not contain it."""
@@ -369,30 +386,5 @@ class Simulations:
         self.on_run()
 
 
-def _changes(
-    runs: Sequence[Simulated], others: Sequence[Simulated]
-) -> list[tuple[NDArray[np.float64], ...] | None]:
-    """[SI] By how much other runs of the recordings differ; None where one ended early."""
-    return [
-        tuple(after - before for before, after in zip(one.signals, other.signals, strict=True))
-        if other.finite
-        else None
-        for one, other in zip(runs, others, strict=True)
-    ]
-
-
 def _after_rest(plan: RunPlan, rest: int) -> RunPlan:
     return RunPlan.after(plan.recording, plan.experiment, rest, plan.substeps)
-
-
-def _at(
-    plan: RunPlan, values: NDArray[np.float64], time: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    grid = plan.grid
-    step = float(grid[1] - grid[0]) if grid.size > 1 else 1.0
-    places = (time - grid[0]) / step
-    rows = np.round(places).astype(int)
-    if rows[-1] < grid.size and np.abs(places - rows).max() < 1e-3:
-        exact: NDArray[np.float64] = values[rows]
-        return exact
-    return np.interp(time, grid, values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -39,9 +38,7 @@ class Excluded:
         if not set(self.parameters) & set(twin.file.uncertain):
             return twin
         left = {n: r for n, r in twin.file.uncertain.items() if n not in self.parameters}
-        certain = copy.copy(twin)
-        certain.file = twin.file.model_copy(update={"uncertain": left})
-        return certain
+        return twin.with_uncertain(left)
 
 
 def excluded(binding: Binding, names: Sequence[str]) -> Excluded:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.binding.augmented_binding import AugmentedBinding, PhysicsInstance, augment
 from gmfbo.sources.fmu_file.job import Job, Outcome, Port, Setting
+from gmfbo.sources.twin.from_rest import settles_after
 from gmfbo.sources.twin.parameter_values import run_parameters, starts_as_recorded
 from gmfbo.sources.twin.response import Columns, Response
 from gmfbo.sources.twin.run_plan import Experiment
-from gmfbo.sources.twin.settling import probe_lengths, settled_after
 from gmfbo.sources.twin.signals import to_si
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.worker.runner import InProcess, Order, Runner
@@ -95,6 +95,16 @@ class RunPlan:
     def grid(self) -> NDArray[np.float64]:
         """[s] Communication points, shape (rows,)."""
         return self.experiment.grid
+
+    def at(self, values: NDArray[np.float64], time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A column on the grid at other times, shape (n,)."""
+        step = float(self.grid[1] - self.grid[0]) if self.grid.size > 1 else 1.0
+        places = (time - self.grid[0]) / step
+        rows = np.round(places).astype(int)
+        if rows[-1] < self.grid.size and np.abs(places - rows).max() < 1e-3:
+            exact: NDArray[np.float64] = values[rows]
+            return exact
+        return np.interp(time, self.grid, values)
 
 
 class AugmentedTwin:
@@ -183,7 +193,8 @@ class AugmentedTwin:
         experiment = Experiment.prepare(
             binding, recording, chosen, self.twin.step, substeps=self.substeps
         )
-        lead = 0 if starts_as_recorded(binding, recording) else self._settles_after(experiment)
+        at_rest = not starts_as_recorded(binding, recording)
+        lead = settles_after(self._started(), experiment) if at_rest else 0
         return RunPlan.after(recording, experiment, lead, self.substeps)
 
     def run(
@@ -243,10 +254,14 @@ class AugmentedTwin:
         return self._response(plan, result.outcome, result.y)
 
     def close(self) -> None:
-        """End the worker and remove its files; a later run starts anew."""
-        if self._runner is not None:
-            self._runner.close()
-            self._runner = None
+        """End the worker and remove its files, unless the twin keeps it for another."""
+        runner, self._runner = self._runner, None
+        if runner is None:
+            return
+        if self.twin.idle is None or not self._shares_workers:
+            runner.close()
+        else:
+            self.twin.idle.append(runner)
 
     def __enter__(self) -> Self:
         return self
@@ -256,7 +271,9 @@ class AugmentedTwin:
 
     def _started(self) -> Runner:
         if self._runner is None:
-            if self._isolated:
+            if self.twin.idle and self._shares_workers:
+                self._runner = self.twin.idle.pop()
+            elif self._isolated:
                 from gmfbo.sources.worker.isolation import Isolated
 
                 binding = self._augmented.binding
@@ -265,18 +282,9 @@ class AugmentedTwin:
                 self._runner = InProcess(self._augmented.binding)
         return self._runner
 
-    def _settles_after(self, experiment: Experiment) -> int:
-        """Communication steps under the first row until the outputs are at rest; 0 where never."""
-        first, *longer = probe_lengths(experiment.step)
-        probe = self._started().run(experiment.probe_at_start(first))[0]
-        if probe.outcome.status != "ok" or settled_after(probe.y, experiment.step) == 0:
-            return 0
-        for steps in longer:
-            probe = self._started().run(experiment.probe_before_start(steps))[0]
-            held = settled_after(probe.y, experiment.step) if probe.outcome.status == "ok" else 0
-            if held is not None:
-                return held
-        return 0
+    @property
+    def _shares_workers(self) -> bool:
+        return self._isolated and self._time_limit_s == self.twin.file.time_limit
 
     def _physics_settings(self, physics: Mapping[str, float]) -> list[Setting]:
         values = {**self.settings, **physics}

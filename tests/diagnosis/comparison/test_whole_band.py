@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of, estimated
+from gmfbo.diagnosis.comparison.noise.high_band import estimated
+from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of
 from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
 from gmfbo.diagnosis.comparison.numbers import TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from gmfbo.diagnosis.comparison.numbers import BAND, BLOCK_ROWS, FLOOR, TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
@@ -81,7 +79,7 @@ def covariance(
         if level <= 0.0 or port not in kernels.kernels:
             continue
         answer = kernels.spectra(port, names, frequencies).T
-        colour = 1.0 if port == "sensor" else _coloured(frequencies, kernels.step)
+        colour = 1.0 if port == "sensor" else coloured(frequencies, kernels.step)
         outer = answer[:, :, None] * answer[:, None, :].conj()
         total += level**2 * np.reshape(colour * np.ones(frequencies.size), (-1, 1, 1)) * outer
     own = np.array([levels.own[name] ** 2 for name in names]) + levels.jitter**2 * square_rates
@@ -90,7 +88,7 @@ def covariance(
     return total
 
 
-def _coloured(frequencies: Array, step: float) -> Array:
+def coloured(frequencies: Array, step: float) -> Array:
     """Spectrum a sample of an exponentially correlated signal of unit variance."""
     return 2.0 * (TORQUE_TIME / step) / (1.0 + (2.0 * np.pi * frequencies * TORQUE_TIME) ** 2)
 
@@ -119,20 +117,7 @@ class Periodograms:
     square_rates: Array
     record: int = 0
 
-    def deviances(self, levels: Levels, kernels: PortKernels) -> tuple[Array, Array]:
-        """Whitened squares and log determinants, summed over the frequencies, shape (n_blocks,)."""
-        squares, logs = np.empty(len(self.spectra)), np.empty(len(self.spectra))
-        kernels = kernels.of(self.record)
-        for rows in self._alike(levels):
-            rates = self.square_rates[rows].mean(0)
-            s = covariance(levels, kernels, self.names, self.frequencies, rates)
-            factor = np.linalg.cholesky(s)
-            white = np.einsum("fij,bfj->bfi", np.linalg.inv(factor), self.spectra[rows])
-            squares[rows] = np.sum(white.real**2 + white.imag**2, axis=(1, 2))
-            logs[rows] = 2.0 * np.log(np.einsum("fii->fi", factor).real).sum()
-        return squares, logs
-
-    def _alike(self, levels: Levels) -> list[NDArray[np.intp]]:
+    def alike(self, levels: Levels) -> list[NDArray[np.intp]]:
         """Blocks of about the same rate, in classes a factor of four apart."""
         total = self.square_rates.sum(1)
         if levels.jitter <= 0.0 or total.max() <= 0.0:
@@ -188,91 +173,6 @@ def _flat(length: int) -> Array:
     return taper
 
 
-def estimated(
-    kernels: PortKernels,
-    periodograms: Sequence[Periodograms],
-    least: Levels,
-    free: Sequence[str],
-    near: Levels | None = None,
-) -> Levels:
-    """Levels of greatest likelihood: robust first, then without blocks that hold more than noise.
-
-    Parameters
-    ----------
-    kernels : PortKernels
-        Paths from the ports to the signals.
-    periodograms : sequence of Periodograms
-        Of what a fit leaves.
-    least : Levels
-        Below which no level is looked for.
-    free : sequence of str
-        What is estimated: `port:NAME`, `own:SIGNAL`, `jitter`; the others stay as in `least`.
-    near : Levels, optional
-        Where the search begins; without it several starts are tried.
-    """
-    low = np.log([least.of(name) for name in free])
-
-    def at(x: Array) -> Levels:
-        levels = least
-        for name, value in zip(free, np.exp(x), strict=True):
-            levels = with_level(levels, name, float(value))
-        return levels
-
-    def robust(x: Array) -> float:
-        total = 0.0
-        for group in periodograms:
-            squares, logs = group.deviances(at(x), kernels)
-            n = group.frequencies.size * len(group.names)
-            total += float(np.sum((1.0 + n) * np.log1p(squares) + logs))
-        return total
-
-    bounds = [(a, a + 25.0) for a in low]
-    if near is None:
-        starts = _starts(free, low, kernels, periodograms)
-        begin = min((np.array(c) for c in product(*starts)), key=robust)
-        x = minimize(robust, begin, method="L-BFGS-B", bounds=bounds).x
-    else:
-        x = np.log([near.of(name) for name in free])
-    for most in (2.0, 1.6, 1.6) if near is None else (1.6, 1.6):
-        kept = _quiet(periodograms, at(x), kernels, most)
-
-        def nll(x: Array, kept: list[NDArray[np.bool_]] = kept) -> float:
-            total = 0.0
-            for group, rows in zip(periodograms, kept, strict=True):
-                squares, logs = group.deviances(at(x), kernels)
-                total += float(np.sum((squares + logs)[rows]))
-            return total
-
-        x = minimize(nll, x, method="L-BFGS-B", bounds=bounds).x
-    return at(x)
-
-
-def _starts(
-    free: Sequence[str], low: Array, kernels: PortKernels, periodograms: Sequence[Periodograms]
-) -> list[list[float]]:
-    """Two starts of each level: about all of a residual, and a twentieth of it."""
-    found = []
-    for name, least in zip(free, low, strict=True):
-        largest = float(np.log(_largest(name, kernels, periodograms)))
-        found.append([max(float(least), largest - step) for step in (0.7, 3.0)])
-    return found
-
-
-def _quiet(
-    groups: Sequence[Periodograms], levels: Levels, kernels: PortKernels, most: float
-) -> list[NDArray[np.bool_]]:
-    """Blocks that hold no more than noise, among all of as many values, whatever their gains."""
-    squares = [group.deviances(levels, kernels)[0] for group in groups]
-    alike: dict[tuple[object, ...], list[Array]] = {}
-    for group, own in zip(groups, squares, strict=True):
-        alike.setdefault((group.names, group.frequencies.size), []).append(own)
-    usual = {key: np.median(np.concatenate(found)) for key, found in alike.items()}
-    return [
-        own < most * usual[group.names, group.frequencies.size]
-        for group, own in zip(groups, squares, strict=True)
-    ]
-
-
 def with_level(levels: Levels, name: str, value: float) -> Levels:
     """The same levels with another one of a place, as `estimated` names them."""
     kind, _, which = name.partition(":")
@@ -283,23 +183,35 @@ def with_level(levels: Levels, name: str, value: float) -> Levels:
     return replace(levels, own={**levels.own, which: value})
 
 
-def _largest(name: str, kernels: PortKernels, periodograms: Sequence[Periodograms]) -> float:
-    """Level at which one place alone would make all of the residual of its best signal."""
-    found = []
-    kind, _, which = name.partition(":")
-    for group in periodograms:
-        power = np.median(np.abs(group.spectra) ** 2, axis=(0, 1)) / np.log(2.0)
-        if kind == "own" and which in group.names:
-            found.append(np.sqrt(power[group.names.index(which)]))
-        elif kind == "port":
-            paths = kernels.of(group.record)
-            answer = np.abs(paths.spectra(which, group.names, group.frequencies)) ** 2
-            colour = 1.0 if which == "sensor" else _coloured(group.frequencies, paths.step)
-            unit = np.mean(answer * colour, axis=1)
-            found.append(np.sqrt(np.min(power / np.maximum(unit, 1e-300))))
-        elif kind == "jitter":
-            rate = group.square_rates.mean(0)
-            shown = rate > 0.0
-            if shown.any():
-                found.append(np.sqrt(np.min(power[shown] / rate[shown])))
-    return float(max(found, default=1e-12)) or 1e-12
+def split(
+    levels: Levels,
+    free: Sequence[str],
+    kernels: PortKernels,
+    names: tuple[str, ...],
+    frequencies: Array,
+    square_rates: Array,
+) -> tuple[Spectrum, Spectrum]:
+    """Covariance as a sum: of what stays, and a variance of each free place times its unit.
+
+    Parameters
+    ----------
+    levels : Levels
+        Of what stays.
+    free : sequence of str
+        The k places, as `estimated` names them.
+    kernels, names, frequencies, square_rates
+        As of `covariance`.
+
+    Returns
+    -------
+    tuple of ndarray, shape (n_frequencies, m, m) and (k, n_frequencies, m, m)
+    """
+    nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
+    at = levels
+    for name in free:
+        at = with_level(at, name, 0.0)
+
+    def alone(one: Levels) -> Spectrum:
+        return covariance(one, kernels, names, frequencies, square_rates)
+
+    return alone(at), np.stack([alone(with_level(nothing, name, 1.0)) for name in free])

@@ -19,7 +19,7 @@ from gmfbo.diagnosis.comparison.noise.places import (
     Levels,
     Periodograms,
     blocks_of,
-    covariance,
+    split,
     with_level,
 )
 from gmfbo.diagnosis.comparison.numbers import TOLERANCE
@@ -158,17 +158,9 @@ class _Shares:
         kernels : PortKernels
             Paths from the ports to the signals.
         """
-        nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
-        at = levels
-        for name in free:
-            at = with_level(at, name, 0.0)
-
-        def alone(one: Levels) -> Spectrum:
-            paths = kernels.of(group.record)
-            return covariance(one, paths, group.names, group.frequencies, group.square_rates)
-
-        units = np.stack([alone(with_level(nothing, name, 1.0)) for name in free])
-        return cls(group, alone(at), units)
+        paths = kernels.of(group.record)
+        own = split(levels, free, paths, group.names, group.frequencies, group.square_rates)
+        return cls(group, *own)
 
     def deviance(self, variances: Array) -> tuple[float, Array]:
         """Whittle's deviance and its slopes over the logarithms of the levels."""
