@@ -47,7 +47,7 @@ def own_spreads(problem: Problem, whitening: Whitening, fitted: Fitted) -> dict[
     """
     if not fitted.columns or len({segment.record for segment in problem.segments}) < 2:
         return {}
-    usual = _usual_spreads(fitted)
+    usual = usual_spreads(fitted)
     places = np.flatnonzero(usual)
     matrices, products = by_recording(problem, grams(problem, whitening, fitted))
     sizes = spreads(matrices, products, fitted.curvatures, fitted.slopes, places, usual[places])
@@ -55,10 +55,15 @@ def own_spreads(problem: Problem, whitening: Whitening, fitted: Fitted) -> dict[
     return {names[i]: float(size) for i, size in zip(places, sizes, strict=True) if size > 0.0}
 
 
-def _usual_spreads(fitted: Fitted) -> Array:
+def usual_spreads(fitted: Fitted) -> Array:
     """Mean of the prior of each own part's spread, shape (p,), in the quantities' coordinates.
 
     Lines, times and stiffnesses of a law have none: a machine's geometry is the same in each run.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        A hypothesis at its best values.
     """
     names = fitted.hypothesis.names
     own = [

@@ -43,6 +43,8 @@ def _nothing(diagnosis: Findings) -> str:
         for name, fit in list(fits.items())[:3]
     )
     where = "In what was compared, nothing" if diagnosis.not_compared else "Nothing"
+    if left := _left_over(diagnosis):
+        return f"{where} that is known here is missing, though {left}."
     return (
         f"{where} is missing: the twin meets unseen recordings to the noise ({errors})."
         if (errors)
@@ -70,10 +72,30 @@ def _parameters(diagnosis: Findings) -> str:
             f"; of {listed(hidden)} these recordings tell only "
             f"{listed(f'{one.expression} = {number(one.value)}' for one in diagnosis.combinations)}"
         )
+    missing = "no physics is missing"
+    if left := _left_over(diagnosis):
+        missing = f"no physics that is known here is missing, though {left}"
     if too_narrow_ranges(diagnosis):
-        return f"With such values the twin explains the difference{told}; no physics is missing."
+        return f"With such values the twin explains the difference{told}; {missing}."
     whose = "" if any(one.fixed for one in moved.values()) else "uncertain "
-    return f"The twin's {whose}values explain the difference{told}; no physics is missing."
+    return f"The twin's {whose}values explain the difference{told}; {missing}."
+
+
+def _left_over(diagnosis: Findings) -> str:
+    """Clause on what is more than noise beside nothing that was named; empty where nothing is."""
+    if diagnosis.effects or not remainder_words(diagnosis.remainder):
+        return ""
+    over = {
+        name: fit.parameters_only / fit.noise_floor
+        for name, fit in diagnosis.fit.signals.items()
+        if math.isfinite(fit.parameters_only) and fit.noise_floor > 0.0
+    }
+    if not over:
+        return "more than noise is left"
+    name = max(over, key=lambda signal: over[signal])
+    fit = diagnosis.fit.signals[name]
+    error, floor = percent(fit.parameters_only), _floor(fit.noise_floor)
+    return f"more than noise is left ({words(name)} error {error}{floor})"
 
 
 def _fixed_at(parameter: EstimatedParameter) -> str:

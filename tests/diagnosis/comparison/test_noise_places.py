@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.noise.high_band import estimated
+from gmfbo.diagnosis.comparison.noise.high_band import BlockGroup, estimated, whittle
 from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
@@ -56,6 +56,27 @@ def test_levels_are_recovered_from_their_own_noise(
         assert found.ports["sensor"] == pytest.approx(sensor, rel=0.1)
     else:
         assert found.ports["sensor"] < 0.1 * position
+
+
+@pytest.mark.parametrize("is_robust", [False, True], ids=["whittle", "robust"])
+def test_slopes_over_the_levels_are_differences_of_the_value(is_robust: bool) -> None:
+    truth = Levels({"sensor": 3e-5}, {"position": 1e-5, "command": 1e-3}, jitter=1e-5)
+    rng = np.random.default_rng(3)
+    own = segments(2)
+    moving = [np.stack([np.linspace(0.0, 2.0, ROWS), np.zeros(ROWS)]) for _ in own]
+    residuals = [noise(truth, rng) for _ in own]
+    free = ["port:sensor", "own:position", "own:command", "jitter"]
+    blocks = blocks_of(own, residuals, moving, KERNELS)
+    groups = [BlockGroup.of(one, truth, free, KERNELS) for one in blocks]
+    x = np.log([2e-5, 2e-5, 5e-4, 3e-5])
+
+    def value(at: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        found = [g.judged(np.exp(2.0 * at), g.robust if is_robust else whittle) for g in groups]
+        return sum(v for v, _ in found), np.sum([s for _, s in found], axis=0)
+
+    steps = 1e-5 * np.eye(x.size)
+    differences = [(value(x + h)[0] - value(x - h)[0]) / 2e-5 for h in steps]
+    np.testing.assert_allclose(value(x)[1], differences, rtol=1e-5)
 
 
 def test_whitened_noise_is_white_and_of_unit_variance() -> None:

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.comparison.own_parts import eliminated, restricted, spreads
+from gmfbo.diagnosis.comparison.own_parts import (
+    eliminated,
+    restricted,
+    spreads,
+    usual_spreads,
+)
+from gmfbo.diagnosis.comparison.priors import Prior
 
 ROWS = 60
 PLACES = np.array([0, 1])
@@ -114,3 +123,23 @@ def test_the_gain_of_own_parts_is_what_a_joint_fit_gains_by_them() -> None:
     best = left.parts(np.zeros(3))
     assert left.gain(began) == pytest.approx(cost(began) - cost(best))
     assert left.gain(best) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_lines_and_what_is_fixed_have_no_own_part() -> None:
+    """A line whose own parts were half of it made friction over position of one that grew."""
+    priors = (
+        Prior(0.1, 10.0, True, "normal", 0.0, 1.0),
+        Prior(0.1, 10.0, True, "normal", 0.0, 1.0),
+        Prior(0.0, 5.0, False, "cauchy", 0.0, 1.0),
+        Prior(0.5, 500.0, False, "uniform", 0.0, 0.0),
+    )
+    fitted = SimpleNamespace(
+        hypothesis=SimpleNamespace(names=("inertia", "filter_time", "level", "wavenumber")),
+        freed=("filter_time",),
+        priors=priors,
+        u=np.array([0.0, 0.0, 2.0, 40.0]),
+    )
+    inertia, filter_time, level, wavenumber = usual_spreads(cast(Any, fitted))
+    assert inertia > 0.0
+    assert level > 0.0
+    assert filter_time == wavenumber == 0.0

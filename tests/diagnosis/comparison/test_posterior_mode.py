@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -30,6 +31,10 @@ def test_what_stays_far_behind_the_best_fit_is_not_searched_on() -> None:
         best = cost(base, ledger.whitening)
         behind = fit.fitted(wrong, rival=best - 1e9)
         level = fit.fitted(wrong, rival=best)
+        runs = search.problem.simulations.runs
+        again = fit.again(cast(Any, level))
+        assert again is level
+        assert search.problem.simulations.runs == runs
     assert behind is not None
     assert level is not None
     np.testing.assert_allclose(behind.x, list(wrong.values()), rtol=1e-4)
@@ -79,3 +84,27 @@ def test_a_step_within_bounds_never_promises_a_loss(
     step, gain = Parabola(curvature, curvature @ np.array(wanted)).step(damping)
     assert np.abs(step).max() <= 1.0 + 1e-12
     assert gain >= -1e-9
+
+
+def test_a_step_like_one_that_failed_is_not_tried() -> None:
+    """Where friction makes a cost rough, a step nine tenths as long fails as the whole one did."""
+    promised = []
+
+    class Rough(Parabola):
+        def _cost(self, at: Any) -> float:
+            return 100.0
+
+        def _step(self, at: Any, columns: Any, damping: float) -> tuple[NDArray[np.float64], float]:
+            return np.zeros(2), 8.0 / (1.0 + damping)
+
+        def _moved(self, at: Any, step: Any, damping: float) -> None:
+            promised.append(8.0 / (1.0 + damping))
+
+        def _ended(self, at: Any, columns: Any, converged: bool) -> Any:
+            return SimpleNamespace(converged=converged)
+
+    rough = Rough(np.eye(2), np.zeros(2))
+    ended = rough._searched(cast(Any, None), [], 10, 0.1, np.inf)
+    assert ended.converged
+    assert 4 <= len(promised) <= 8
+    assert all(after <= 0.5 * before for before, after in pairwise(promised))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
+from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import interval, number, percent, quantity
@@ -102,6 +103,18 @@ def test_parameters_are_told_with_old_and_new_values() -> None:
     assert told.startswith("The twin's uncertain values explain the difference: ")
     assert "mech.J is 0.121 kg m2 instead of 0.2" in told
     assert told.endswith("no physics is missing.")
+
+
+def test_what_is_left_beside_right_values_is_told_and_not_called_nothing() -> None:
+    """A fine error of an encoder was left beside "no physics is missing" (draw case 006)."""
+    left = Remainder(0.7, None, None, "throughout")
+    told = replace(parameters(), remainder=left).sentence
+    assert "no physics that is known here is missing, though more than noise is left (" in told
+    assert "noise floor" in told
+    none = replace(nothing(), remainder=left).sentence
+    assert none.startswith("Nothing that is known here is missing, though more than noise is left")
+    little = replace(nothing(), remainder=Remainder(0.004, None, None, "throughout")).sentence
+    assert little == nothing().sentence
 
 
 def test_what_has_no_name_is_told_with_its_largest_size() -> None:

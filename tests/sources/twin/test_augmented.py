@@ -213,3 +213,24 @@ def test_a_worker_gives_the_bits_of_a_run_in_process(servo: AugmentedTwin) -> No
         other = worker.run(plan, {}, {**physics, "coulomb_friction.deflection": 1e-6})
     for name, values in own.held.items():
         np.testing.assert_array_equal(values, other.held[name])
+
+
+def test_a_kept_worker_goes_on_with_the_next_and_ends_with_the_block(
+    servo: AugmentedTwin,
+) -> None:
+    recording = asked(sway())
+    own = respond(servo, recording, {"coulomb_friction.level": 0.2})
+    twin = twin_of("servo_axis")
+    with twin.keeping_workers():
+        for substeps in (3, 10):
+            with AugmentedTwin(twin, substeps=substeps) as first:
+                respond(first, recording)
+            assert twin.idle is not None
+            assert len(twin.idle) == 1
+        certain = twin.with_uncertain({})
+        with AugmentedTwin(certain) as second:
+            other = respond(second, recording, {"coulomb_friction.level": 0.2})
+            assert twin.idle == []
+    assert twin.idle is None
+    for name, values in own.held.items():
+        np.testing.assert_array_equal(values, other.held[name])

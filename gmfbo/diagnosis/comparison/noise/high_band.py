@@ -48,7 +48,7 @@ def estimated(
         Where the search begins; without it several starts are tried.
     """
     low = np.log([least.of(name) for name in free])
-    groups = [_Group.of(one, least, free, kernels) for one in periodograms]
+    groups = [BlockGroup.of(one, least, free, kernels) for one in periodograms]
 
     def robust(x: Array) -> tuple[float, Array]:
         return _summed([group.judged(np.exp(2.0 * x), group.robust) for group in groups])
@@ -63,8 +63,8 @@ def estimated(
     for most in (2.0, 1.6, 1.6) if near is None else (1.6, 1.6):
         quiet = [group.only(rows) for group, rows in _quiet(groups, np.exp(2.0 * x), most)]
 
-        def nll(x: Array, quiet: list[_Group] = quiet) -> tuple[float, Array]:
-            return _summed([group.judged(np.exp(2.0 * x), _plain) for group in quiet])
+        def nll(x: Array, quiet: list[BlockGroup] = quiet) -> tuple[float, Array]:
+            return _summed([group.judged(np.exp(2.0 * x), whittle) for group in quiet])
 
         x = minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds).x
     levels = least
@@ -78,8 +78,16 @@ def _summed(parts: Sequence[tuple[float, Array]]) -> tuple[float, Array]:
     return sum(value for value, _ in parts), slopes
 
 
-def _plain(squares: Array, logs: float) -> tuple[float, Array, float]:
-    """Whittle's deviance."""
+def whittle(squares: Array, logs: float) -> tuple[float, Array, float]:
+    """Deviance of complex normal spectra (Whittle 1953), and its slopes.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (n_blocks,)
+        Of the whitened spectra.
+    logs : float
+        Log determinant of their covariance.
+    """
     return float(squares.sum()) + squares.size * logs, np.ones(squares.size), float(squares.size)
 
 
@@ -110,7 +118,7 @@ class _Blocks:
 
 
 @dataclass(frozen=True, eq=False)
-class _Group:
+class BlockGroup:
     """Blocks of signals with the same names, by their rates."""
 
     key: tuple[tuple[str, ...], int]
@@ -119,8 +127,20 @@ class _Group:
     @classmethod
     def of(
         cls, group: Periodograms, least: Levels, free: Sequence[str], kernels: PortKernels
-    ) -> _Group:
-        """Split the covariance of blocks; `least` holds what is not free."""
+    ) -> BlockGroup:
+        """Split the covariance of blocks.
+
+        Parameters
+        ----------
+        group : Periodograms
+            The blocks.
+        least : Levels
+            Holds what is not free.
+        free : sequence of str
+            Places, as `estimated` names them.
+        kernels : PortKernels
+            Paths from the ports to the signals.
+        """
         paths, parts = kernels.of(group.record), []
         for rows in group.alike(least):
             rates = group.square_rates[rows].mean(0)
@@ -135,18 +155,26 @@ class _Group:
         return value, values / (1.0 + squares), float(squares.size)
 
     def judged(self, variances: Array, judge: Judge) -> tuple[float, Array]:
-        """A value of all blocks, and its slopes over the logarithms of the levels."""
+        """A value of all blocks, and its slopes over the logarithms of the levels.
+
+        Parameters
+        ----------
+        variances : ndarray, shape (n_free,)
+            Squares of the levels.
+        judge : callable (squares, logs)
+            Such as `whittle` or `robust`.
+        """
         return _summed([part.judged(variances, judge) for part in self.parts])
 
     def squares(self, variances: Array) -> list[Array]:
         """Of the whitened spectra of each block, by part."""
         return [part.whitened(variances)[2] for part in self.parts]
 
-    def only(self, rows: Sequence[NDArray[np.bool_]]) -> _Group:
+    def only(self, rows: Sequence[NDArray[np.bool_]]) -> BlockGroup:
         """Some of the blocks of each part."""
         parts = zip(self.parts, rows, strict=True)
         kept = (_Blocks(p.spectra[own], p.constant, p.units) for p, own in parts if own.any())
-        return _Group(self.key, tuple(kept))
+        return BlockGroup(self.key, tuple(kept))
 
 
 def _starts(
@@ -161,8 +189,8 @@ def _starts(
 
 
 def _quiet(
-    groups: Sequence[_Group], variances: Array, most: float
-) -> list[tuple[_Group, list[NDArray[np.bool_]]]]:
+    groups: Sequence[BlockGroup], variances: Array, most: float
+) -> list[tuple[BlockGroup, list[NDArray[np.bool_]]]]:
     """Blocks that hold no more than noise, among all of as many values, whatever their gains."""
     squares = [group.squares(variances) for group in groups]
     alike: dict[tuple[object, ...], list[Array]] = {}
