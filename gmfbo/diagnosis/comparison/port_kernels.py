@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from gmfbo.diagnosis.runs.scored_record import with_same_gains
+from gmfbo.diagnosis.runs.scored_record import resolution, with_same_gains
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
 
@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 _LONGEST_S = 1.0
-_PUSH = 1e-5
+_PUSH, _MOST_PUSH = 1e-5, 0.1
+_COUNTS = 10.0  # that an encoder in the twin counts of a push: less would be its rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,9 +140,12 @@ def _in_recording(
     is_open = simulations.tracking is not None
     ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
 
-    def one(port: str) -> dict[str, Array]:
+    counted = None if position is None else base.response.held.get(position)
+    quantum = 0.0 if counted is None else resolution(counted)
+
+    def changes(port: str, size: float) -> dict[str, Array]:
         push = np.zeros(grid.size)
-        push[first] = size = _PUSH * sizes[port]
+        push[first] = size
         if port == "sensor" and is_open:
             run = simulations.run_one(point, k, measured_noise=push)
         else:
@@ -150,7 +154,16 @@ def _in_recording(
         for name in base.response.held:
             source = "new" if name in simulations.new_rows else "held"
             change = getattr(run.response, source)[name] - getattr(base.response, source)[name]
-            found[name] = change[first:] / size
+            found[name] = change[first:]
+        return found
+
+    def one(port: str) -> dict[str, Array]:
+        size, most = _PUSH * sizes[port], _MOST_PUSH * sizes[port]
+        found = changes(port, size)
+        while quantum > 0.0 and np.ptp(found[str(position)]) < _COUNTS * quantum and size < most:
+            size *= 10.0
+            found = changes(port, size)
+        found = {name: change / size for name, change in found.items()}
         if port == "sensor" and is_open:
             # The twin follows the recorded position: what is left of its noise in the residual.
             found = {name: -kernel for name, kernel in found.items()}
