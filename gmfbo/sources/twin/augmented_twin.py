@@ -97,7 +97,15 @@ class RunPlan:
         return self.experiment.grid
 
     def at(self, values: NDArray[np.float64], time: NDArray[np.float64]) -> NDArray[np.float64]:
-        """A column on the grid at other times, shape (n,)."""
+        """A column on the grid at other times, shape (n,).
+
+        Parameters
+        ----------
+        values : ndarray, shape (rows,)
+            On the grid.
+        time : ndarray, shape (n,)
+            [s] Of the recording.
+        """
         step = float(self.grid[1] - self.grid[0]) if self.grid.size > 1 else 1.0
         places = (time - self.grid[0]) / step
         rows = np.round(places).astype(int)

@@ -1,11 +1,17 @@
-"""Frequency responses of kernels, against the sum that defines them."""
+"""Answers to a push, and their frequency responses against the sum that defines them."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo import FmuTwin, Recording
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
+from gmfbo.diagnosis.runs.scored_record import scored_record
+from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.sources.fmu_file.models import models_folder
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 STEP = 2e-3
 
@@ -27,3 +33,31 @@ def test_a_response_is_the_fourier_sum_of_its_taps(frequencies: np.ndarray) -> N
     found = kernels.spectra("torque", ("position", "command"), frequencies)
     turn = np.exp(-2j * np.pi * np.outer(np.arange(300) * STEP, frequencies))
     np.testing.assert_allclose(found, taps @ turn, atol=1e-9)
+
+
+def drive(counts: float) -> np.ndarray:
+    """Answer of the drive's torque command to its encoder, with so many counts a turn."""
+    path = models_folder() / "drive_twin.toml"
+    twin = FmuTwin(path, parameters={"enc.motor_resolution": counts}, isolated=False)
+    time = 1e-3 * np.arange(600)
+    wave = 0.3 * np.sin(2.0 * np.pi * 2.0 * time)
+    gains = {"ctl.Kp": 120.0, "ctl.Kd": 5.0}
+    asked = Recording(time=time, signals={"reference": wave}, name="a.csv", parameters=gains)
+    names = ["position", "torque_command"]
+    run = twin.run({}, asked)
+    signals = {"reference": wave, **{name: run.signal(name) for name in names}}
+    recording = Recording(time=time, signals=signals, name="a.csv", parameters=gains)
+    with AugmentedTwin(twin, substeps=5, isolated=False) as simulator:
+        record = scored_record(recording, simulator.plan(recording, {}), names, 0.0)
+    with Simulations(lambda: AugmentedTwin(twin, substeps=5), [record], 1) as simulations:
+        found = port_kernels(
+            simulations, Point(), {"sensor": 0.6}, "position", 1.0, "torque_command"
+        )
+    return np.asarray(found.kernels["sensor"]["torque_command"])
+
+
+def test_a_coarse_encoder_answers_noise_as_a_fine_one() -> None:
+    """A push below a count was not seen: the path was zero, and a right twin was given physics."""
+    coarse, fine = drive(4096.0), drive(2.0**24)
+    assert np.abs(fine).max() > 1.0
+    assert np.abs(coarse - fine)[:30].max() < 0.2 * np.abs(fine).max()
