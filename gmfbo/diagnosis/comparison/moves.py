@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +76,7 @@ class Element:
     def moved(self, share: float, more: Mapping[str, float]) -> Element:
         """The same with its sizes multiplied by a share, and something added to some of them."""
         if self.candidate is None:
-            return replace(self, share=share)
+            return replace(self, share=self.share * share)
         values = {
             name: value * share + more[name] if name in more else value
             for name, value in self.candidate.values.items()
@@ -151,15 +150,13 @@ class Response:
     steps: tuple[float, ...]
     columns: list[Array]
     is_signed: bool
-    _white: WeakKeyDictionary[Whitening, list[Array]] = field(
-        default_factory=WeakKeyDictionary, repr=False
-    )
+    _white: list[tuple[Whitening, list[Array]]] = field(default_factory=list, repr=False)
 
     def whitened(self, whitening: Whitening) -> list[Array]:
-        """Columns under a whitening without own parts, made once."""
-        if whitening not in self._white:
-            self._white[whitening] = whitening(self.columns)
-        return self._white[whitening]
+        """Columns under a whitening without own parts, kept until another is asked for."""
+        if not self._white or self._white[0][0] is not whitening:
+            self._white[:] = [(whitening, whitening(self.columns))]
+        return self._white[0][1]
 
 
 def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> list[Response]:

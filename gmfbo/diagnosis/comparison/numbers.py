@@ -71,7 +71,7 @@ BOOTSTRAP_DRAWS = 300
 """[1] Weightings of the stretches (Huggins and Miller 2023)."""
 
 LEAST_GAIN = 6.0
-"""[nats] Linearised gain below which a move beside effects is not fitted."""
+"""[nats] Linearised gain below which a move is not fitted, but for two of the first."""
 
 SETTLED, AT_THE_END = 0.1, 0.02
 """[nats] Gain that a step promises, below which a search has ended. Evidence is that of a

@@ -197,10 +197,29 @@ class Eliminated:
         found: Array = (self.likely - self.turned @ step) * self.scale
         return found
 
-    def gain(self, parts: Array) -> float:
-        """[nats] From own parts to the most likely ones, before any step."""
-        short = self.likely - parts / self.scale
-        return float(0.5 * np.einsum("rk,rkl,rl->", short, self.precision, short))
+    def moved(self, parts: Array, step: Array, damping: float) -> Array:
+        """Own parts after a step, shape (n_recordings, k).
+
+        They follow the step in full, as it was made for; what they lacked before is damped.
+
+        Parameters
+        ----------
+        parts : ndarray, shape (n_recordings, k)
+            As they are.
+        step : ndarray, shape (c,)
+            Of the common values.
+        damping : float
+            Of Levenberg and Marquardt.
+        """
+        still = self.parts(np.zeros_like(step))
+        found: Array = parts + (still - parts) / (1.0 + damping) + self.parts(step) - still
+        return found
+
+    def gain(self, parts: Array, damping: float = 0.0) -> float:
+        """[nats] From own parts towards the most likely ones, as far as damping lets them move."""
+        short, left = self.likely - parts / self.scale, damping / (1.0 + damping)
+        square = np.einsum("rk,rkl,rl->", short, self.precision, short)
+        return float(0.5 * (1.0 - left**2) * square)
 
 
 def eliminated(

@@ -161,7 +161,7 @@ def _in_recording(
         size, most = _PUSH * sizes[port], _MOST_PUSH * sizes[port]
         found = changes(port, size)
         while quantum > 0.0 and np.ptp(found[str(position)]) < _COUNTS * quantum and size < most:
-            size *= 10.0
+            size = min(10.0 * size, most)
             found = changes(port, size)
         found = {name: change / size for name, change in found.items()}
         if port == "sensor" and is_open:

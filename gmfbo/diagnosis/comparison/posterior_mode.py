@@ -22,7 +22,6 @@ from gmfbo.diagnosis.runs.simulated import Point
 Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
-
 _POLISHED = 6  # steps of the nuisances alone
 _LONGEST_STEP = 1.0  # of a logarithm, or a filter's coordinate, in one iteration
 
@@ -88,10 +87,19 @@ class ModeSearch:
         rival : float
             [nats] Cost of the best fit so far: what stays far behind it is not searched on.
         """
-        own = self._own_near(near)
-        at = self._at(self._inside(self._start(parameters)), nuisances, own)
-        if at is None:
-            return None
+        at = self.begun(parameters, nuisances, near)
+        return None if at is None else self.fitted_from(at, iterations, settled, rival)
+
+    def begun(
+        self, parameters: dict[str, float], nuisances: Array | None, near: Fitted | None
+    ) -> Fitted | None:
+        """Where a search with these arguments of `fitted` begins, without columns."""
+        return self._at(self._inside(self._start(parameters)), nuisances, self._own_near(near))
+
+    def fitted_from(
+        self, at: Fitted, iterations: int = 10, settled: float = SETTLED, rival: float = np.inf
+    ) -> Fitted:
+        """Search from there, with the other arguments of `fitted`."""
         return self._searched(at, self._columns(at), iterations, settled, rival)
 
     def again(
@@ -99,7 +107,8 @@ class ModeSearch:
     ) -> Fitted:
         """Search on from a fit under another whitening, or other noise.
 
-        Nothing is simulated where noise and values stay.
+        Nothing is simulated where noise and values stay, and a fit that converged under the same
+        whitening and noise is that fit.
 
         Parameters
         ----------
@@ -128,33 +137,29 @@ class ModeSearch:
             return self._searched(at, row.columns, iterations, settled, rival)
         return self._searched(at, self._columns(at), iterations, settled, rival)
 
-    def cost_at_start(
-        self, parameters: dict[str, float], nuisances: Array, near: Fitted | None = None
-    ) -> float:
-        """[nats] Where a search of these arguments begins; infinite where nothing is simulated."""
-        at = self._at(self._inside(self._start(parameters)), nuisances, self._own_near(near))
-        return np.inf if at is None else self._cost(at)
-
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping, cost = _DAMPING, self._cost(at)
+        damping, cost = _DAMPING, self.cost(at)
         for _ in range(iterations):
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
             if cost - HOPED_STEPS * promised > rival + FAR_BEHIND:
                 return self._ended(at, columns, False)
-            if promised < settled or gain < AT_THE_END:
+            if promised < settled:
                 return self._ended(at, columns, True)
+            if gain < AT_THE_END:
+                damping = _DAMPING
+                step, gain = self._step(at, columns, damping)
             moved = self._moved(at, step, damping)
-            after = np.inf if moved is None else self._cost(moved)
+            after = np.inf if moved is None else self.cost(moved)
             while after >= cost and damping < _MOST_DAMPING:
                 step, gain, damping = self._shorter(at, columns, gain, damping)
-                if gain < settled:
-                    return self._ended(at, columns, True)
+                if gain < settled:  # where friction makes the cost rough
+                    return self._ended(at, columns, promised < FAR_BEHIND)
                 moved = self._moved(at, step, damping)
-                after = np.inf if moved is None else self._cost(moved)
+                after = np.inf if moved is None else self.cost(moved)
             if moved is None or after >= cost:
                 return self._ended(at, columns, False)
             fall, cost = cost - after, after
@@ -244,7 +249,7 @@ class ModeSearch:
             self._heard,
         )
 
-    def _cost(self, at: Fitted) -> float:
+    def cost(self, at: Fitted) -> float:
         """[nats] Negative log density of the recordings and the values."""
         own = at.own[:, self._places] / self._spread[self._places]
         return 0.5 * (self._whitening.square(at.residual) + float(np.sum(own**2))) - at.log_prior
@@ -333,8 +338,7 @@ class ModeSearch:
         step = np.clip(step, lowest, highest)
         gain = float(g @ step - 0.5 * step @ a @ step)
         if self._parts is not None:
-            left = damping / (1.0 + damping)
-            gain += (1.0 - left**2) * self._parts.gain(at.own[:, self._places])
+            gain += self._parts.gain(at.own[:, self._places], damping)
         return step, gain
 
     def _normal(self, at: Fitted, columns: list[Array]) -> tuple[Array, Array]:
@@ -345,12 +349,12 @@ class ModeSearch:
                 inner = by_recording(self._problem, grams(self._problem, self._whitening, there))
                 self._parts = eliminated(*inner, self._places, self._spread[self._places])
                 a, g = a + self._parts.matrix, g + self._parts.product
-                self._known, self._normals = columns, (a, g)
-                return a, g
-            for z, j in zip(self._whitening(at.residual), self._whitening(columns), strict=True):
-                flat = j.reshape(j.shape[0], -1)
-                a += flat @ flat.T
-                g += flat @ z.ravel()
+            else:
+                white = zip(self._whitening(at.residual), self._whitening(columns), strict=True)
+                for z, j in white:
+                    flat = j.reshape(j.shape[0], -1)
+                    a += flat @ flat.T
+                    g += flat @ z.ravel()
             self._known, self._normals = columns, (a, g)
         return self._normals
 
@@ -359,8 +363,7 @@ class ModeSearch:
         own = at.own
         if self._parts is not None:
             own = own.copy()
-            short = self._parts.parts(step) - own[:, self._places]
-            own[:, self._places] += short / (1.0 + damping)
+            own[:, self._places] = self._parts.moved(own[:, self._places], step, damping)
         nuisances = at.nuisances + step[p:]
         one_sided = self._problem.logging.one_sided
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
@@ -370,7 +373,7 @@ class ModeSearch:
     def _polished(self, at: Fitted) -> Fitted:
         """Let the nuisances follow, which asks for no simulation."""
         problem, one_sided = self._problem, self._problem.logging.one_sided
-        cost = self._cost(at)
+        cost = self.cost(at)
         for _ in range(_POLISHED):
             a, g = np.eye(at.nuisances.size), -at.nuisances
             own = problem.nuisance_columns(at.values, at.nuisances)
@@ -386,7 +389,7 @@ class ModeSearch:
             nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
             residual = problem.residual(at.values, nuisances)
             tried = replace(at, nuisances=nuisances, residual=residual)
-            after = self._cost(tried)
+            after = self.cost(tried)
             if after >= cost:
                 break
             gained, at, cost = cost - after, tried, after

@@ -71,7 +71,7 @@ class RowFits:
         while left:
             # A law begins as its limit, which is fitted before.
             names = {move.element.name for move in left}
-            now = [move for move in left if not _contained(move.element) & names]
+            now = [move for move in left if not _contained(move.element) & names] or left
             moved = partial(self._moved, ledger, about, best, dict(rows))
             for found in side_by_side(moved, now):
                 if found is not None:
@@ -193,10 +193,12 @@ class RowFits:
             tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
             search = self._search(whitening, tried.added_to(about.hypothesis), freed)
             start = tried.start(about.parameters)
-            starts.append((search.cost_at_start(start, about.nuisances, about), search, start))
-        for _, search, start in sorted(starts, key=lambda one: one[0]):
-            found = search.fitted(start, about.nuisances, near=about, rival=self._rival)
-            if found is not None and chi(found, whitening) <= before + _NO_WORSE:
+            at = search.begun(start, about.nuisances, about)
+            if at is not None:
+                starts.append((search.cost(at), search, at))
+        for _, search, at in sorted(starts, key=lambda one: one[0]):
+            found = search.fitted_from(at, rival=self._rival)
+            if chi(found, whitening) <= before + _NO_WORSE:
                 return found
         return None
 

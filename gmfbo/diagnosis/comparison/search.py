@@ -121,10 +121,8 @@ class Search:
         effects = [m for m in moves if m.element.candidate is not None][:_FIRST_FITS]
         effects.sort(key=lambda m: limits_in(frozenset({m.element.name})))
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
-        ledger = replace(
-            ledger, rows=self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
-        )
-        ledger, scored = self._settled(ledger)
+        rows = self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
+        ledger, scored = self._settled(replace(ledger, rows=rows))
         if self._is_inadequate(ledger, scored):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
         ledger, scored = self._heard(ledger, scored)
@@ -288,8 +286,8 @@ class Search:
             stale = ({scored.elements[i] for i in order[:_KEPT]} | asked) - done
             if not stale:
                 return replace(ledger, rows=rows), scored
-            fitted = {e: rows[e] for e in done}
-            rows |= self._fits(ledger).all_again(ledger.whitening, rows, stale, fitted)
+            known = {e: rows[e] for e in done}
+            rows |= self._fits(ledger).all_again(ledger.whitening, rows, stale, known)
             done |= stale
 
     def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
@@ -43,7 +44,8 @@ def _nothing(diagnosis: Findings) -> str:
         for name, fit in list(fits.items())[:3]
     )
     where = "In what was compared, nothing" if diagnosis.not_compared else "Nothing"
-    if left := _left_over(diagnosis):
+    nominal = {name: fit.nominal for name, fit in fits.items()}
+    if left := _left_over(diagnosis, nominal):
         return f"{where} that is known here is missing, though {left}."
     return (
         f"{where} is missing: the twin meets unseen recordings to the noise ({errors})."
@@ -73,7 +75,8 @@ def _parameters(diagnosis: Findings) -> str:
             f"{listed(f'{one.expression} = {number(one.value)}' for one in diagnosis.combinations)}"
         )
     missing = "no physics is missing"
-    if left := _left_over(diagnosis):
+    refitted = {name: fit.parameters_only for name, fit in diagnosis.fit.signals.items()}
+    if left := _left_over(diagnosis, refitted):
         missing = f"no physics that is known here is missing, though {left}"
     if too_narrow_ranges(diagnosis):
         return f"With such values the twin explains the difference{told}; {missing}."
@@ -81,21 +84,17 @@ def _parameters(diagnosis: Findings) -> str:
     return f"The twin's {whose}values explain the difference{told}; {missing}."
 
 
-def _left_over(diagnosis: Findings) -> str:
+def _left_over(diagnosis: Findings, errors: Mapping[str, float]) -> str:
     """Clause on what is more than noise beside nothing that was named; empty where nothing is."""
     if diagnosis.effects or not remainder_words(diagnosis.remainder):
         return ""
-    over = {
-        name: fit.parameters_only / fit.noise_floor
-        for name, fit in diagnosis.fit.signals.items()
-        if math.isfinite(fit.parameters_only) and fit.noise_floor > 0.0
-    }
-    if not over:
+    floors = {name: fit.noise_floor for name, fit in diagnosis.fit.signals.items()}
+    over = {name: errors[name] / floor for name, floor in floors.items() if floor > 0.0}
+    name = max(over, key=lambda signal: over[signal], default="")
+    if not over or not over[name] > 1.0:
         return "more than noise is left"
-    name = max(over, key=lambda signal: over[signal])
-    fit = diagnosis.fit.signals[name]
-    error, floor = percent(fit.parameters_only), _floor(fit.noise_floor)
-    return f"more than noise is left ({words(name)} error {error}{floor})"
+    shown = f"{words(name)} error {percent(errors[name])}{_floor(floors[name])}"
+    return f"more than noise is left ({shown})"
 
 
 def _fixed_at(parameter: EstimatedParameter) -> str:

@@ -52,8 +52,8 @@ class _Run:
 class Simulations:
     """Simulators of one twin and the recordings that they follow.
 
-    Each of `jobs` simulators runs the FMUs in a process of its own; this process only hands out
-    orders, so that its threads spend their time waiting. Recent responses are kept and reused.
+    Each of `jobs` simulators runs the FMUs in a process of its own; this process hands out orders,
+    and computes with some answers while it waits for others. Recent responses are kept and reused.
 
     Parameters
     ----------

@@ -266,10 +266,10 @@ class AugmentedTwin:
         runner, self._runner = self._runner, None
         if runner is None:
             return
-        if self.twin.idle is None or not self._shares_workers:
+        if self.twin.kept is None or not self._shares_workers:
             runner.close()
         else:
-            self.twin.idle.append(runner)
+            self.twin.kept.give(runner)
 
     def __enter__(self) -> Self:
         return self
@@ -279,8 +279,9 @@ class AugmentedTwin:
 
     def _started(self) -> Runner:
         if self._runner is None:
-            if self.twin.idle and self._shares_workers:
-                self._runner = self.twin.idle.pop()
+            kept = self.twin.kept if self._shares_workers else None
+            if kept is not None and (runner := kept.take()) is not None:
+                self._runner = runner
             elif self._isolated:
                 from gmfbo.sources.worker.isolation import Isolated
 

@@ -27,6 +27,7 @@ from gmfbo.sources.binding.fixed_step import fixed_step_advice
 from gmfbo.sources.fmu_file.job import Outcome
 from gmfbo.sources.twin.driven_ports import with_driven_ports
 from gmfbo.sources.twin.from_rest import run_from_rest
+from gmfbo.sources.twin.kept_workers import KeptWorkers
 from gmfbo.sources.twin.parameter_values import check_parameters, run_parameters, starts_as_recorded
 from gmfbo.sources.twin.run_plan import Experiment
 from gmfbo.sources.twin.signals import signal_specs
@@ -111,7 +112,7 @@ class FmuTwin:
         self._isolated, self._time_limit_s = isolated, time_limit_s or self.file.time_limit
         self._runner: Runner | None = None
         self._lock = threading.Lock()
-        self.idle: list[Runner] | None = None
+        self.kept: KeptWorkers | None = None
         if (once := once_only(self._binding)) and not isolated:
             raise FmuFileError(
                 f"'{once[0]}' can be instantiated only once in the life of a process; expected "
@@ -305,18 +306,19 @@ class FmuTwin:
 
     @contextmanager
     def keeping_workers(self) -> Iterator[None]:
-        """Within it, what runs this twin with physics takes over workers that ended another.
+        """Within it, what runs this twin with physics takes over workers that another gave back.
 
         To start one takes 0.2 s.
         """
-        idle: list[Runner] = []
-        self.idle = idle
+        if self.kept is not None:
+            yield  # they are kept for longer
+            return
+        self.kept = kept = KeptWorkers()
         try:
             yield
         finally:
-            self.idle = None
-            for runner in idle:
-                runner.close()
+            self.kept = None
+            kept.close()
 
     def with_uncertain(self, uncertain: Mapping[str, tuple[float, float]]) -> FmuTwin:
         """The same twin, of which other parameters are uncertain.
@@ -328,7 +330,7 @@ class FmuTwin:
         """
         other = copy.copy(self)
         other.file = self.file.model_copy(update={"uncertain": dict(uncertain)})
-        other.idle = self.idle
+        other.kept = self.kept
         return other
 
     def __reduce__(self) -> tuple[Callable[[], FmuTwin], tuple[()]]:

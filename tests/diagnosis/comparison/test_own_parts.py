@@ -125,6 +125,26 @@ def test_the_gain_of_own_parts_is_what_a_joint_fit_gains_by_them() -> None:
     assert left.gain(best) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.3, 1.0, 10.0, 100.0])
+def test_what_a_damped_step_promises_beside_own_parts_comes_true(damping: float) -> None:
+    columns, residual = recordings(0.8, 13, count=3)
+    sizes, began = np.array([0.5, 0.2]), np.full((3, 2), 0.1)
+    left = eliminated(*grams(columns, residual), PLACES, sizes)
+    a, g = left.matrix + np.eye(3), left.product
+    step = np.linalg.solve(a + damping * np.diag(np.diag(a)), g).astype(np.float64)
+
+    def cost(common: np.ndarray, parts: np.ndarray) -> float:
+        made = np.einsum("i,rin->rn", common, columns)
+        made = made + np.einsum("rk,rkn->rn", parts, columns[:, PLACES])
+        squares = np.sum((residual - made) ** 2) + np.sum((parts / sizes) ** 2)
+        return 0.5 * float(squares + common @ common)
+
+    fall = cost(np.zeros(3), began) - cost(step, left.moved(began, step, damping))
+    promised = g @ step - 0.5 * step @ a @ step + left.gain(began, damping)
+    assert fall == pytest.approx(promised, abs=1e-9)
+    assert fall > 0.0
+
+
 def test_lines_and_what_is_fixed_have_no_own_part() -> None:
     """A line whose own parts were half of it made friction over position of one that grew."""
     priors = (

@@ -39,7 +39,7 @@ def drive(counts: float) -> np.ndarray:
     """Answer of the drive's torque command to its encoder, with so many counts a turn."""
     path = models_folder() / "drive_twin.toml"
     twin = FmuTwin(path, parameters={"enc.motor_resolution": counts}, isolated=False)
-    time = 1e-3 * np.arange(600)
+    time = 1e-3 * np.arange(600, dtype=np.float64)
     wave = 0.3 * np.sin(2.0 * np.pi * 2.0 * time)
     gains = {"ctl.Kp": 120.0, "ctl.Kd": 5.0}
     asked = Recording(time=time, signals={"reference": wave}, name="a.csv", parameters=gains)

@@ -91,7 +91,7 @@ def test_a_step_like_one_that_failed_is_not_tried() -> None:
     promised = []
 
     class Rough(Parabola):
-        def _cost(self, at: Any) -> float:
+        def cost(self, at: Any) -> float:
             return 100.0
 
         def _step(self, at: Any, columns: Any, damping: float) -> tuple[NDArray[np.float64], float]:

@@ -108,9 +108,15 @@ def test_parameters_are_told_with_old_and_new_values() -> None:
 def test_what_is_left_beside_right_values_is_told_and_not_called_nothing() -> None:
     """A fine error of an encoder was left beside "no physics is missing" (draw case 006)."""
     left = Remainder(0.7, None, None, "throughout")
-    told = replace(parameters(), remainder=left).sentence
-    assert "no physics that is known here is missing, though more than noise is left (" in told
-    assert "noise floor" in told
+    fine = {
+        "torque_command": SignalFit(0.02, 0.013, 0.013, 0.013, 0.0135),
+        "position": SignalFit(0.0007, 5.7e-5, 5.7e-5, 5.7e-5, 5.1e-5),
+    }
+    told = replace(parameters(), remainder=left, fit=replace(FIT, signals=fine)).sentence
+    assert told.endswith(
+        "no physics that is known here is missing, though more than noise is left (position error "
+        "0.0057 %, noise floor 0.0051 %)."
+    )
     none = replace(nothing(), remainder=left).sentence
     assert none.startswith("Nothing that is known here is missing, though more than noise is left")
     little = replace(nothing(), remainder=Remainder(0.004, None, None, "throughout")).sentence

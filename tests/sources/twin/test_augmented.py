@@ -14,6 +14,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin, RunPlan
 from gmfbo.sources.twin.response import Response
+from gmfbo.sources.worker.isolation import Isolated
 from tests.diagnosis.servo_recordings import rewritten
 
 GAINS = {"kp": 40.0, "kd": 0.8}
@@ -222,15 +223,21 @@ def test_a_kept_worker_goes_on_with_the_next_and_ends_with_the_block(
     own = respond(servo, recording, {"coulomb_friction.level": 0.2})
     twin = twin_of("servo_axis")
     with twin.keeping_workers():
+        assert twin.kept is not None
         for substeps in (3, 10):
             with AugmentedTwin(twin, substeps=substeps) as first:
                 respond(first, recording)
-            assert twin.idle is not None
-            assert len(twin.idle) == 1
+            assert len(twin.kept) == 1
+        kept = twin.kept
         certain = twin.with_uncertain({})
         with AugmentedTwin(certain) as second:
             other = respond(second, recording, {"coulomb_friction.level": 0.2})
-            assert twin.idle == []
-    assert twin.idle is None
+            assert kept.take() is None
+        worker = kept.take()
+        assert isinstance(worker, Isolated)
+        kept.give(worker)
+        assert worker._work.exists()
+    assert twin.kept is None
+    assert not worker._work.exists()
     for name, values in own.held.items():
         np.testing.assert_array_equal(values, other.held[name])
