@@ -84,8 +84,7 @@ def diagnose(
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
-            closing.callback(opened.close)
-        closing.enter_context(opened.keeping_workers())
+            closing.enter_context(opened)
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, cases.unseen)
@@ -127,6 +126,7 @@ def _cases(
     closing: ExitStack,
 ) -> _Cases:
     """Open a case of each kind of recordings, under the gain that the drive really had."""
+    closing.enter_context(twin.keeping_workers())
     given = consistent(twin, recordings, seed=seed, jobs=jobs)
     held_out = consistent(twin, unseen, seed=seed, jobs=jobs)
     missing = (*given.missing, *held_out.missing)
