@@ -74,7 +74,7 @@ class Element:
         ]
 
     def moved(self, share: float, more: Mapping[str, float]) -> Element:
-        """The same with its sizes multiplied by a share, and something added to some of them."""
+        """The same with its sizes or its step multiplied, and something added to some sizes."""
         if self.candidate is None:
             return replace(self, share=self.share * share)
         values = {

@@ -15,6 +15,7 @@ from gmfbo.diagnosis.comparison.noise.places import (
     Periodograms,
     coloured,
     split,
+    summed,
     with_level,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
@@ -51,7 +52,7 @@ def estimated(
     groups = [BlockGroup.of(one, least, free, kernels) for one in periodograms]
 
     def robust(x: Array) -> tuple[float, Array]:
-        return _summed([group.judged(np.exp(2.0 * x), group.robust) for group in groups])
+        return summed([group.judged(np.exp(2.0 * x), group.robust) for group in groups])
 
     bounds = [(a, a + 25.0) for a in low]
     if near is None:
@@ -64,18 +65,13 @@ def estimated(
         quiet = [group.only(rows) for group, rows in _quiet(groups, np.exp(2.0 * x), most)]
 
         def nll(x: Array, quiet: list[BlockGroup] = quiet) -> tuple[float, Array]:
-            return _summed([group.judged(np.exp(2.0 * x), whittle) for group in quiet])
+            return summed([group.judged(np.exp(2.0 * x), whittle) for group in quiet])
 
         x = minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds).x
     levels = least
     for name, value in zip(free, np.exp(x), strict=True):
         levels = with_level(levels, name, float(value))
     return levels
-
-
-def _summed(parts: Sequence[tuple[float, Array]]) -> tuple[float, Array]:
-    slopes: Array = sum((own for _, own in parts), np.zeros(1))
-    return sum(value for value, _ in parts), slopes
 
 
 def whittle(squares: Array, logs: float) -> tuple[float, Array, float]:
@@ -164,7 +160,7 @@ class BlockGroup:
         judge : callable (squares, logs)
             Such as `whittle` or `robust`.
         """
-        return _summed([part.judged(variances, judge) for part in self.parts])
+        return summed([part.judged(variances, judge) for part in self.parts])
 
     def squares(self, variances: Array) -> list[Array]:
         """Of the whitened spectra of each block, by part."""

@@ -215,3 +215,15 @@ def split(
         return covariance(one, kernels, names, frequencies, square_rates)
 
     return alone(at), np.stack([alone(with_level(nothing, name, 1.0)) for name in free])
+
+
+def summed(parts: Sequence[tuple[float, Array]]) -> tuple[float, Array]:
+    """Sum of values, and of their slopes.
+
+    Parameters
+    ----------
+    parts : sequence of (float, ndarray, shape (k,))
+        A value and its k slopes.
+    """
+    slopes: Array = sum((own for _, own in parts), np.zeros(1))
+    return sum(value for value, _ in parts), slopes

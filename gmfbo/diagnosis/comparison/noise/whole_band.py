@@ -20,6 +20,7 @@ from gmfbo.diagnosis.comparison.noise.places import (
     Periodograms,
     blocks_of,
     split,
+    summed,
     with_level,
 )
 from gmfbo.diagnosis.comparison.numbers import TOLERANCE
@@ -67,8 +68,7 @@ def inadequate(
     shares = [_Shares.of(group, levels, free, kernels) for group in whole]
 
     def nll(x: Array) -> tuple[float, Array]:
-        found = [one.deviance(np.exp(2.0 * x)) for one in shares]
-        return sum(f for f, _ in found), np.sum([g for _, g in found], axis=0)
+        return summed([one.deviance(np.exp(2.0 * x)) for one in shares])
 
     quiet = np.where([name == "port:sensor" for name in free], high, low)
     own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
