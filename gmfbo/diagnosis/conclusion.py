@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, TOLD_APART
+from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
 from gmfbo.diagnosis.fitting.central_slopes import with_central_slopes
@@ -246,13 +246,13 @@ class Conclusion:
         compared = self.decision.compared
         has_port = "torque" in compared.ledger.kernels.kernels
         share, signals = self.decision.share, self.result.fit.signals
-        if has_port or share is None or share >= EXPLAINED:
+        if has_port or share is None or share >= MOST:
             return False
         errors = {
             name: one.augmented if self.decision.row.elements else one.parameters_only
             for name, one in signals.items()
         }
-        return any(t.follows > max(t.bound, EXPLAINED * errors[t.signal]) for t in tests)
+        return any(t.follows > max(t.bound, MOST * errors[t.signal]) for t in tests)
 
     @property
     def _parameters_matter(self) -> bool:

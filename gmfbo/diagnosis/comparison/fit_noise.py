@@ -143,6 +143,26 @@ class FitNoise:
         white = fitted.beside_own_parts(whitening)(fitted.residual)
         return whitening.scaled_to(white, self.problem.stretches())
 
+    def alone(self, row: Fitted, ledger: Ledger) -> Ledger:
+        """A ledger of one row, under the inadequacy that it leaves itself.
+
+        Parameters
+        ----------
+        row : Fitted
+            Any fit under the ledger's noise.
+        ledger : Ledger
+            With its levels of noise.
+        """
+        errors = self.with_own_parts(row, ledger.kernels, ledger.levels, ledger.errors)
+        levels = self.with_inadequacy(row, replace(ledger, errors=errors))
+        whitening = self.scaled(row, ledger.kernels, levels, errors)
+        return replace(ledger, rows={row.elements: row}, levels=levels, whitening=whitening)
+
+    def cared_about(self, fitted: Fitted, ledger: Ledger) -> Whitening:
+        """Whitening by a ledger's noise, and the least inadequacy that anybody cares about."""
+        levels = ledger.levels.with_ports(**self.cared)
+        return self.whitening(fitted, ledger.kernels, levels, ledger.errors)
+
     def quiet(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise alone, without any inadequacy."""
         levels = ledger.levels

@@ -98,7 +98,12 @@ def ends_of(columns: Sequence[Array]) -> tuple[float, float]:
 
 
 def through_loop(
-    problem: Problem, kernels: PortKernels, port: str, signals: Sequence[Array]
+    problem: Problem,
+    kernels: PortKernels,
+    port: str,
+    signals: Sequence[Array],
+    *,
+    as_simulated: bool = False,
 ) -> list[Array]:
     """What signals at a port cause, by segment, shape (c, m, n).
 
@@ -112,11 +117,15 @@ def through_loop(
         Where they act.
     signals : sequence of ndarray, shape (c, rows)
         [FMU's unit of the port] By recording, on its grid.
+    as_simulated : bool
+        Without what the log alone has of them.
     """
     made = []
     for segment in problem.segments:
         grid = problem.simulations.records[segment.record].plan.grid
-        own, paths = signals[segment.record], kernels.of(segment.record).kernels[port]
+        answers = kernels.of(segment.record)
+        paths = (answers.simulated if as_simulated else answers.kernels)[port]
+        own = signals[segment.record]
         columns = np.zeros((len(own), len(segment.names), segment.time.size))
         for i, name in enumerate(segment.names):
             for c, answer in enumerate(through(own, paths[name])):

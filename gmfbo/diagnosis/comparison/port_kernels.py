@@ -33,9 +33,8 @@ class PortKernels:
     step : float
         [s] Between taps.
     simulated : mapping of str to mapping of str to ndarray, shape (taps,)
-        [SI unit of the signal / FMU's unit of the port] Answers of the simulation to noise that
-        the controller reads, without what the log alone has of it; empty where a loop holds an
-        open-loop twin.
+        [SI unit of the signal / FMU's unit of the port] Answers of the simulation, without what
+        the log alone has of them; empty where a loop holds an open-loop twin.
     others : mapping of int to PortKernels
         Of recordings with other gains, by their index.
     """
@@ -171,8 +170,9 @@ def _in_recording(
         return found
 
     kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
-    simulated = {} if is_open else {p: kernels[p] for p in ports if p == "sensor"}
-    kernels |= {p: _with_reading(own, position, to_si) for p, own in simulated.items()}
+    simulated = {} if is_open else dict(kernels)
+    if "sensor" in simulated:
+        kernels["sensor"] = _with_reading(simulated["sensor"], position, to_si)
     if "command" in kernels and command in kernels["command"] and not is_open:
         # What the controller commands otherwise is in the log as well.
         logged = kernels["command"][command] + np.eye(1, taps)[0]

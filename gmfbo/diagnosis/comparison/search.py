@@ -123,7 +123,7 @@ class Search:
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
         rows = self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
         ledger, scored = self._settled(replace(ledger, rows=rows))
-        if self._is_inadequate(ledger, scored):
+        if self.is_inadequate(ledger, scored):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
         ledger, scored = self._heard(ledger, scored)
         seen: set[frozenset[str]] = set()
@@ -149,8 +149,7 @@ class Search:
 
         What the twin lacks is first taken for an inadequacy, beside which a law may hardly show.
         """
-        quiet = ledger.levels.with_ports(**self.noise.cared)
-        whitening = self.noise.whitening(base, ledger.kernels, quiet, ledger.errors)
+        whitening = self.noise.cared_about(base, ledger)
         alone = replace(ledger, rows={}, whitening=whitening)
         moves = ranked(whitening, base, found)
         self.log(
@@ -163,7 +162,7 @@ class Search:
                 rows[elements] = row
         return replace(ledger, rows=rows)
 
-    def _is_inadequate(self, ledger: Ledger, scored: Scored) -> bool:
+    def is_inadequate(self, ledger: Ledger, scored: Scored) -> bool:
         """Whether the best row leaves clearly more than noise of loop and logger."""
         if "torque" not in self.noise.cared:
             return False
@@ -319,15 +318,7 @@ class Search:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""
         most, leading = -np.inf, frozenset[str]()
         for elements in self._unbeaten(ledger):
-            row, kernels = ledger.rows[elements], ledger.kernels
-            errors = self.noise.with_own_parts(row, kernels, ledger.levels, ledger.errors)
-            levels = self.noise.with_inadequacy(row, replace(ledger, errors=errors))
-            own = replace(
-                ledger,
-                rows={elements: row},
-                levels=levels,
-                whitening=self.noise.scaled(row, kernels, levels, errors),
-            )
+            own = self.noise.alone(ledger.rows[elements], ledger)
             alone = BesideInadequacy(self.problem)
             value = float(self.scored(own, weighted=False, beside=alone).log_evidences.mean())
             if value > most:
@@ -368,9 +359,10 @@ class Search:
 
     def log_prior(self, elements: frozenset[str]) -> float:
         """[nats] Of a hypothesis, by what it adds to the twin."""
-        effects = len({e.name for e in self.elements if e.candidate is not None})
+        effects = max(len({e.name for e in self.elements if e.candidate is not None}), 1)
         fixed = len({e.name for e in self.elements if e.freed is not None})
-        total = log(PRIOR_OF_COUNT[len(elements)]) + log(factorial(len(elements)))
+        count = min(len(elements), len(PRIOR_OF_COUNT) - 1)
+        total = log(PRIOR_OF_COUNT[count]) + log(factorial(len(elements)))
         for name in elements:
             if name.startswith("parameter:"):
                 total += log(FIXED_SHARE / fixed)

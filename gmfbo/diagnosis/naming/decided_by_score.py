@@ -24,10 +24,12 @@ from gmfbo.diagnosis.comparison.row_fits import (
     is_more_than_noise,
     values_in,
 )
+from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round
+from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
 from gmfbo.diagnosis.result.named_effect import RivalShare
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import number, words
@@ -70,13 +72,19 @@ def decide(
     compared = Compared(comparison.search, ledger, scored)
     above = _above_floors(compared)
     said, notes = _said(claims_of(scored, above), silent)
+    unknown = unknown_beside(compared.search, ledger, scored)
+    said, more = _beside(said, unknown)
+    notes += more
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
     fits = RowFits(compared.search.problem, ledger.noise)
     row = fits.to_the_end(ledger.whitening, _model(compared, said, above))
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
     model = measured(case.misfit, row)
-    rounds = [_round(case, compared, row, model, claim) for claim in held_by_row if _effects(claim)]
+    most = LEAST_FOR_A_FACT if unknown is not None else 1.0
+    rounds = [
+        _round(case, compared, row, model, claim, most) for claim in held_by_row if _effects(claim)
+    ]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
@@ -92,6 +100,7 @@ def decide(
         like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
         share=_share(compared, base, row),
         compared=compared,
+        unknown=unknown,
         notes=(*notes, *_notes_of(rounds)),
     )
 
@@ -111,6 +120,21 @@ def _said(claims: Sequence[Claim], silent: Collection[str]) -> tuple[list[Claim]
         said.append(claim)
     # What stands beside a name in doubt was found beside it.
     return ([] if notes else said), notes
+
+
+def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim], list[str]]:
+    """Claims that add something beside what is unknown, and why the others are not told."""
+    if unknown is None:
+        return list(said), []
+    kept = [claim for claim in said if unknown.beside & set(claim.members)]
+    place = f"a function of the {words(unknown.against)} at the {words(unknown.port)} port"
+    notes = [
+        f"{words(_winner(claim))} is not named: {place}, which is no law that is known here, "
+        "explains more, and beside it that law adds nothing"
+        for claim in said
+        if claim not in kept
+    ]
+    return kept, notes
 
 
 def measured(misfit: Misfit, row: Row) -> Fitted:
@@ -185,7 +209,10 @@ def _is_there(name: str, shares: Mapping[str, float]) -> bool:
     return name.startswith("parameter:") or shares.get(name, 1.0) >= NAMED
 
 
-def _round(case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim) -> Round:
+def _round(
+    case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim, most: float
+) -> Round:
+    """A claim as it is told, with no more belief than is left where laws are of the wrong form."""
     winner, rows = _winner(claim), compared.ledger.rows
     without = rows.get(row.elements - {winner}, rows[frozenset()])
     beliefs = dict(zip(claim.members, claim.beliefs, strict=True))
@@ -199,7 +226,7 @@ def _round(case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim
     gains = _gains(compared, row, without)
     names = [record.name for record in case.simulations.records]
     once = seen_once(names, compared, gains)
-    kept = min(SEEN_ONCE / claim.probability, 1.0) if once else 1.0
+    kept = min((SEEN_ONCE if once else most) / claim.probability, 1.0)
     shares = [RivalShare(name, kept * beliefs[name]) for name in (winner, *others)]
     return Round(
         Evidence(winner, model),

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, INADEQUACY_TOLERANCE, NAMED
+from gmfbo.diagnosis.comparison.numbers import EXPLAINED, INADEQUACY_TOLERANCE, MOST, NAMED
 from gmfbo.diagnosis.comparison.search import Search
-from gmfbo.diagnosis.comparison.unknown_laws import Unknown, unknown_beside
+from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.result.named_effect import RivalShare
@@ -117,6 +116,8 @@ class Decision:
         Effects that cannot be told, and why: mostly a parameter of the twin does the same.
     share : float or None
         Of what the refitted twin leaves beyond noise, explained; None where it leaves no more.
+    unknown : Unknown or None
+        What acts that no law holds; None where laws alone are as likely.
     notes : tuple of str
         Why what explains the recordings is not named.
     is_withdrawn : bool
@@ -133,26 +134,25 @@ class Decision:
     like_parameters: Mapping[str, str]
     share: float | None
     compared: Compared
+    unknown: Unknown | None = None
     notes: tuple[str, ...] = field(default=())
     is_withdrawn: bool = False
 
-    @cached_property
-    def unknown(self) -> Unknown | None:
-        """What acts beside the model, as a free function of states; None without a torque port."""
-        search, ledger = self.compared.search, self.compared.ledger
-        return unknown_beside(search.problem, ledger, self.row, search.tolerance)
+    @property
+    def is_unknown(self) -> bool:
+        """Whether it is believed that something acts that no law holds."""
+        return self.unknown is not None and self.unknown.probability >= NAMED
 
     @property
     def is_outside(self) -> bool:
-        """Whether something acts that no law of the library explains for the most part.
+        """Whether something acts that the laws of the library do not explain.
 
         A torque without any law that is as large as half of the drive's is no noise of the shaft.
         """
         if self.share is None or self.is_withdrawn:
             return self.share is not None
-        if self.share >= EXPLAINED:
-            return False
+        if self.is_unknown:
+            return self.share < EXPLAINED
         usual = self.compared.search.tolerance / INADEQUACY_TOLERANCE
-        if self.compared.ledger.levels.ports.get("torque", 0.0) > EXPLAINED * usual:
-            return True
-        return self.unknown is not None and self.unknown.probability >= NAMED
+        level = self.compared.ledger.levels.ports.get("torque", 0.0)
+        return self.share < MOST and level > MOST * usual

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED
+from gmfbo.diagnosis.comparison.numbers import MOST
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.linear_left_out import normal_equations, solve_weakly_bound
@@ -70,7 +70,7 @@ def inferred_beside_law(
         return None
     along = np.concatenate([_state(family, law, s) for s in states])
     x, y, share = _means(along, np.concatenate(acting))
-    if share < EXPLAINED:
+    if share < MOST:
         return None  # the law depends on more than this state: a curve over it would mislead
     change, half = _left(case, augmented, response, family)
     values = _at_knots(family.knots, along, np.concatenate(acting)) + change

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
-from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, remainder_words, still_follows
 from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
+from gmfbo.units import quantity as prefixed
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.estimated import EstimatedParameter
@@ -130,24 +130,36 @@ def _apart(planned: NextExperiment | None, effect: NamedEffect) -> str:
 
 def _outside(diagnosis: Findings) -> str:
     from gmfbo.physics import CATALOGUE
-    from gmfbo.units import quantity as prefixed
 
     if len({entry.name for entry in diagnosis.not_testable}) >= len(CATALOGUE):
         return (
             "Something is missing, and none of the effects known here can be tested with this twin."
         )
-    told = f"Something is missing that is none of the {len(CATALOGUE)} effects known here"
-    shape = diagnosis.shape
-    if shape is not None and shape.y:
-        largest = max((abs(y) for y in shape.y if math.isfinite(y)), default=math.nan)
-        told += (
-            f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that "
-            f"depends on the {words(shape.against)}"
+    if diagnosis.effects:
+        nearest = " ".join(effect.statement for effect in diagnosis.effects)
+        return (
+            f"None of the {len(CATALOGUE)} effects known here explains all that is missing. "
+            f"The nearest: {nearest}"
         )
-    beside = " ".join(effect.statement for effect in diagnosis.effects)
-    certain = all(is_sure(effect.set_probability) for effect in diagnosis.effects)
-    head = "Certain is" if certain else "Beside it"
-    return f"{told}.{f' {head}: {beside}' if beside else ''}"
+    told = f"Something is missing that is none of the {len(CATALOGUE)} effects known here"
+    return f"{told}{_function(diagnosis)}."
+
+
+def _function(diagnosis: Findings) -> str:
+    """Clause on where something without a name acts, and on what it depends; "" if not known."""
+    shape, left = diagnosis.shape, diagnosis.remainder
+    if left is not None and left.port is not None and left.against is not None:
+        place = (left.port, left.against)
+        if shape is None or (shape.port, shape.against) != place:
+            port, against = map(words, place)
+            return f": it acts at the {port} port and depends on the {against}"
+    if shape is None or not shape.y:
+        return ""
+    largest = max((abs(y) for y in shape.y if math.isfinite(y)), default=math.nan)
+    return (
+        f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that depends "
+        f"on the {words(shape.against)}"
+    )
 
 
 def _improvement(diagnosis: Findings) -> str:

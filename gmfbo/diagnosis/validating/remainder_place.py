@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from math import log
-
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.numbers import NAMED
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.naming.decision import Compared, Decision
 from gmfbo.diagnosis.result.explained import Remainder
@@ -30,7 +27,7 @@ def remainder_of(case: Case, decision: Decision, share: float) -> Remainder:
     compared, row, unknown = decision.compared, decision.row, decision.unknown
     whitening = row.beside_own_parts(compared.search.noise.quiet(row, compared.ledger))
     where = _where(case, compared, row, whitening)
-    if unknown is None or unknown.log_odds <= log(NAMED / (1.0 - NAMED)):
+    if unknown is None:
         return Remainder(share, None, None, where)
     return Remainder(share, unknown.port, unknown.against, where)
 

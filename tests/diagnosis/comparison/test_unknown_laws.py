@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
 from gmfbo.diagnosis.comparison.numbers import NAMED, TORQUE_TIME
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.unknown_laws import Unknown, unknown_beside
+from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
+from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, fitted_with, of_unit_size
+from gmfbo.diagnosis.comparison.unknown.kinds import kinds
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.noise.planted_noise import STEP, Planted, opened
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, triangle
 
 Array = NDArray[np.float64]
+DRAGGED = ("torque", "position", 40)
+"""Port, state and number of functions of the last kind that has these: times the velocity."""
 Torque = Callable[[Array, Array, np.random.Generator], Array]
 
 
 def rippled_drag(position: Array, velocity: Array, rng: np.random.Generator) -> Array:
     """[N m] Drag that changes over the position."""
     return -0.01 * velocity * np.cos(20.0 * position)
+
+
+def square_drag(position: Array, velocity: Array, rng: np.random.Generator) -> Array:
+    """[N m] Drag in proportion to the square of the velocity."""
+    return -2e-4 * velocity * np.abs(velocity)
 
 
 def torque_noise(position: Array, velocity: Array, rng: np.random.Generator) -> Array:
@@ -69,23 +78,69 @@ def recordings(torque: Torque) -> Planted:
     return Planted(twin, made, columns)
 
 
-def left(torque: Torque) -> Unknown:
+def left(torque: Torque, effects: Sequence[str] = ()) -> Unknown | None:
     with opened(recordings(torque)) as case:
-        search = (stated := comparison_of(case, [])).search
-        ledger = search.opened(stated.first)
-        found = unknown_beside(search.problem, ledger, ledger.rows[frozenset()], search.tolerance)
-    assert found is not None
-    return found
+        stated = comparison_of(case, effects)
+        ledger, scored = stated.run()
+        return unknown_beside(stated.search, ledger, scored)
 
 
 def test_a_law_over_the_position_is_seen_and_its_state_told() -> None:
     found = left(rippled_drag)
+    assert found is not None
     assert found.probability >= NAMED
     assert found.log_odds > 30.0
     assert (found.port, found.against) == ("torque", "position")
 
 
+def test_a_law_that_only_imitates_the_unknown_is_not_beside_it() -> None:
+    """Friction over the position explains part of a drag that changes over it (draw case 018)."""
+    found = left(rippled_drag, ["position_dependent_friction", "viscous_friction"])
+    assert found is not None
+    assert found.against == "position"
+    assert "position_dependent_friction" not in found.beside
+
+
+def test_a_law_of_the_library_needs_no_unknown() -> None:
+    assert left(square_drag, ["quadratic_drag", "coulomb_friction"]) is None
+
+
 def test_noise_of_the_shaft_is_no_law() -> None:
-    found = left(torque_noise)
-    assert found.probability < 0.5
-    assert found.log_odds == pytest.approx(0.0, abs=3.0)
+    assert left(torque_noise) is None
+
+
+def test_a_played_function_is_found_again() -> None:
+    """The fitted function is the torque that acted, along each recording."""
+    made = recordings(rippled_drag)
+    with opened(made) as case:
+        search = (stated := comparison_of(case, [])).search
+        ledger = search.opened(stated.first)
+        base, problem = ledger.rows[frozenset()], search.problem
+        quiet = search.noise.cared_about(base, ledger)
+        kind = [
+            k
+            for k in kinds(problem, ledger.kernels, base)
+            if (k.port, k.against, k.count) == DRAGGED
+        ][-1]
+        usual = quiet(inadequacy_columns(problem, ledger.kernels, base))
+        energy = sum(float(np.sum(c**2)) for c in usual)
+        sized = of_unit_size(problem, ledger.kernels, quiet, kind, energy)
+        assert sized is not None
+        start = WithUnknown(*sized, base, np.zeros(kind.count))
+        found = fitted_with(problem, quiet, base, start, 100.0 * search.tolerance)
+        values = sum(z.size for z in base.residual)
+        assert quiet.square(base.residual) > 5.0 * values
+        assert quiet.square(found.left.residual) < 1.2 * values
+        # What is put back is what the function makes, but for what is no straight line.
+        there = problem.simulations.run([problem.point(base.hypothesis, found.left.x)])[0]
+        without = problem.residual(problem.values(there), found.left.nuisances)
+        change = [a - b for a, b in zip(found.row.residual, without, strict=True)]
+        assert quiet.square(change) < 0.01 * quiet.square(without)
+        for signals, run in zip(found.kind.signals, found.left.runs, strict=True):
+            states = run.response.states
+            acting = rippled_drag(states["position"], states["velocity"], np.random.default_rng(0))
+            # Inertia and friction of the twin take what they can of it.
+            speed, played = states["velocity"], found.amplitudes @ signals
+            known = np.stack([played, speed, np.gradient(speed)], axis=1)
+            left = acting - known @ np.linalg.lstsq(known, acting, rcond=None)[0]
+            assert np.std(left) < 0.1 * np.std(acting)

@@ -19,6 +19,7 @@ from gmfbo.diagnosis.result.certainty import (
     statement_of,
     with_verb,
 )
+from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.physics import CATALOGUE, Effect, Units
 from tests.diagnosis.example_diagnoses import (
     FRICTION,
@@ -179,8 +180,19 @@ def test_a_verdict_without_names_invents_no_probability(made: Diagnosis) -> None
     assert json.loads(made.to_json())["statement_probability"] is None
 
 
-def test_a_weak_name_beside_a_mismatch_is_not_called_certain() -> None:
-    assert "Certain is" in replace(outside(), effects=(FRICTION,)).sentence
+def test_a_law_beside_something_unknown_is_the_nearest_and_no_surer_than_it_is() -> None:
+    left = Remainder(0.22, "torque", "velocity", "throughout")
+    told = replace(outside(), effects=(FRICTION,), remainder=left).sentence
+    assert told == (
+        "None of the 32 effects known here explains all that is missing. The nearest: Coulomb "
+        "friction of about 0.52 N m at the motor shaft is missing from the twin. 22 % of what is "
+        "more than noise is explained by no law; it depends on the velocity."
+    )
     told = replace(outside(), effects=weak().effects).sentence
-    assert "Certain" not in told
-    assert "Beside it: Coulomb friction of about 0.52 N m at the motor shaft may be" in told
+    assert "The nearest: Coulomb friction of about 0.52 N m at the motor shaft may be" in told
+
+
+def test_what_is_unknown_is_told_where_it_acts_even_if_no_curve_was_drawn_there() -> None:
+    left = Remainder(1.0, "command", "command", "throughout")
+    told = replace(outside(), remainder=left).sentence
+    assert "effects known here: it acts at the command port and depends on the command." in told

@@ -1,0 +1,188 @@
+"""Compare free functions with laws: what is unknown, and which laws stand beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import expit
+
+from gmfbo.diagnosis.comparison.evidence import weightings
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.inadequacy import (
+    BesideInadequacy,
+    inadequacy_columns,
+    with_inadequacy,
+)
+from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
+from gmfbo.diagnosis.comparison.numbers import NAMED
+from gmfbo.diagnosis.comparison.search import Search
+from gmfbo.diagnosis.comparison.unknown.fitted import (
+    Sized,
+    WithUnknown,
+    fitted_with,
+    of_unit_size,
+)
+from gmfbo.diagnosis.comparison.unknown.kinds import Kind, kinds
+
+Array = NDArray[np.float64]
+
+_TRIED = 2  # kinds that are fitted beside a row: those that a straight line likes best
+_LIKELY = log(NAMED / (1.0 - NAMED))
+_NAME = "unknown"
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What acts that no law of the library holds.
+
+    Attributes
+    ----------
+    port : str
+        Where it acts: `torque`, `command` or `sensor`.
+    against : str
+        State on which it depends: `position`, `velocity` or `command`.
+    probability : float
+        That it is there, and more than twice what nobody cares about.
+    log_odds : float
+        [nats] Against laws alone.
+    beside : frozenset of str
+        Elements of the best row of laws that are believed beside it.
+    """
+
+    port: str
+    against: str
+    probability: float
+    log_odds: float
+    beside: frozenset[str]
+
+
+def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | None:
+    """Tell what acts that no law holds; None where laws alone are as likely.
+
+    Each row of laws, and the same rows with a free function, stand under the noise that they
+    leave themselves. A law that adds nothing beside the function is not beside it.
+
+    Parameters
+    ----------
+    search : Search
+        The problem.
+    ledger : Ledger
+        Rows of laws.
+    scored : Scored
+        Beliefs in them.
+    """
+    if "torque" not in ledger.kernels.simulated or not search.is_inadequate(ledger, scored):
+        return None
+    return _Beside(search, ledger, scored.best).told()
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """A row with a free function, as it is scored."""
+
+    found: WithUnknown
+    own: Ledger
+    score: float
+
+    @property
+    def elements(self) -> frozenset[str]:
+        return self.found.left.elements
+
+
+class _Beside:
+    """Free functions beside the best row of laws, and beside what it holds."""
+
+    def __init__(self, search: Search, ledger: Ledger, best: frozenset[str]) -> None:
+        self._search, self._ledger, self._best = search, ledger, ledger.rows[best]
+        self._quiet = search.noise.cared_about(self._best, ledger)
+        self._known: dict[frozenset[str], _Tried | None] = {}
+
+    @cached_property
+    def _kinds(self) -> list[tuple[Kind, list[Array]]]:
+        problem, kernels = self._search.problem, self._ledger.kernels
+        usual = self._quiet(inadequacy_columns(problem, kernels, self._best))
+        energy = sum(float(np.sum(c**2)) for c in usual)
+        made = kinds(problem, kernels, self._best)
+        found = (of_unit_size(problem, kernels, self._quiet, kind, energy) for kind in made)
+        return [one for one in found if one is not None]
+
+    def told(self) -> Unknown | None:
+        """The unknown, or None where laws alone are as likely."""
+        known, now = self._alone(), self._beside(self._best)
+        if now is None:
+            return None
+        while now.elements:
+            likely = [one for one in self._with_less(now) if one.score > now.score - _LIKELY]
+            if not likely:
+                break
+            now = max(likely, key=lambda one: one.score)
+        if now.score - known.mean() <= _LIKELY:
+            return None
+        sized = self._sized(now, weightings(self._once.shape[1]))
+        odds = sized.log_evidences + self._prior(now.elements) - known
+        kind = now.found.kind
+        probability = float(np.mean(expit(odds) * sized.large))
+        return Unknown(kind.port, kind.against, probability, float(odds.mean()), now.elements)
+
+    def _with_less(self, now: _Tried) -> list[_Tried]:
+        """Rows that lack one element of a row, and that without any."""
+        fewer = {frozenset(), *(now.elements - {name} for name in now.elements)}
+        known = (self._ledger.rows.get(elements) for elements in sorted(fewer, key=sorted))
+        tried = (self._beside(row) for row in known if row is not None)
+        return [one for one in tried if one is not None]
+
+    def _alone(self) -> Array:
+        """[nats] Of the best row of laws, under each weighting of the stretches."""
+        search = self._search
+        own = search.noise.alone(self._best, self._ledger)
+        beside = BesideInadequacy(search.problem)
+        extra, inner = beside.begin(own), beside.grams(self._best)
+        weights = weightings(len(inner.squares))
+        logs = with_inadequacy(self._best, inner, weights, extra, search.tolerance)[0]
+        return logs + search.log_prior(self._best.elements)
+
+    def _beside(self, row: Fitted) -> _Tried | None:
+        """The likeliest free function beside a row; None where none shows."""
+        if row.elements not in self._known:
+            self._known[row.elements] = self._likeliest(row)
+        return self._known[row.elements]
+
+    def _likeliest(self, row: Fitted) -> _Tried | None:
+        search = self._search
+        starts = []
+        for kind, columns in self._kinds:
+            start = WithUnknown(kind, columns, row, np.zeros(kind.count))
+            sized = start.sized(search.problem, self._quiet, self._once, search.tolerance)
+            starts.append((float(sized.log_evidences[0]), start, sized.size))
+        starts.sort(key=lambda one: -one[0])
+        tried = [self._tried(row, start, size) for _, start, size in starts[:_TRIED]]
+        return max(tried, key=lambda one: one.score, default=None)
+
+    def _tried(self, row: Fitted, start: WithUnknown, size: float) -> _Tried:
+        search = self._search
+        found = fitted_with(search.problem, self._quiet, row, start, size)
+        own = search.noise.alone(found.left, self._ledger)
+        tried = _Tried(found, own, 0.0)
+        logs = self._sized(tried, self._once).log_evidences
+        score = float(logs[0]) + self._prior(row.elements)
+        search.log(
+            f"{found.kind.port} over {found.kind.against} ({found.kind.count}) beside "
+            f"{sorted(row.elements)}: {score:.1f}"
+        )
+        return _Tried(found, own, score)
+
+    def _sized(self, tried: _Tried, weights: Array) -> Sized:
+        search, whitening = self._search, tried.own.whitening
+        return tried.found.sized(search.problem, whitening, weights, search.tolerance)
+
+    def _prior(self, elements: frozenset[str]) -> float:
+        """[nats] Of a free function of one kind beside these elements."""
+        return self._search.log_prior(elements | {_NAME}) - log(len(self._kinds))
+
+    @cached_property
+    def _once(self) -> Array:
+        return np.ones((1, sum(len(own) for own in self._search.problem.stretches())))

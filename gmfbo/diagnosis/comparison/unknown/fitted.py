@@ -1,0 +1,226 @@
+"""A row of the comparison with a free function at a port, fitted through the simulators."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from gmfbo.diagnosis.comparison.evidence import grams, log_evidences
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.inadequacy import through_loop
+from gmfbo.diagnosis.comparison.numbers import SETTLED
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.priors import bounds_of
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.unknown.kinds import Kind
+from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.runs.simulated import Simulated
+
+Array = NDArray[np.float64]
+
+_SIZES = 4.0 ** np.arange(8.0)  # of the function, times the tolerance: to all that a drive can do
+_STEPS = 8  # most points that are simulated
+_SHORTER = (1.0, 0.5, 0.2, 0.05)  # of a step, until one is better
+_FAR = 10.0  # [nats] below the best size, one does not count
+
+
+@dataclass(frozen=True, eq=False)
+class Sized:
+    """Evidence with a free function of each size.
+
+    Attributes
+    ----------
+    log_evidences : ndarray, shape (n_weightings,)
+        [nats] The size integrated out; its logarithm is uniform.
+    large : ndarray, shape (n_weightings,)
+        Probability that it is more than twice the tolerance.
+    size : float
+        [FMU's unit of the torque port] The most probable one.
+    """
+
+    log_evidences: Array
+    large: Array
+    size: float
+
+
+@dataclass(frozen=True, eq=False)
+class WithUnknown:
+    """A row with a free function beside it.
+
+    Attributes
+    ----------
+    kind : Kind
+        Of the function.
+    columns : list of ndarray, shape (c, m, n)
+        [SI] By segment: what the kind's functions cause, of a unit size of the whole.
+    left : Fitted
+        The row at its values, and what it leaves with the function.
+    amplitudes : ndarray, shape (c,)
+        Of the functions.
+    """
+
+    kind: Kind
+    columns: list[Array]
+    left: Fitted
+    amplitudes: Array
+
+    @property
+    def row(self) -> Fitted:
+        """The row at its values, and what it leaves without the function."""
+        parts = zip(self.left.residual, self.columns, strict=True)
+        made = [z + np.tensordot(self.amplitudes, c, 1) for z, c in parts]
+        return replace(self.left, residual=made)
+
+    def sized(
+        self, problem: Problem, whitening: Whitening, weights: Array, tolerance: float
+    ) -> Sized:
+        """Evidence of the recordings.
+
+        Parameters
+        ----------
+        problem : Problem
+            Recordings.
+        whitening : Whitening
+            By noise.
+        weights : ndarray, shape (n_weightings, n_stretches)
+            Of the stretches.
+        tolerance : float
+            [FMU's unit of the torque port] Size about which nobody cares.
+        """
+        row = self.row
+        own = row.beside_own_parts(whitening)
+        inner = grams(problem, own, row, own.of_own(whitening(self.columns)))
+        sizes, count = tolerance * _SIZES, len(self.amplitudes)
+        mean = weights.mean(0, keepdims=True)
+        first = np.array([log_evidences(row, inner, mean, count, s)[0] for s in sizes])
+        kept = np.flatnonzero(first > first.max() - _FAR)
+        if len(weights) == 1:
+            logs = first[kept][:, None]
+        else:
+            logs = np.stack([log_evidences(row, inner, weights, count, s) for s in sizes[kept]])
+        total = logsumexp(logs, axis=0)
+        large = np.exp(logs - total).T @ (_SIZES[kept] > 2.0).astype(float)
+        return Sized(total - np.log(len(sizes)), large, float(sizes[np.argmax(first)]))
+
+
+def of_unit_size(
+    problem: Problem, kernels: PortKernels, whitening: Whitening, kind: Kind, energy: float
+) -> tuple[Kind, list[Array]] | None:
+    """A kind whose functions show as much as some energy, and what they cause, shape (c, m, n).
+
+    None where they show nothing.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    kernels : PortKernels
+        Answers of the simulated signals to each port.
+    whitening : Whitening
+        By noise alone.
+    kind : Kind
+        Of any size.
+    energy : float
+        Whitened square that functions of unit size have at the torque port: those at other ports
+        are of unit size where they show as much.
+    """
+    columns = through_loop(problem, kernels, kind.port, kind.signals, as_simulated=True)
+    own = sum(float(np.sum(c**2)) for c in whitening(columns))
+    if own <= 0.0:
+        return None
+    factor = np.sqrt(energy / own)
+    scaled = replace(kind, signals=[factor * s for s in kind.signals])
+    return scaled, [factor * c for c in columns]
+
+
+def fitted_with(
+    problem: Problem, whitening: Whitening, row: Fitted, start: WithUnknown, size: float
+) -> WithUnknown:
+    """Fit a row and a free function beside it, whose signals are played into the twin.
+
+    The columns stay those about the start, so that a step costs one point. Each is simulated.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    whitening : Whitening
+        By noise alone.
+    row : Fitted
+        The row without it.
+    start : WithUnknown
+        The row, with amplitudes of zero.
+    size : float
+        [FMU's unit of the torque port] Standard deviation of the amplitudes.
+    """
+    whitening = row.beside_own_parts(whitening)
+    quiet = problem.values(_played(problem, row, start.kind, start.amplitudes))
+    heard = [own - still for own, still in zip(row.values, quiet, strict=True)]
+    columns = [
+        np.concatenate([a, b])
+        for a, b in zip(whitening(row.columns), whitening(start.columns), strict=True)
+    ]
+    flat = [c.reshape(c.shape[0], -1) for c in columns]
+    prior = np.concatenate([row.curvatures, np.full(len(start.amplitudes), size**-2)])
+    matrix = sum((j @ j.T for j in flat), np.diag(prior))
+    at, cost = start, _cost(whitening, start, size)
+    for _ in range(_STEPS):
+        white = whitening(at.left.residual)
+        slope = sum((j @ z.ravel() for j, z in zip(flat, white, strict=True)), np.zeros(len(prior)))
+        slope -= np.concatenate([at.left.slopes, at.amplitudes / size**2])
+        step = np.linalg.solve(matrix, slope)
+        if 0.5 * slope @ step < SETTLED:
+            break
+        tried = (_moved(problem, at, share * step, heard) for share in _SHORTER)
+        costs = ((_cost(whitening, one, size), one) for one in tried if one is not None)
+        better = next(((c, one) for c, one in costs if c < cost), None)
+        if better is None:
+            break
+        fall, (cost, at) = cost - better[0], better
+        if fall < SETTLED:
+            break
+    return at
+
+
+def _cost(whitening: Whitening, at: WithUnknown, size: float) -> float:
+    """[nats] Negative log density of the recordings, the values and the amplitudes."""
+    square = whitening.square(at.left.residual) + float(at.amplitudes @ at.amplitudes) / size**2
+    return 0.5 * square - at.left.log_prior
+
+
+def _moved(
+    problem: Problem, at: WithUnknown, step: Array, heard: Sequence[Array]
+) -> WithUnknown | None:
+    """The row after a step within its bounds; None where it cannot be simulated."""
+    row = at.left
+    p, q = row.u.size, row.u.size + row.nuisances.size
+    ends = bounds_of(row.priors)
+    margin = 1e-6 * (ends[:, 1] - ends[:, 0])
+    u = np.clip(row.u + step[:p], ends[:, 0] + margin, ends[:, 1] - margin)
+    nuisances = row.nuisances + step[p:q]
+    nuisances[row.one_sided] = np.maximum(nuisances[row.one_sided], 0.0)
+    moved, amplitudes = replace(row, u=u, nuisances=nuisances), at.amplitudes + step[q:]
+    runs = _played(problem, moved, at.kind, amplitudes)
+    if not all(run.finite for run in runs):
+        return None
+    values = [own + more for own, more in zip(problem.values(runs), heard, strict=True)]
+    if problem.has_run_away(values):
+        return None
+    residual = problem.residual(values, nuisances)
+    left = replace(moved, runs=runs, values=values, residual=residual)
+    return replace(at, left=left, amplitudes=amplitudes)
+
+
+def _played(problem: Problem, row: Fitted, kind: Kind, amplitudes: Array) -> list[Simulated]:
+    point = problem.point(row.hypothesis, row.x, row.own_values)
+    simulations = problem.simulations
+
+    def one(record: int) -> Simulated:
+        pushed = {kind.port: amplitudes @ kind.signals[record]}
+        return simulations.run_one(point, record, excitation=pushed)
+
+    return simulations.map(one, range(len(simulations.records)))

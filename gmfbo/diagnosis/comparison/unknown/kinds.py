@@ -1,0 +1,110 @@
+"""Free functions of the states at each port, as signals of unit size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.inadequacy import ends_of, motion_of, smooth
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.problem import Problem
+
+Array = NDArray[np.float64]
+
+_FINE, _FINE_COMMAND, _COARSE = 40, 64, 8  # bumps over a state
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """Free functions of one kind.
+
+    Attributes
+    ----------
+    port : str
+        Where they act: `torque`, `command` or `sensor`.
+    against : str
+        State on which they depend: `position`, `velocity` or `command`.
+    signals : list of ndarray, shape (c, rows)
+        [FMU's unit of the port] By recording: c functions of unit size along it.
+    """
+
+    port: str
+    against: str
+    signals: list[Array]
+
+    @property
+    def count(self) -> int:
+        """Number of functions."""
+        return len(self.signals[0])
+
+
+def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
+    """Kinds that a twin's ports allow, along the motion of a fit.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    kernels : PortKernels
+        For the ports.
+    row : Fitted
+        Whose simulated states are taken: of a fit near the recordings.
+    """
+    ports, motion = kernels.simulated.keys(), motion_of(problem, row)
+    over_position = _over(motion.positions, _FINE)
+    made = []
+    if "torque" in ports:
+        over_speed = _over(motion.speeds, _FINE)
+        dragged = [
+            own * v / motion.fast for own, v in zip(over_position, motion.velocities, strict=True)
+        ]
+        made += [
+            Kind("torque", "velocity", over_speed),
+            Kind("torque", "velocity", _each_way(over_speed, _rates(motion.speeds))),
+            Kind("torque", "position", over_position),
+            Kind("torque", "position", _each_way(over_position, motion.velocities)),
+            Kind("torque", "position", dragged),
+            Kind(
+                "torque",
+                "velocity",
+                _products(_over(motion.positions, _COARSE), _over(motion.speeds, _COARSE)),
+            ),
+        ]
+    states = [run.response.states for run in row.runs]
+    if "command" in ports and all("command" in own for own in states):
+        command = [own["command"] for own in states]
+        over_command = _over(command, _FINE_COMMAND)
+        made += [
+            Kind("command", "command", over_command),
+            Kind("command", "command", _each_way(over_command, _rates(command))),
+        ]
+    if "sensor" in ports:
+        made.append(Kind("sensor", "position", over_position))
+    return made
+
+
+def _over(columns: Sequence[Array], count: int) -> list[Array]:
+    """Smooth functions over the range that a state has in all recordings, shape (count, n)."""
+    low, high = ends_of(columns)
+    return [smooth(values, low, high, count) for values in columns]
+
+
+def _rates(columns: Sequence[Array]) -> list[Array]:
+    return [np.gradient(values) for values in columns]
+
+
+def _each_way(functions: Sequence[Array], rates: Sequence[Array]) -> list[Array]:
+    """Functions of their own for each direction, shape (2 c, n)."""
+    return [
+        np.concatenate([own * (rate > 0.0), own * (rate <= 0.0)])
+        for own, rate in zip(functions, rates, strict=True)
+    ]
+
+
+def _products(first: Sequence[Array], second: Sequence[Array]) -> list[Array]:
+    """Products of functions of two states, shape (c d, n)."""
+    return [(a[:, None] * b).reshape(-1, a.shape[1]) for a, b in zip(first, second, strict=True)]
