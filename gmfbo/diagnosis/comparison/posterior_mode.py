@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
 _POLISHED = 6  # steps of the nuisances alone
-_LONGEST_STEP = 1.0  # of a logarithm, or a filter's coordinate, in one iteration
+LONGEST_STEP = 1.0
+"""[1] Of a logarithm, or a filter's coordinate, in one iteration."""
 
 
 class ModeSearch:
@@ -317,8 +318,8 @@ class ModeSearch:
         lowest[:p], highest[:p] = self._inside(ends[:, 0]) - at.u, self._inside(ends[:, 1]) - at.u
         lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
         bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
-        lowest = np.where(bent, np.maximum(lowest, -_LONGEST_STEP), lowest)
-        highest = np.where(bent, np.minimum(highest, _LONGEST_STEP), highest)
+        lowest = np.where(bent, np.maximum(lowest, -LONGEST_STEP), lowest)
+        highest = np.where(bent, np.minimum(highest, LONGEST_STEP), highest)
         damped = a + damping * np.diag(np.diag(a))
         for _ in range(g.size):
             rest = g[free] - damped[np.ix_(free, ~free)] @ step[~free]
@@ -384,7 +385,7 @@ class ModeSearch:
             free = ~(at.at_zero & (g < 0.0))
             step = np.zeros(g.size)
             step[free] = np.linalg.solve(a[np.ix_(free, free)], g[free])
-            longest = np.where(one_sided, _LONGEST_STEP, np.inf)
+            longest = np.where(one_sided, LONGEST_STEP, np.inf)
             nuisances = at.nuisances + np.clip(step, -longest, longest)
             nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
             residual = problem.residual(at.values, nuisances)

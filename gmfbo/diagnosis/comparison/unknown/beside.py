@@ -18,7 +18,7 @@ from gmfbo.diagnosis.comparison.inadequacy import (
     with_inadequacy,
 )
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
-from gmfbo.diagnosis.comparison.numbers import NAMED
+from gmfbo.diagnosis.comparison.numbers import NAMED, SETTLED
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.fitted import (
     Sized,
@@ -31,6 +31,7 @@ from gmfbo.diagnosis.comparison.unknown.kinds import Kind, kinds
 Array = NDArray[np.float64]
 
 _TRIED = 2  # kinds that are fitted beside a row: those that a straight line likes best
+_LEVELS = 5  # most rounds of a function and the noise beside it
 _LIKELY = log(NAMED / (1.0 - NAMED))
 _NAME = "unknown"
 
@@ -163,17 +164,27 @@ class _Beside:
         return max(tried, key=lambda one: one.score, default=None)
 
     def _tried(self, row: Fitted, start: WithUnknown, size: float) -> _Tried:
+        """Fit a function, and the noise beside it, in turn until nothing gains.
+
+        It is first fitted loosely, under what the row leaves without it.
+        """
         search = self._search
-        found = fitted_with(search.problem, self._quiet, row, start, size)
-        own = search.noise.alone(found.left, self._ledger)
-        tried = _Tried(found, own, 0.0)
-        logs = self._sized(tried, self._once).log_evidences
-        score = float(logs[0]) + self._prior(row.elements)
+        own, best = search.noise.alone(row, self._ledger), None
+        for _ in range(_LEVELS):
+            found = fitted_with(search.problem, own.whitening, row, start, size)
+            own = search.noise.alone(found.left, self._ledger)
+            sized = self._sized(_Tried(found, own, 0.0), self._once)
+            score = float(sized.log_evidences[0]) + self._prior(row.elements)
+            if best is not None and score < best.score + SETTLED:
+                break
+            best, start, size = _Tried(found, own, score), found, sized.size
+        assert best is not None
+        kind = best.found.kind
         search.log(
-            f"{found.kind.port} over {found.kind.against} ({found.kind.count}) beside "
-            f"{sorted(row.elements)}: {score:.1f}"
+            f"{kind.port} over {kind.against} ({kind.count}) beside {sorted(row.elements)}: "
+            f"{best.score:.1f}"
         )
-        return _Tried(found, own, score)
+        return best
 
     def _sized(self, tried: _Tried, weights: Array) -> Sized:
         search, whitening = self._search, tried.own.whitening

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences
@@ -14,6 +15,7 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import through_loop
 from gmfbo.diagnosis.comparison.numbers import SETTLED
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.posterior_mode import LONGEST_STEP
 from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.unknown.kinds import Kind
@@ -23,8 +25,8 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 _SIZES = 4.0 ** np.arange(8.0)  # of the function, times the tolerance: to all that a drive can do
-_STEPS = 8  # most points that are simulated
-_SHORTER = (1.0, 0.5, 0.2, 0.05)  # of a step, until one is better
+_STEPS = 12  # most that are taken
+_DAMPINGS = (0.0, 1e-3, 0.03, 1.0)  # of a step, until one is better
 _FAR = 10.0  # [nats] below the best size, one does not count
 
 
@@ -142,7 +144,7 @@ def fitted_with(
 ) -> WithUnknown:
     """Fit a row and a free function beside it, whose signals are played into the twin.
 
-    The columns stay those about the start, so that a step costs one point. Each is simulated.
+    The columns stay those about the row, so that a step costs one point. Each is simulated.
 
     Parameters
     ----------
@@ -153,12 +155,12 @@ def fitted_with(
     row : Fitted
         The row without it.
     start : WithUnknown
-        The row, with amplitudes of zero.
+        Where the fit begins.
     size : float
         [FMU's unit of the torque port] Standard deviation of the amplitudes.
     """
     whitening = row.beside_own_parts(whitening)
-    quiet = problem.values(_played(problem, row, start.kind, start.amplitudes))
+    quiet = problem.values(_played(problem, row, start.kind, np.zeros(start.kind.count)))
     heard = [own - still for own, still in zip(row.values, quiet, strict=True)]
     columns = [
         np.concatenate([a, b])
@@ -172,10 +174,9 @@ def fitted_with(
         white = whitening(at.left.residual)
         slope = sum((j @ z.ravel() for j, z in zip(flat, white, strict=True)), np.zeros(len(prior)))
         slope -= np.concatenate([at.left.slopes, at.amplitudes / size**2])
-        step = np.linalg.solve(matrix, slope)
-        if 0.5 * slope @ step < SETTLED:
-            break
-        tried = (_moved(problem, at, share * step, heard) for share in _SHORTER)
+        ends = _longest_steps(at)
+        damped = (matrix + k * np.diag(np.diag(matrix)) for k in _DAMPINGS)
+        tried = (_moved(problem, at, _step(m, slope, ends), heard) for m in damped)
         costs = ((_cost(whitening, one, size), one) for one in tried if one is not None)
         better = next(((c, one) for c, one in costs if c < cost), None)
         if better is None:
@@ -184,6 +185,29 @@ def fitted_with(
         if fall < SETTLED:
             break
     return at
+
+
+def _longest_steps(at: WithUnknown) -> tuple[Array, Array]:
+    """Least and largest step of each quantity: within its bounds, and where it is about linear."""
+    row, free = at.left, np.full(len(at.amplitudes), np.inf)
+    ends = bounds_of(row.priors)
+    margin = 1e-6 * (ends[:, 1] - ends[:, 0])
+    most = np.where([q.logarithmic for q in row.priors], LONGEST_STEP, np.inf)
+    low = np.maximum(np.minimum(ends[:, 0] + margin - row.u, 0.0), -most)
+    high = np.minimum(np.maximum(ends[:, 1] - margin - row.u, 0.0), most)
+    bent = np.where(row.one_sided, LONGEST_STEP, np.inf)
+    least = np.where(row.one_sided, -np.minimum(row.nuisances, LONGEST_STEP), -np.inf)
+    return np.concatenate([low, least, -free]), np.concatenate([high, bent, free])
+
+
+def _step(matrix: Array, slope: Array, ends: tuple[Array, Array]) -> Array:
+    """Step that gains most of a parabola within some ends, shape (n,)."""
+    factor = np.linalg.cholesky(matrix)
+    aim = np.linalg.solve(factor, slope)
+    low, high = ends
+    wide = np.where(high > low, high, low + 1e-12)
+    found: Array = lsq_linear(factor.T, aim, (low, wide), method="bvls").x
+    return found
 
 
 def _cost(whitening: Whitening, at: WithUnknown, size: float) -> float:
@@ -195,15 +219,13 @@ def _cost(whitening: Whitening, at: WithUnknown, size: float) -> float:
 def _moved(
     problem: Problem, at: WithUnknown, step: Array, heard: Sequence[Array]
 ) -> WithUnknown | None:
-    """The row after a step within its bounds; None where it cannot be simulated."""
+    """The row after a step; None where it cannot be simulated."""
     row = at.left
     p, q = row.u.size, row.u.size + row.nuisances.size
-    ends = bounds_of(row.priors)
-    margin = 1e-6 * (ends[:, 1] - ends[:, 0])
-    u = np.clip(row.u + step[:p], ends[:, 0] + margin, ends[:, 1] - margin)
     nuisances = row.nuisances + step[p:q]
     nuisances[row.one_sided] = np.maximum(nuisances[row.one_sided], 0.0)
-    moved, amplitudes = replace(row, u=u, nuisances=nuisances), at.amplitudes + step[q:]
+    moved = replace(row, u=row.u + step[:p], nuisances=nuisances)
+    amplitudes = at.amplitudes + step[q:]
     runs = _played(problem, moved, at.kind, amplitudes)
     if not all(run.finite for run in runs):
         return None
