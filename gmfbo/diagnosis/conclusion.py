@@ -62,7 +62,7 @@ class Conclusion:
     reasons : dict of str to str
         Why an effect could not be tested.
     free : Unnamed or None
-        Free function, where the laws leave most of what is missing.
+        Free function, where the laws do not explain what is missing.
     result : Validated
         Errors on recordings that were not fitted.
     response : PortResponse or None
@@ -187,8 +187,9 @@ class Conclusion:
             augmented if effects else None,
             self.units,
         )
-        if verdict == "outside_library" and self.free is not None:
-            return located_at(location, self.free.port)
+        acting = self.decision.unknown or self.free
+        if verdict == "outside_library" and acting is not None:
+            return located_at(location, acting.port)
         return location
 
     def _next_experiment(self) -> tuple[NextExperiment | None, str]:
@@ -209,11 +210,11 @@ class Conclusion:
 
     @property
     def _shape(self) -> Shape | None:
-        """Signal inferred by the free function; None where none was fitted."""
+        """Signal inferred by the free function; None where it does not show what is unknown."""
         if self.free is None:
             return None
         units = self.units
-        return self.free.shape(
+        shape = self.free.shape(
             {
                 "torque": units.torque,
                 "sensor": units.position,
@@ -222,6 +223,10 @@ class Conclusion:
                 "velocity": units.velocity,
             }
         )
+        unknown = self.decision.unknown
+        if unknown is None or (shape.port, shape.against) == (unknown.port, unknown.against):
+            return shape
+        return None
 
     @property
     def _latent(self) -> Shape | None:

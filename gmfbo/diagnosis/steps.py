@@ -102,7 +102,7 @@ class Search:
         )
 
     def _free_function(self, decision: Decision) -> Unnamed | None:
-        """Shape of what no law explains; None where laws explain most of it, or without a port."""
+        """Shape of what no law explains; None where laws explain it, or without a port."""
         if self.lines.response is None or not decision.is_outside:
             return None
         self.progress("looking outside the library", 0.8)

@@ -42,8 +42,10 @@ def grams(
     whitening: Whitening,
     fitted: Fitted,
     bumps: Sequence[Array] = (),
+    *,
+    are_free: bool = False,
 ) -> Grams:
-    """Inner products by stretch of a fit's whitened columns, then of bumps orthogonal to them.
+    """Inner products by stretch of a fit's whitened columns, then of bumps beside them.
 
     Parameters
     ----------
@@ -56,9 +58,13 @@ def grams(
     bumps : sequence of ndarray, shape (c, m, n)
         Whitened already, by segment. They are kept orthogonal to what the hypothesis moves
         (Plumlee 2017), so that its values are those that fit best.
+    are_free : bool
+        The bumps are part of the hypothesis, and stay as they are.
     """
     residual, columns = whitening(fitted.residual), whitening(fitted.columns)
-    if len(bumps) and bumps[0].shape[0]:
+    if are_free:
+        columns = [np.concatenate(both) for both in zip(columns, bumps, strict=True)]
+    elif len(bumps) and bumps[0].shape[0]:
         a = np.diag(fitted.curvatures)
         cross = np.zeros((len(a), bumps[0].shape[0]))
         for j, bump in zip(columns, bumps, strict=True):

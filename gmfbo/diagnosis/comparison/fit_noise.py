@@ -156,7 +156,8 @@ class FitNoise:
         errors = self.with_own_parts(row, ledger.kernels, ledger.levels, ledger.errors)
         levels = self.with_inadequacy(row, replace(ledger, errors=errors))
         whitening = self.scaled(row, ledger.kernels, levels, errors)
-        return replace(ledger, rows={row.elements: row}, levels=levels, whitening=whitening)
+        rows = {row.elements: row}
+        return replace(ledger, rows=rows, levels=levels, whitening=whitening, errors=errors)
 
     def cared_about(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise, and the least inadequacy that anybody cares about."""

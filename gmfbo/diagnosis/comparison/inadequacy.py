@@ -118,18 +118,23 @@ def through_loop(
     signals : sequence of ndarray, shape (c, rows)
         [FMU's unit of the port] By recording, on its grid.
     as_simulated : bool
-        Without what the log alone has of them.
+        Without what the log alone has of them, and as physics that acted before the recording,
+        where recordings begin at rest.
     """
     made = []
+    simulations = problem.simulations
+    is_held = as_simulated and simulations.begins_at_rest and simulations.rest > 0
     for segment in problem.segments:
         grid = problem.simulations.records[segment.record].plan.grid
         answers = kernels.of(segment.record)
         paths = (answers.simulated if as_simulated else answers.kernels)[port]
         own = signals[segment.record]
+        before = max(kernel.size for kernel in paths.values()) if is_held else 0
+        own = np.concatenate([np.repeat(own[:, :1], before, axis=1), own], axis=1)
         columns = np.zeros((len(own), len(segment.names), segment.time.size))
         for i, name in enumerate(segment.names):
             for c, answer in enumerate(through(own, paths[name])):
-                columns[c, i] = np.interp(segment.time, grid, answer)
+                columns[c, i] = np.interp(segment.time, grid, answer[before:])
         made.append(columns)
     return made
 

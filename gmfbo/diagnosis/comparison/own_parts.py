@@ -75,6 +75,29 @@ def usual_spreads(fitted: Fitted) -> Array:
     return np.array(own)
 
 
+def without_own_parts(
+    problem: Problem, residual: Sequence[Array], columns: Sequence[Array], own: Array
+) -> list[Array]:
+    """[SI] A residual as it is at the common values, as columns show it, by segment.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings.
+    residual : sequence of ndarray, shape (m, n)
+        [SI] With own parts.
+    columns : sequence of ndarray, shape (p or more, m, n)
+        [SI] Change of the signals per unit of each quantity.
+    own : ndarray, shape (n_recordings, p)
+        Own parts; empty where there are none.
+    """
+    if not own.any():
+        return list(residual)
+    parts = zip(problem.segments, residual, columns, strict=True)
+    p = own.shape[1]
+    return [z + np.tensordot(own[s.record], c[:p], 1) for s, z, c in parts]
+
+
 def by_recording(problem: Problem, inner: Grams) -> tuple[Array, Array]:
     """Inner products of a fit's columns, and of these with its residual, by recording."""
     owners = np.array(

@@ -34,7 +34,7 @@ class PortKernels:
         [s] Between taps.
     simulated : mapping of str to mapping of str to ndarray, shape (taps,)
         [SI unit of the signal / FMU's unit of the port] Answers of the simulation, without what
-        the log alone has of them; empty where a loop holds an open-loop twin.
+        the log alone has of them; not of the sensor where a loop holds an open-loop twin.
     others : mapping of int to PortKernels
         Of recordings with other gains, by their index.
     """
@@ -170,7 +170,7 @@ def _in_recording(
         return found
 
     kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
-    simulated = {} if is_open else dict(kernels)
+    simulated = {p: own for p, own in kernels.items() if not (is_open and p == "sensor")}
     if "sensor" in simulated:
         kernels["sensor"] = _with_reading(simulated["sensor"], position, to_si)
     if "command" in kernels and command in kernels["command"] and not is_open:

@@ -12,7 +12,12 @@ from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END, FAR_BEHIND, HOPED_STEPS, SAME, SETTLED
-from gmfbo.diagnosis.comparison.own_parts import Eliminated, by_recording, eliminated
+from gmfbo.diagnosis.comparison.own_parts import (
+    Eliminated,
+    by_recording,
+    eliminated,
+    without_own_parts,
+)
 from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -127,7 +132,7 @@ class ModeSearch:
             return row
         own = self._own_near(row)
         if row.heard is self._heard and np.array_equal(own, row.own):
-            residual = self._beside(row.residual, row.columns, -own)
+            residual = without_own_parts(self._problem, row.residual, row.columns, -own)
             there = replace(row, residual=residual)
             return self._searched(there, row.columns, iterations, settled, rival)
         at = self._at(row.u, row.nuisances, own)
@@ -181,7 +186,7 @@ class ModeSearch:
         return step, shorter, damping
 
     def _ended(self, at: Fitted, columns: list[Array], converged: bool) -> Fitted:
-        residual = self._beside(at.residual, columns, at.own)
+        residual = without_own_parts(self._problem, at.residual, columns, at.own)
         under = self._whitening
         return replace(at, residual=residual, columns=columns, converged=converged, under=under)
 
@@ -191,14 +196,6 @@ class ModeSearch:
         if row is None or len(row.own) != count:
             return np.zeros((count, self._spread.size))
         return np.where(self._spread > 0.0, row.own_of(self._hypothesis.names), 0.0)
-
-    def _beside(self, residual: list[Array], columns: list[Array], own: Array) -> list[Array]:
-        """A residual with what own parts make of it, as the columns show it."""
-        if not own.any():
-            return residual
-        parts = zip(self._problem.segments, residual, columns, strict=True)
-        p = own.shape[1]
-        return [z + np.tensordot(own[s.record], c[:p], 1) for s, z, c in parts]
 
     def _start(self, parameters: dict[str, float]) -> Array:
         x = self._hypothesis.start(parameters)

@@ -362,7 +362,7 @@ class Search:
         effects = max(len({e.name for e in self.elements if e.candidate is not None}), 1)
         fixed = len({e.name for e in self.elements if e.freed is not None})
         count = min(len(elements), len(PRIOR_OF_COUNT) - 1)
-        total = log(PRIOR_OF_COUNT[count]) + log(factorial(len(elements)))
+        total = log(PRIOR_OF_COUNT[count]) + log(factorial(count))
         for name in elements:
             if name.startswith("parameter:"):
                 total += log(FIXED_SHARE / fixed)

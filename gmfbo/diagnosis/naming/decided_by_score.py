@@ -36,6 +36,7 @@ from gmfbo.plain_words import number, words
 
 Array = NDArray[np.float64]
 
+_ENOUGH = 8  # stretches, of which three may be one event
 _NOTHING = "changes nothing in these recordings"
 
 
@@ -126,15 +127,21 @@ def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim]
     """Claims that add something beside what is unknown, and why the others are not told."""
     if unknown is None:
         return list(said), []
-    kept = [claim for claim in said if unknown.beside & set(claim.members)]
+    kept = [claim for claim in said if unknown.beside & _holding(claim)]
     place = f"a function of the {words(unknown.against)} at the {words(unknown.port)} port"
     notes = [
-        f"{words(_winner(claim))} is not named: {place}, which is no law that is known here, "
-        "explains more, and beside it that law adds nothing"
+        f"{' or '.join(map(words, claim.members))} is not named: {place}, which is no law that is "
+        "known here, explains more, and nothing is gained by both"
         for claim in said
         if claim not in kept
     ]
     return kept, notes
+
+
+def _holding(claim: Claim) -> set[str]:
+    """Members of a set, and the laws that hold one of them as their limit."""
+    members = set(claim.members)
+    return members | {n for n, law in CATALOGUE.items() if members & set(law.contains)}
 
 
 def measured(misfit: Misfit, row: Row) -> Fitted:
@@ -244,10 +251,9 @@ def _log_odds(compared: Compared, claim: Claim) -> float:
 
     A law that holds one of the set as its limit has it, too.
     """
-    scored, members = compared.scored, set(claim.members)
+    scored, holding = compared.scored, _holding(claim)
     logs = scored.log_evidences.mean(1)
-    larger = {n for n, law in CATALOGUE.items() if members & set(law.contains)}
-    holds = np.array([bool(elements & (members | larger)) for elements in scored.elements])
+    holds = np.array([bool(elements & holding) for elements in scored.elements])
     return float(logs[holds].max() - logs[~holds].max())
 
 
@@ -280,6 +286,9 @@ def _per_recording(case: Case, compared: Compared, gains: Sequence[Array]) -> di
 def seen_once(names: Sequence[str], compared: Compared, gains: Sequence[Array]) -> str:
     """Stretch without which nothing would be said; empty where others tell it as well.
 
+    An event may lie across two stretches, and a loop answers it in the next one: where there are
+    enough, those beside it are no others.
+
     Parameters
     ----------
     names : sequence of str
@@ -292,7 +301,9 @@ def seen_once(names: Sequence[str], compared: Compared, gains: Sequence[Array]) 
     problem = compared.search.problem
     k = int(np.argmax([own.max() for own in gains]))
     most = int(np.argmax(gains[k]))
-    others = sum(float(own.sum()) for own in gains) - float(gains[k][most])
+    beside = 1 if sum(own.size for own in gains) >= _ENOUGH else 0
+    near = gains[k][max(most - beside, 0) : most + beside + 1]
+    others = sum(float(own.sum()) for own in gains) - float(near.sum())
     if 0.5 * others > log(NAMED / (1.0 - NAMED)):
         return ""
     segment, rows = problem.segments[k], problem.stretches()[k][most]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, INADEQUACY_TOLERANCE, MOST, NAMED
+from gmfbo.diagnosis.comparison.numbers import EXPLAINED, INADEQUACY_TOLERANCE, MOST
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
@@ -117,7 +117,7 @@ class Decision:
     share : float or None
         Of what the refitted twin leaves beyond noise, explained; None where it leaves no more.
     unknown : Unknown or None
-        What acts that no law holds; None where laws alone are as likely.
+        What is believed to act that no law holds.
     notes : tuple of str
         Why what explains the recordings is not named.
     is_withdrawn : bool
@@ -139,11 +139,6 @@ class Decision:
     is_withdrawn: bool = False
 
     @property
-    def is_unknown(self) -> bool:
-        """Whether it is believed that something acts that no law holds."""
-        return self.unknown is not None and self.unknown.probability >= NAMED
-
-    @property
     def is_outside(self) -> bool:
         """Whether something acts that the laws of the library do not explain.
 
@@ -151,7 +146,7 @@ class Decision:
         """
         if self.share is None or self.is_withdrawn:
             return self.share is not None
-        if self.is_unknown:
+        if self.unknown is not None:
             return self.share < EXPLAINED
         usual = self.compared.search.tolerance / INADEQUACY_TOLERANCE
         level = self.compared.ledger.levels.ports.get("torque", 0.0)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 LEAST_FOR_A_FACT = 0.8
 """Probability from which a name is stated as a fact: one such statement in five may be wrong."""
 
+_ROUNDING = 1e-9  # of shares that add up to it
+
 CANNOT_TELL = "the recordings cannot tell them apart"
 
 _WEAKER = {
@@ -33,7 +35,7 @@ _VERB = re.compile(rf"\b(?:{'|'.join(_WEAKER)})\b")
 
 def is_sure(probability: float) -> bool:
     """Whether a claim of this probability is stated as a fact; NaN is not."""
-    return probability >= LEAST_FOR_A_FACT
+    return probability >= LEAST_FOR_A_FACT - _ROUNDING
 
 
 def with_verb(statement: str, probability: float) -> str:

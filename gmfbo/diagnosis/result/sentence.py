@@ -131,18 +131,17 @@ def _apart(planned: NextExperiment | None, effect: NamedEffect) -> str:
 def _outside(diagnosis: Findings) -> str:
     from gmfbo.physics import CATALOGUE
 
-    if len({entry.name for entry in diagnosis.not_testable}) >= len(CATALOGUE):
+    silent = {entry.name for entry in diagnosis.not_testable}
+    count = len(CATALOGUE) - len(silent)
+    if count <= 0:
         return (
             "Something is missing, and none of the effects known here can be tested with this twin."
         )
+    which = f"{count} effects known here{' that could be tested' if silent else ''}"
     if diagnosis.effects:
         nearest = " ".join(effect.statement for effect in diagnosis.effects)
-        return (
-            f"None of the {len(CATALOGUE)} effects known here explains all that is missing. "
-            f"The nearest: {nearest}"
-        )
-    told = f"Something is missing that is none of the {len(CATALOGUE)} effects known here"
-    return f"{told}{_function(diagnosis)}."
+        return f"None of the {which} explains all that is missing. The nearest: {nearest}"
+    return f"Something is missing that is none of the {which}{_function(diagnosis)}."
 
 
 def _function(diagnosis: Findings) -> str:

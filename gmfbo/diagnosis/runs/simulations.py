@@ -203,6 +203,7 @@ class Simulations:
         *,
         excitation: Columns | None = None,
         measured_noise: NDArray[np.float64] | None = None,
+        acts_at_rest: bool = False,
     ) -> Simulated:
         """Simulate one recording.
 
@@ -216,10 +217,15 @@ class Simulations:
             [FMU's unit] Added to a port, in place of noise that the point plays.
         measured_noise : ndarray, shape (rows,)
             [FMU's unit] Added to the position that the tracking loop follows.
+        acts_at_rest : bool
+            What is added at a port stands for physics that acted before the recording.
         """
         noise = None if point.noise is None or excitation is not None else point.noise[record]
         if noise is None:
-            return self._run(point, record, excitation, measured_noise, self.tracking)
+            tracking = self.tracking
+            return self._run(
+                point, record, excitation, measured_noise, tracking, acts_at_rest=acts_at_rest
+            )
         noisy = self._run(point, record, None, measured_noise, self.tracking, noise)
         signals = zip(noisy.signals, noise.linear, strict=True)
         return replace(noisy, signals=tuple(column - linear for column, linear in signals))
@@ -244,27 +250,31 @@ class Simulations:
         measured_noise: NDArray[np.float64] | None,
         tracking: Tracking | None,
         noise: PlayedNoise | None = None,
+        acts_at_rest: bool = False,
     ) -> Simulated:
-        run = replace(self._ordered(point, record, tracking), noise=noise)
+        run = replace(self._ordered(point, record, tracking, acts_at_rest), noise=noise)
         if excitation is None and measured_noise is None:
             return self._seen(self._remembered(run), record)
         return self._seen(self._simulate(run, excitation, measured_noise), record)
 
-    def _ordered(self, point: Point, record: int, tracking: Tracking | None) -> _Run:
+    def _ordered(
+        self, point: Point, record: int, tracking: Tracking | None, acts_at_rest: bool = False
+    ) -> _Run:
         physics = point.physics_in(record)
         values = tuple(point.parameters_in(record).items())
-        plan = self._plan(record, physics)
+        plan = self._plan(record, physics, acts_at_rest)
         return _Run(plan, record, values, tuple(physics.items()), tracking)
 
     def _seen(self, response: Response, record: int) -> Simulated:
         logged = self._logged(response)
         return Simulated(self.read(logged, record), logged)
 
-    def _plan(self, record: int, physics: Mapping[str, float]) -> RunPlan:
+    def _plan(self, record: int, physics: Mapping[str, float], acts_at_rest: bool) -> RunPlan:
         plan = self.records[record].plan
         if not self.begins_at_rest or plan.lead >= self.rest:
             return plan
-        if not any(CATALOGUE[name.partition(".")[0]].acts_at_rest for name in physics):
+        acting = (CATALOGUE[name.partition(".")[0]].acts_at_rest for name in physics)
+        if not acts_at_rest and not any(acting):
             return plan
         return self._after_rest(plan, self.rest)
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
+from gmfbo.diagnosis.comparison.inadequacy import through_loop
 from gmfbo.diagnosis.comparison.numbers import NAMED, TORQUE_TIME
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
-from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, fitted_with, of_unit_size
+from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, fitted_with
 from gmfbo.diagnosis.comparison.unknown.kinds import kinds
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
@@ -122,11 +122,8 @@ def test_a_played_function_is_found_again() -> None:
             for k in kinds(problem, ledger.kernels, base)
             if (k.port, k.against, k.count) == DRAGGED
         ][-1]
-        usual = quiet(inadequacy_columns(problem, ledger.kernels, base))
-        energy = sum(float(np.sum(c**2)) for c in usual)
-        sized = of_unit_size(problem, ledger.kernels, quiet, kind, energy)
-        assert sized is not None
-        start = WithUnknown(*sized, base, np.zeros(kind.count))
+        columns = through_loop(problem, ledger.kernels, kind.port, kind.signals, as_simulated=True)
+        start = WithUnknown(kind, columns, base, np.zeros(kind.count))
         found = fitted_with(problem, quiet, base, start, 100.0 * search.tolerance)
         values = sum(z.size for z in base.residual)
         assert quiet.square(base.residual) > 5.0 * values

@@ -124,8 +124,12 @@ def test_what_is_left_beside_right_values_is_told_and_not_called_nothing() -> No
 
 
 def test_what_has_no_name_is_told_with_its_largest_size() -> None:
+    tested = len(CATALOGUE) - len(outside().not_testable)
     told = outside().sentence
-    assert f"none of the {len(CATALOGUE)} effects known here" in told
+    assert f"none of the {tested} effects known here that could be tested" in told
+    told = replace(outside(), not_testable=()).sentence
+    assert f"none of the {len(CATALOGUE)} effects known here: up to 0.4 N m" in told
+    told = outside().sentence
     assert "up to 0.4 N m at the torque port that depends on the velocity" in told
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
@@ -15,10 +16,12 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import (
     BesideInadequacy,
     inadequacy_columns,
+    through_loop,
     with_inadequacy,
 )
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.numbers import NAMED, SETTLED
+from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.fitted import (
     Sized,
@@ -62,7 +65,7 @@ class Unknown:
 
 
 def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | None:
-    """Tell what acts that no law holds; None where laws alone are as likely.
+    """Tell what acts that no law holds; None where that is not believed.
 
     Each row of laws, and the same rows with a free function, stand under the noise that they
     leave themselves. A law that adds nothing beside the function is not beside it.
@@ -103,17 +106,25 @@ class _Beside:
         self._known: dict[frozenset[str], _Tried | None] = {}
 
     @cached_property
-    def _kinds(self) -> list[tuple[Kind, list[Array]]]:
+    def _kinds(self) -> list[Kind]:
         problem, kernels = self._search.problem, self._ledger.kernels
         usual = self._quiet(inadequacy_columns(problem, kernels, self._best))
         energy = sum(float(np.sum(c**2)) for c in usual)
         made = kinds(problem, kernels, self._best)
-        found = (of_unit_size(problem, kernels, self._quiet, kind, energy) for kind in made)
-        return [one for one in found if one is not None]
+        found = (of_unit_size(kind, energy, self._quiet(self._columns(kind))) for kind in made)
+        return [kind for kind in found if kind is not None]
+
+    def _columns(self, kind: Kind) -> list[Array]:
+        """[SI] What the functions of a kind cause, shape (c, m, n), by segment.
+
+        Made when they are asked for: of all kinds together they would fill the memory.
+        """
+        problem, kernels = self._search.problem, self._ledger.kernels
+        return through_loop(problem, kernels, kind.port, kind.signals, as_simulated=True)
 
     def told(self) -> Unknown | None:
-        """The unknown, or None where laws alone are as likely."""
-        known, now = self._alone(), self._beside(self._best)
+        """The unknown, or None where it is not believed."""
+        now = next(iter(self._beside([self._best])), None)
         if now is None:
             return None
         while now.elements:
@@ -121,54 +132,70 @@ class _Beside:
             if not likely:
                 break
             now = max(likely, key=lambda one: one.score)
-        if now.score - known.mean() <= _LIKELY:
+        if now.score - float(self._alone(self._once)[0]) <= _LIKELY:
             return None
-        sized = self._sized(now, weightings(self._once.shape[1]))
-        odds = sized.log_evidences + self._prior(now.elements) - known
-        kind = now.found.kind
+        weights = weightings(self._once.shape[1])
+        sized = self._sized(now, weights)
+        odds = sized.log_evidences + self._prior(now.elements) - self._alone(weights)
         probability = float(np.mean(expit(odds) * sized.large))
+        if probability < NAMED:
+            return None
+        kind = now.found.kind
         return Unknown(kind.port, kind.against, probability, float(odds.mean()), now.elements)
 
     def _with_less(self, now: _Tried) -> list[_Tried]:
         """Rows that lack one element of a row, and that without any."""
         fewer = {frozenset(), *(now.elements - {name} for name in now.elements)}
         known = (self._ledger.rows.get(elements) for elements in sorted(fewer, key=sorted))
-        tried = (self._beside(row) for row in known if row is not None)
-        return [one for one in tried if one is not None]
+        return self._beside([self._under_noise(row) for row in known if row is not None])
 
-    def _alone(self) -> Array:
+    def _under_noise(self, row: Fitted) -> Fitted:
+        """A row fitted under the noise that the best one tells, as only the best rows were."""
+        ledger = self._ledger
+        if row.heard is ledger.noise:
+            return row
+        return RowFits(self._search.problem, ledger.noise).again(ledger.whitening, row, {})
+
+    def _alone(self, weights: Array) -> Array:
         """[nats] Of the best row of laws, under each weighting of the stretches."""
         search = self._search
         own = search.noise.alone(self._best, self._ledger)
         beside = BesideInadequacy(search.problem)
         extra, inner = beside.begin(own), beside.grams(self._best)
-        weights = weightings(len(inner.squares))
         logs = with_inadequacy(self._best, inner, weights, extra, search.tolerance)[0]
         return logs + search.log_prior(self._best.elements)
 
-    def _beside(self, row: Fitted) -> _Tried | None:
-        """The likeliest free function beside a row; None where none shows."""
-        if row.elements not in self._known:
-            self._known[row.elements] = self._likeliest(row)
-        return self._known[row.elements]
+    def _beside(self, rows: Sequence[Fitted]) -> list[_Tried]:
+        """The likeliest free function beside each row; without those beside which none shows."""
+        new = [row for row in rows if row.elements not in self._known]
+        for row, ranked in zip(new, self._ranked(new), strict=True):
+            tried = [self._tried(row, kind, size) for _, kind, size in ranked[:_TRIED]]
+            self._known[row.elements] = max(tried, key=lambda one: one.score, default=None)
+        found = (self._known[row.elements] for row in rows)
+        return [one for one in found if one is not None]
 
-    def _likeliest(self, row: Fitted) -> _Tried | None:
+    def _ranked(self, rows: Sequence[Fitted]) -> list[list[tuple[float, Kind, float]]]:
+        """Kinds beside each row: evidence of a straight line, and the size there, best first."""
         search = self._search
-        starts = []
-        for kind, columns in self._kinds:
-            start = WithUnknown(kind, columns, row, np.zeros(kind.count))
-            sized = start.sized(search.problem, self._quiet, self._once, search.tolerance)
-            starts.append((float(sized.log_evidences[0]), start, sized.size))
-        starts.sort(key=lambda one: -one[0])
-        tried = [self._tried(row, start, size) for _, start, size in starts[:_TRIED]]
-        return max(tried, key=lambda one: one.score, default=None)
+        ranked: list[list[tuple[float, Kind, float]]] = [[] for _ in rows]
+        for kind in self._kinds if rows else ():
+            columns = self._columns(kind)
+            white = self._quiet(columns)
+            for row, found in zip(rows, ranked, strict=True):
+                start = WithUnknown(kind, columns, row, np.zeros(kind.count))
+                sized = start.sized(
+                    search.problem, self._quiet, self._once, search.tolerance, white
+                )
+                found.append((float(sized.log_evidences[0]), kind, sized.size))
+        return [sorted(found, key=lambda one: -one[0]) for found in ranked]
 
-    def _tried(self, row: Fitted, start: WithUnknown, size: float) -> _Tried:
+    def _tried(self, row: Fitted, kind: Kind, size: float) -> _Tried:
         """Fit a function, and the noise beside it, in turn until nothing gains.
 
         It is first fitted loosely, under what the row leaves without it.
         """
         search = self._search
+        start = WithUnknown(kind, self._columns(kind), row, np.zeros(kind.count))
         own, best = search.noise.alone(row, self._ledger), None
         for _ in range(_LEVELS):
             found = fitted_with(search.problem, own.whitening, row, start, size)
@@ -179,7 +206,6 @@ class _Beside:
                 break
             best, start, size = _Tried(found, own, score), found, sized.size
         assert best is not None
-        kind = best.found.kind
         search.log(
             f"{kind.port} over {kind.against} ({kind.count}) beside {sorted(row.elements)}: "
             f"{best.score:.1f}"

@@ -12,9 +12,8 @@ from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.inadequacy import through_loop
 from gmfbo.diagnosis.comparison.numbers import SETTLED
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.own_parts import without_own_parts
 from gmfbo.diagnosis.comparison.posterior_mode import LONGEST_STEP
 from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -78,7 +77,12 @@ class WithUnknown:
         return replace(self.left, residual=made)
 
     def sized(
-        self, problem: Problem, whitening: Whitening, weights: Array, tolerance: float
+        self,
+        problem: Problem,
+        whitening: Whitening,
+        weights: Array,
+        tolerance: float,
+        white: Sequence[Array] | None = None,
     ) -> Sized:
         """Evidence of the recordings.
 
@@ -92,10 +96,13 @@ class WithUnknown:
             Of the stretches.
         tolerance : float
             [FMU's unit of the torque port] Size about which nobody cares.
+        white : sequence of ndarray, shape (c, m, n), optional
+            The columns, whitened already, but for own parts.
         """
         row = self.row
         own = row.beside_own_parts(whitening)
-        inner = grams(problem, own, row, own.of_own(whitening(self.columns)))
+        bumps = own.of_own(white or whitening(self.columns))
+        inner = grams(problem, own, row, bumps, are_free=True)
         sizes, count = tolerance * _SIZES, len(self.amplitudes)
         mean = weights.mean(0, keepdims=True)
         first = np.array([log_evidences(row, inner, mean, count, s)[0] for s in sizes])
@@ -109,34 +116,26 @@ class WithUnknown:
         return Sized(total - np.log(len(sizes)), large, float(sizes[np.argmax(first)]))
 
 
-def of_unit_size(
-    problem: Problem, kernels: PortKernels, whitening: Whitening, kind: Kind, energy: float
-) -> tuple[Kind, list[Array]] | None:
-    """A kind whose functions show as much as some energy, and what they cause, shape (c, m, n).
+def of_unit_size(kind: Kind, energy: float, white: Sequence[Array]) -> Kind | None:
+    """A kind whose functions are of unit size; None where they show nothing.
 
-    None where they show nothing.
+    At the torque port they are of unit size as they are. At another port they are where they show
+    as much.
 
     Parameters
     ----------
-    problem : Problem
-        Recordings.
-    kernels : PortKernels
-        Answers of the simulated signals to each port.
-    whitening : Whitening
-        By noise alone.
     kind : Kind
-        Of any size.
+        As it was made.
     energy : float
-        Whitened square that functions of unit size have at the torque port: those at other ports
-        are of unit size where they show as much.
+        Whitened square that functions of unit size have at the torque port.
+    white : sequence of ndarray, shape (c, m, n)
+        What the kind's functions cause, whitened.
     """
-    columns = through_loop(problem, kernels, kind.port, kind.signals, as_simulated=True)
-    own = sum(float(np.sum(c**2)) for c in whitening(columns))
+    own = sum(float(np.sum(c**2)) for c in white)
     if own <= 0.0:
         return None
-    factor = np.sqrt(energy / own)
-    scaled = replace(kind, signals=[factor * s for s in kind.signals])
-    return scaled, [factor * c for c in columns]
+    factor = 1.0 if kind.port == "torque" else np.sqrt(energy / own)
+    return replace(kind, signals=[factor * s for s in kind.signals])
 
 
 def fitted_with(
@@ -232,7 +231,8 @@ def _moved(
     values = [own + more for own, more in zip(problem.values(runs), heard, strict=True)]
     if problem.has_run_away(values):
         return None
-    residual = problem.residual(values, nuisances)
+    own = problem.residual(values, nuisances)
+    residual = without_own_parts(problem, own, row.columns, row.own)
     left = replace(moved, runs=runs, values=values, residual=residual)
     return replace(at, left=left, amplitudes=amplitudes)
 
@@ -243,6 +243,6 @@ def _played(problem: Problem, row: Fitted, kind: Kind, amplitudes: Array) -> lis
 
     def one(record: int) -> Simulated:
         pushed = {kind.port: amplitudes @ kind.signals[record]}
-        return simulations.run_one(point, record, excitation=pushed)
+        return simulations.run_one(point, record, excitation=pushed, acts_at_rest=True)
 
     return simulations.map(one, range(len(simulations.records)))
