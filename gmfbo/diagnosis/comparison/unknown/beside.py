@@ -20,10 +20,11 @@ from gmfbo.diagnosis.comparison.inadequacy import (
     with_inadequacy,
 )
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
-from gmfbo.diagnosis.comparison.numbers import NAMED, SETTLED
+from gmfbo.diagnosis.comparison.numbers import NAMED
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.fitted import (
+    WORTH,
     Sized,
     WithUnknown,
     fitted_with,
@@ -202,7 +203,7 @@ class _Beside:
             own = search.noise.alone(found.left, self._ledger)
             sized = self._sized(_Tried(found, own, 0.0), self._once)
             score = float(sized.log_evidences[0]) + self._prior(row.elements)
-            if best is not None and score < best.score + SETTLED:
+            if best is not None and score < best.score + WORTH:
                 break
             best, start, size = _Tried(found, own, score), found, sized.size
         assert best is not None

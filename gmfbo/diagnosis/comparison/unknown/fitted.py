@@ -12,7 +12,6 @@ from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.numbers import SETTLED
 from gmfbo.diagnosis.comparison.own_parts import without_own_parts
 from gmfbo.diagnosis.comparison.posterior_mode import LONGEST_STEP
 from gmfbo.diagnosis.comparison.priors import bounds_of
@@ -26,6 +25,8 @@ Array = NDArray[np.float64]
 _SIZES = 4.0 ** np.arange(8.0)  # of the function, times the tolerance: to all that a drive can do
 _STEPS = 12  # most that are taken
 _DAMPINGS = (0.0, 1e-3, 0.03, 1.0)  # of a step, until one is better
+WORTH = 0.5
+"""[nats] Gain that is worth another point: what tells is 2.94."""
 _FAR = 10.0  # [nats] below the best size, one does not count
 
 
@@ -173,15 +174,20 @@ def fitted_with(
         white = whitening(at.left.residual)
         slope = sum((j @ z.ravel() for j, z in zip(flat, white, strict=True)), np.zeros(len(prior)))
         slope -= np.concatenate([at.left.slopes, at.amplitudes / size**2])
-        ends = _longest_steps(at)
-        damped = (matrix + k * np.diag(np.diag(matrix)) for k in _DAMPINGS)
-        tried = (_moved(problem, at, _step(m, slope, ends), heard) for m in damped)
-        costs = ((_cost(whitening, one, size), one) for one in tried if one is not None)
-        better = next(((c, one) for c, one in costs if c < cost), None)
+        better, ends = None, _longest_steps(at)
+        for damping in _DAMPINGS:
+            step = _step(matrix + damping * np.diag(np.diag(matrix)), slope, ends)
+            if slope @ step - 0.5 * step @ matrix @ step < WORTH:
+                break
+            tried = _moved(problem, at, step, heard)
+            after = np.inf if tried is None else _cost(whitening, tried, size)
+            if after < cost:
+                better = tried
+                break
         if better is None:
             break
-        fall, (cost, at) = cost - better[0], better
-        if fall < SETTLED:
+        fall, at, cost = cost - after, better, after
+        if fall < WORTH:
             break
     return at
 
