@@ -322,12 +322,9 @@ class ModeSearch:
             rest = g[free] - damped[np.ix_(free, ~free)] @ step[~free]
             way = np.zeros(g.size)
             way[free] = np.linalg.solve(damped[np.ix_(free, free)], rest) - step[free]
-            room = np.divide(
-                np.where(way > 0.0, highest, lowest) - step,
-                way,
-                np.full(g.size, np.inf),
-                where=way != 0.0,
-            )
+            room, ahead = np.full(g.size, np.inf), np.where(way > 0.0, highest, lowest) - step
+            with np.errstate(over="ignore"):  # of a way that is next to nothing
+                np.divide(ahead, way, room, where=way != 0.0)
             # Up to the first bound: what meets it stops there, and the others make the best of it.
             step += way * min(1.0, room.min())
             if room.min() >= 1.0:

@@ -107,7 +107,7 @@ class RowFits:
         iterations : int
             Most steps.
         """
-        less = _less(row, name)
+        less = lacking(row, name)
         search = self._search(whitening, less.hypothesis, less.freed)
         return search.fitted(
             row.parameters, row.nuisances, iterations=iterations, near=row, rival=self._rival
@@ -126,7 +126,7 @@ class RowFits:
             Rows that were fitted under it.
         """
         for candidate in row.hypothesis.effects:
-            element, about = Element(candidate=candidate), _less(row, candidate.effect)
+            element, about = Element(candidate=candidate), lacking(row, candidate.effect)
             limit = limit_of(element, about, fitted)
             if limit is not None and chi(row, whitening) > chi(limit, whitening) + _NO_WORSE:
                 # What it has beside its limit did harm: it begins with next to nothing of it.
@@ -255,8 +255,16 @@ def _contained(element: Element) -> set[str]:
     return set() if element.candidate is None else set(element.candidate.law.contains)
 
 
-def _less(row: Fitted, name: str) -> Fitted:
-    """A row without one of its elements, not fitted."""
+def lacking(row: Fitted, name: str) -> Fitted:
+    """A row without one of its elements, not fitted.
+
+    Parameters
+    ----------
+    row : Fitted
+        Any.
+    name : str
+        One of its elements.
+    """
     setting, gone = row.hypothesis.setting, name.removeprefix("parameter:")
     freed = tuple(f for f in row.freed if f != gone)
     if len(freed) < len(row.freed):

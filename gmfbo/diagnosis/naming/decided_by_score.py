@@ -22,6 +22,7 @@ from gmfbo.diagnosis.comparison.row_fits import (
     RowFits,
     beyond_noise,
     is_more_than_noise,
+    lacking,
     values_in,
 )
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
@@ -72,10 +73,8 @@ def decide(
     ledger, scored = comparison.run()
     compared = Compared(comparison.search, ledger, scored)
     above = _above_floors(compared)
-    said, notes = _said(claims_of(scored, above), silent)
     unknown = unknown_beside(compared.search, ledger, scored)
-    said, more = _beside(said, unknown)
-    notes += more
+    said, notes = _said(claims_of(scored, above), silent, unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
     fits = RowFits(compared.search.problem, ledger.noise)
@@ -83,9 +82,7 @@ def decide(
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
-    rounds = [
-        _round(case, compared, row, model, claim, most) for claim in held_by_row if _effects(claim)
-    ]
+    rounds = [_round(case, compared, row, model, c, most) for c in held_by_row if _effects(c)]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
@@ -106,7 +103,9 @@ def decide(
     )
 
 
-def _said(claims: Sequence[Claim], silent: Collection[str]) -> tuple[list[Claim], list[str]]:
+def _said(
+    claims: Sequence[Claim], silent: Collection[str], unknown: Unknown | None
+) -> tuple[list[Claim], list[str]]:
     """Claims that are believed, and why some of them are not told."""
     said, notes = [], []
     for claim in claims:
@@ -120,7 +119,7 @@ def _said(claims: Sequence[Claim], silent: Collection[str]) -> tuple[list[Claim]
             continue
         said.append(claim)
     # What stands beside a name in doubt was found beside it.
-    return ([] if notes else said), notes
+    return ([], notes) if notes else _beside(said, unknown)
 
 
 def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim], list[str]]:
@@ -232,7 +231,7 @@ def _round(
         rivals.append(Evidence(name, measured(case.misfit, there)))
     gains = _gains(compared, row, without)
     names = [record.name for record in case.simulations.records]
-    once = seen_once(names, compared, gains)
+    once = seen_once(names, compared, gains, _acting(compared, row, winner, gains))
     kept = min((SEEN_ONCE if once else most) / claim.probability, 1.0)
     shares = [RivalShare(name, kept * beliefs[name]) for name in (winner, *others)]
     return Round(
@@ -283,11 +282,27 @@ def _per_recording(case: Case, compared: Compared, gains: Sequence[Array]) -> di
     return total
 
 
-def seen_once(names: Sequence[str], compared: Compared, gains: Sequence[Array]) -> str:
+def _acting(compared: Compared, row: Row, name: str, gains: Sequence[Array]) -> Sequence[Array]:
+    """Whitened square of what an effect changes in each stretch; gains where it is not known."""
+    problem, whitening = compared.search.problem, compared.ledger.whitening
+    points = [
+        problem.point(one.hypothesis, one.x, one.own_values) for one in (row, lacking(row, name))
+    ]
+    runs = problem.simulations.run(points)
+    if not all(run.finite for one in runs for run in one):
+        return gains
+    change = [a - b for a, b in zip(*(problem.values(one) for one in runs), strict=True)]
+    return problem.by_stretch([z**2 for z in whitening(change)])
+
+
+def seen_once(
+    names: Sequence[str], compared: Compared, gains: Sequence[Array], acting: Sequence[Array]
+) -> str:
     """Stretch without which nothing would be said; empty where others tell it as well.
 
     An event may lie across two stretches, and a loop answers it in the next one: where there are
-    enough, those beside it are no others.
+    enough, those beside it are no others. Nor does a stretch tell in which the effect does not act:
+    what falls there is what parameters had taken over.
 
     Parameters
     ----------
@@ -297,18 +312,24 @@ def seen_once(names: Sequence[str], compared: Compared, gains: Sequence[Array]) 
         For the stretches.
     gains : sequence of ndarray
         Fall of the whitened square in each stretch, by segment.
+    acting : sequence of ndarray
+        Whitened square of what the effect changes there.
     """
     problem = compared.search.problem
     k = int(np.argmax([own.max() for own in gains]))
     most = int(np.argmax(gains[k]))
     beside = 1 if sum(own.size for own in gains) >= _ENOUGH else 0
-    near = gains[k][max(most - beside, 0) : most + beside + 1]
-    others = sum(float(own.sum()) for own in gains) - float(near.sum())
+    event = slice(max(most - beside, 0), most + beside + 1)
+    others = min(_sum_without(gains, k, event), _sum_without(acting, k, event))
     if 0.5 * others > log(NAMED / (1.0 - NAMED)):
         return ""
     segment, rows = problem.segments[k], problem.stretches()[k][most]
     first, last = (number(float(segment.time[rows][end])) for end in (0, -1))
     return f"{names[segment.record]} {first}-{last} s"
+
+
+def _sum_without(values: Sequence[Array], segment: int, stretches: slice) -> float:
+    return sum(float(own.sum()) for own in values) - float(values[segment][stretches].sum())
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:

@@ -35,4 +35,14 @@ def test_only_a_law_that_other_stretches_show_is_seen_more_than_once(
     gains: list[list[float]], said: str
 ) -> None:
     names: Any = ["a.csv", "b.csv"]
-    assert seen_once(names, compared(), [np.array(own) for own in gains]) == said
+    fallen = [np.array(own) for own in gains]
+    assert seen_once(names, compared(), fallen, fallen) == said
+
+
+def test_a_pulse_is_seen_once_whatever_parameters_had_made_of_it_elsewhere() -> None:
+    """Without it the twin's parameters were bent, which left something in every stretch."""
+    fallen = [np.full(4, 12.0), np.array([10.0, 300.0, 500.0, 9.0])]
+    acts = [np.zeros(4), np.array([0.0, 350.0, 520.0, 0.1])]
+    names: Any = ["a.csv", "b.csv"]
+    assert seen_once(names, compared(), fallen, fallen) == ""
+    assert seen_once(names, compared(), fallen, acts) == "b.csv 20-29 s"

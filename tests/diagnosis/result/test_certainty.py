@@ -185,8 +185,8 @@ def test_a_law_beside_something_unknown_is_the_nearest_and_no_surer_than_it_is()
     told = replace(outside(), effects=(FRICTION,), remainder=left).sentence
     assert told == (
         "None of the 29 effects known here that could be tested explains all that is missing. The "
-        "nearest: Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin. 22 % of what is "
-        "more than noise is explained by no law; it depends on the velocity."
+        "nearest: Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin. "
+        "22 % of what is more than noise is explained by no law; it depends on the velocity."
     )
     told = replace(outside(), effects=weak().effects).sentence
     assert "The nearest: Coulomb friction of about 0.52 N m at the motor shaft may be" in told
@@ -195,7 +195,4 @@ def test_a_law_beside_something_unknown_is_the_nearest_and_no_surer_than_it_is()
 def test_what_is_unknown_is_told_where_it_acts_even_if_no_curve_was_drawn_there() -> None:
     left = Remainder(1.0, "command", "command", "throughout")
     told = replace(outside(), remainder=left).sentence
-    assert (
-        "effects known here that could be tested: it acts at the command port and depends on the command."
-        in told
-    )
+    assert "that could be tested: it acts at the command port and depends on the command." in told
