@@ -16,6 +16,7 @@ from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
 from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.row_fits import beyond_noise, is_more_than_noise, values_in
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
 
@@ -169,3 +170,21 @@ class FitNoise:
         levels = ledger.levels
         ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
         return self.whitening(fitted, ledger.kernels, levels.with_ports(**ports), ledger.errors)
+
+    def share(self, base: Fitted, row: Fitted, ledger: Ledger) -> float | None:
+        """Of the square that the refitted twin leaves beyond noise, what a row explains.
+
+        None where it leaves no more than noise.
+
+        Parameters
+        ----------
+        base, row : Fitted
+            The refitted twin, and a row.
+        ledger : Ledger
+            With the noise.
+        """
+        whitening = self.quiet(base, ledger)
+        beyond = beyond_noise(base, whitening)
+        if not is_more_than_noise(beyond, values_in(base)):
+            return None
+        return 1.0 - beyond_noise(row, whitening) / beyond

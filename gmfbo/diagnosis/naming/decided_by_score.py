@@ -18,13 +18,7 @@ from gmfbo.diagnosis.comparison.numbers import (
     UNLIKE,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.row_fits import (
-    RowFits,
-    beyond_noise,
-    is_more_than_noise,
-    lacking,
-    values_in,
-)
+from gmfbo.diagnosis.comparison.row_fits import RowFits, lacking
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
@@ -96,7 +90,7 @@ def decide(
         threshold=log(NAMED / (1.0 - NAMED)),
         shown=tuple(seen),
         like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
-        share=_share(compared, base, row),
+        share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
         notes=(*notes, *_notes_of(rounds)),
@@ -346,12 +340,3 @@ def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, 
         for name, entry in best.items()
         if entry.unlike < UNLIKE
     }
-
-
-def _share(compared: Compared, base: Row, row: Row) -> float | None:
-    """Of the square that the refitted twin leaves beyond noise, what the model explains."""
-    whitening = compared.search.noise.quiet(base, compared.ledger)
-    beyond = beyond_noise(base, whitening)
-    if not is_more_than_noise(beyond, values_in(base)):
-        return None
-    return 1.0 - beyond_noise(row, whitening) / beyond
