@@ -311,6 +311,11 @@ class Whitening:
                 spread.take_out(columns)
         return found
 
+    @property
+    def by_noise(self) -> Whitening:
+        """The same without errors beside the noise, which reach from one stretch into others."""
+        return Whitening(tuple(replace(part, spreads=(), own=()) for part in self.parts))
+
     def __call__(self, columns: Sequence[Array]) -> list[Array]:
         """Whiten columns of each segment, shape (..., m, n)."""
         return [part(c) for part, c in zip(self.parts, columns, strict=True)]

@@ -278,7 +278,7 @@ def _per_recording(case: Case, compared: Compared, gains: Sequence[Array]) -> di
 
 def _acting(compared: Compared, row: Row, name: str, gains: Sequence[Array]) -> Sequence[Array]:
     """Whitened square of what an effect changes in each stretch; gains where it is not known."""
-    problem, whitening = compared.search.problem, compared.ledger.whitening
+    problem, whitening = compared.search.problem, compared.ledger.whitening.by_noise
     points = [
         problem.point(one.hypothesis, one.x, one.own_values) for one in (row, lacking(row, name))
     ]
