@@ -206,7 +206,7 @@ class BesideInadequacy:
 
 def with_inadequacy(
     fitted: Fitted, inner: Grams, weights: Array, extra: int, tolerance: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array]:
     """Log evidence with the size of an inadequacy integrated out, and what is believed of it.
 
     Its prior is exponential about the tolerance (Simpson et al. 2017).
@@ -227,16 +227,14 @@ def with_inadequacy(
     Returns
     -------
     tuple of ndarray, shape (n_weightings,)
-        [nats], [FMU's unit of the torque port] its mean, and the probability that it is more than
-        twice the tolerance.
+        [nats], and its mean [FMU's unit of the torque port].
     """
     if not extra:
-        nothing = np.zeros(len(weights))
-        return log_evidences(fitted, inner, weights), nothing, nothing
+        return log_evidences(fitted, inner, weights), np.zeros(len(weights))
     sizes = tolerance * _SIZES
     logs = np.stack([log_evidences(fitted, inner, weights, extra, float(s)) for s in sizes])
     prior = np.log(_STEP * sizes / tolerance) - sizes / tolerance
     joint = logs + prior[:, None]
     total = logsumexp(joint, axis=0)
     believed = np.exp(joint - total).T
-    return total, believed @ sizes, believed @ (sizes > 2.0 * tolerance).astype(float)
+    return total, believed @ sizes

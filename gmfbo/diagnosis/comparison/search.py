@@ -350,7 +350,7 @@ class Search:
             if weights is None:
                 n = len(inner.squares)
                 weights = weightings(n) if weighted else np.ones((1, n))
-            own, size, _ = with_inadequacy(row, inner, weights, extra, self.tolerance)
+            own, size = with_inadequacy(row, inner, weights, extra, self.tolerance)
             logs.append(own + self.log_prior(row.elements))
             sizes.append(float(size.mean()))
         table = np.stack(logs)

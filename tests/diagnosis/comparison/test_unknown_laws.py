@@ -105,6 +105,11 @@ def test_a_law_of_the_library_needs_no_unknown() -> None:
     assert left(square_drag, ["quadratic_drag", "coulomb_friction"]) is None
 
 
+def test_a_law_about_which_nobody_cares_is_not_told() -> None:
+    """A hundredth of the rippled drag: far below 1 % of the drive's torque."""
+    assert left(lambda q, v, rng: 0.01 * rippled_drag(q, v, rng)) is None
+
+
 def test_noise_of_the_shaft_is_no_law() -> None:
     assert left(torque_noise) is None
 

@@ -35,6 +35,7 @@ from gmfbo.diagnosis.comparison.unknown.kinds import Kind, kinds
 Array = NDArray[np.float64]
 
 _TRIED = 2  # kinds that are fitted beside a row: those that a straight line likes best
+_CARED = 2.0  # times the tolerance: less is nothing that anybody cares about
 _LEVELS = 5  # most rounds of a function and the noise beside it
 _LIKELY = log(NAMED / (1.0 - NAMED))
 _NAME = "unknown"
@@ -51,7 +52,7 @@ class Unknown:
     against : str
         State on which it depends: `position`, `velocity` or `command`.
     probability : float
-        That it is there, and more than twice what nobody cares about.
+        That it is there.
     log_odds : float
         [nats] Against laws alone.
     beside : frozenset of str
@@ -139,10 +140,12 @@ class _Beside:
             now = max(likely, key=lambda one: one.score)
         if now.score - float(self._alone(self._once)[0]) <= _LIKELY:
             return None
+        if now.found.effective < _CARED * self._search.tolerance:
+            return None
         weights = weightings(self._once.shape[1])
         sized = self._sized(now, weights)
         odds = sized.log_evidences + self._prior(now.elements) - self._alone(weights)
-        probability = float(np.mean(expit(odds) * sized.large))
+        probability = float(np.mean(expit(odds)))
         if probability < NAMED:
             return None
         kind = now.found.kind

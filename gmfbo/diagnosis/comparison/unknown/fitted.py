@@ -38,14 +38,11 @@ class Sized:
     ----------
     log_evidences : ndarray, shape (n_weightings,)
         [nats] The size integrated out; its logarithm is uniform.
-    large : ndarray, shape (n_weightings,)
-        Probability that it is more than twice the tolerance.
     size : float
         [FMU's unit of the torque port] The most probable one.
     """
 
     log_evidences: Array
-    large: Array
     size: float
 
 
@@ -76,6 +73,12 @@ class WithUnknown:
         parts = zip(self.left.residual, self.columns, strict=True)
         made = [z + np.tensordot(self.amplitudes, c, 1) for z, c in parts]
         return replace(self.left, residual=made)
+
+    @property
+    def effective(self) -> float:
+        """[FMU's unit of the torque port] Root mean square of the function in the recordings."""
+        played = np.concatenate([self.amplitudes @ signals for signals in self.kind.signals])
+        return float(np.sqrt(np.mean(played**2))) / self.kind.unit
 
     def sized(
         self,
@@ -113,8 +116,7 @@ class WithUnknown:
         else:
             logs = np.stack([log_evidences(row, inner, weights, count, s) for s in sizes[kept]])
         total = logsumexp(logs, axis=0)
-        large = np.exp(logs - total).T @ (_SIZES[kept] > 2.0).astype(float)
-        return Sized(total - np.log(len(sizes)), large, float(sizes[np.argmax(first)]))
+        return Sized(total - np.log(len(sizes)), float(sizes[np.argmax(first)]))
 
 
 def of_unit_size(kind: Kind, energy: float, white: Sequence[Array]) -> Kind | None:
@@ -136,7 +138,7 @@ def of_unit_size(kind: Kind, energy: float, white: Sequence[Array]) -> Kind | No
     if own <= 0.0:
         return None
     factor = 1.0 if kind.port == "torque" else np.sqrt(energy / own)
-    return replace(kind, signals=[factor * s for s in kind.signals])
+    return replace(kind, signals=[factor * s for s in kind.signals], unit=float(factor))
 
 
 def fitted_with(

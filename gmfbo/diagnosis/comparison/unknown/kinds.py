@@ -30,11 +30,14 @@ class Kind:
         State on which they depend: `position`, `velocity` or `command`.
     signals : list of ndarray, shape (c, rows)
         [FMU's unit of the port] By recording: c functions of unit size along it.
+    unit : float
+        [FMU's unit of the port / FMU's unit of the torque port] A unit size.
     """
 
     port: str
     against: str
     signals: list[Array]
+    unit: float = 1.0
 
     @property
     def count(self) -> int:
