@@ -35,7 +35,6 @@ from gmfbo.diagnosis.comparison.unknown.kinds import Kind, kinds
 Array = NDArray[np.float64]
 
 _TRIED = 2  # kinds that are fitted beside a row: those that a straight line likes best
-_CARED = 2.0  # times the tolerance: less is nothing that anybody cares about
 _LEVELS = 5  # most rounds of a function and the noise beside it
 _LIKELY = log(NAMED / (1.0 - NAMED))
 _NAME = "unknown"
@@ -140,7 +139,7 @@ class _Beside:
             now = max(likely, key=lambda one: one.score)
         if now.score - float(self._alone(self._once)[0]) <= _LIKELY:
             return None
-        if now.found.effective < _CARED * self._search.tolerance:
+        if now.found.effective < self._search.tolerance:
             return None
         weights = weightings(self._once.shape[1])
         sized = self._sized(now, weights)
