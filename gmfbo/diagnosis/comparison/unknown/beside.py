@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.evidence import weightings
+from gmfbo.diagnosis.comparison.evidence import Grams, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import (
     BesideInadequacy,
@@ -113,10 +113,10 @@ class _Beside:
     @cached_property
     def _kinds(self) -> list[Kind]:
         problem, kernels = self._search.problem, self._ledger.kernels
-        usual = self._quiet(inadequacy_columns(problem, kernels, self._best))
-        energy = sum(float(np.sum(c**2)) for c in usual)
+        energy = self._quiet.square(inadequacy_columns(problem, kernels, self._best))
         made = kinds(problem, kernels, self._best)
-        found = (of_unit_size(kind, energy, self._quiet(self._columns(kind))) for kind in made)
+        shown = (self._quiet.square(self._columns(kind)) for kind in made)
+        found = (of_unit_size(kind, energy, own) for kind, own in zip(made, shown, strict=True))
         return [kind for kind in found if kind is not None]
 
     def _columns(self, kind: Kind) -> list[Array]:
@@ -142,7 +142,7 @@ class _Beside:
         if now.found.effective < self._search.tolerance:
             return None
         weights = weightings(self._once.shape[1])
-        sized = self._sized(now, weights)
+        sized = self._sized(now.found, now.own, weights)
         odds = sized.log_evidences + self._prior(now.elements) - self._alone(weights)
         probability = float(np.mean(expit(odds)))
         if probability < NAMED:
@@ -165,12 +165,16 @@ class _Beside:
 
     def _alone(self, weights: Array) -> Array:
         """[nats] Of the best row of laws, under each weighting of the stretches."""
-        search = self._search
-        own = search.noise.alone(self._best, self._ledger)
-        beside = BesideInadequacy(search.problem)
-        extra, inner = beside.begin(own), beside.grams(self._best)
+        search, (extra, inner) = self._search, self._best_inner
         logs = with_inadequacy(self._best, inner, weights, extra, search.tolerance)[0]
         return logs + search.log_prior(self._best.elements)
+
+    @cached_property
+    def _best_inner(self) -> tuple[int, Grams]:
+        """Number of bumps, and inner products, of the best row under the noise that it leaves."""
+        beside = BesideInadequacy(self._search.problem)
+        extra = beside.begin(self._search.noise.alone(self._best, self._ledger))
+        return extra, beside.grams(self._best)
 
     def _beside(self, rows: Sequence[Fitted]) -> list[_Tried]:
         """The likeliest free function beside each row; without those beside which none shows."""
@@ -207,7 +211,7 @@ class _Beside:
         for _ in range(_LEVELS):
             found = fitted_with(search.problem, own.whitening, row, start, size)
             own = search.noise.alone(found.left, self._ledger)
-            sized = self._sized(_Tried(found, own, 0.0), self._once)
+            sized = self._sized(found, own, self._once)
             score = float(sized.log_evidences[0]) + self._prior(row.elements)
             if best is not None and score < best.score + WORTH:
                 break
@@ -219,9 +223,9 @@ class _Beside:
         )
         return best
 
-    def _sized(self, tried: _Tried, weights: Array) -> Sized:
-        search, whitening = self._search, tried.own.whitening
-        return tried.found.sized(search.problem, whitening, weights, search.tolerance)
+    def _sized(self, found: WithUnknown, own: Ledger, weights: Array) -> Sized:
+        search = self._search
+        return found.sized(search.problem, own.whitening, weights, search.tolerance)
 
     def _prior(self, elements: frozenset[str]) -> float:
         """[nats] Of a free function of one kind beside these elements."""

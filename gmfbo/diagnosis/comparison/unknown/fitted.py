@@ -119,7 +119,7 @@ class WithUnknown:
         return Sized(total - np.log(len(sizes)), float(sizes[np.argmax(first)]))
 
 
-def of_unit_size(kind: Kind, energy: float, white: Sequence[Array]) -> Kind | None:
+def of_unit_size(kind: Kind, energy: float, own: float) -> Kind | None:
     """A kind whose functions are of unit size; None where they show nothing.
 
     At the torque port they are of unit size as they are. At another port they are where they show
@@ -131,10 +131,9 @@ def of_unit_size(kind: Kind, energy: float, white: Sequence[Array]) -> Kind | No
         As it was made.
     energy : float
         Whitened square that functions of unit size have at the torque port.
-    white : sequence of ndarray, shape (c, m, n)
-        What the kind's functions cause, whitened.
+    own : float
+        Whitened square of what the kind's functions cause.
     """
-    own = sum(float(np.sum(c**2)) for c in white)
     if own <= 0.0:
         return None
     factor = 1.0 if kind.port == "torque" else np.sqrt(energy / own)
