@@ -120,9 +120,9 @@ def contact_deflections(excitation: Excitation) -> tuple[float, float]:
 
 
 def body_deflections(excitation: Excitation) -> tuple[float, float]:
-    """Bounds of a gear's or cable's deflection, from the upper bound of a contact's on."""
-    low = contact_deflections(excitation)[1]
-    return low, max(0.2 * excitation.stroke, 20.0 * low)
+    """Bounds of a gear's or cable's deflection: what a contact may deflect, and far more."""
+    low, contact = contact_deflections(excitation)
+    return low, max(0.2 * excitation.stroke, 20.0 * contact)
 
 
 def starts(excitation: Excitation, count: int, visible: Deflections) -> list[Values]:

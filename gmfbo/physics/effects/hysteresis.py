@@ -1,30 +1,38 @@
-"""Hysteresis of gears and cables: Bouc and Wen's loop over the position."""
+"""Hysteresis of gears and cables: Maxwell slip over the position.
 
-import math
+Elements in parallel, each a spring that slips at its own travel. The way back from a reversal is
+the first loading at twice its size (Masing 1926), and a small loop within a large one closes (Iwan
+1966, A distributed-element model for hysteresis). Bouc and Wen's equation does neither.
+"""
+
+from itertools import pairwise
 
 import numpy as np
+from scipy.special import gammaincinv
 
 from gmfbo.physics import friction
 from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, States
 
+_ELEMENTS = 16
+# Travel at which each slips, over the deflection: with equal forces a first loading is then
+# 1 - exp(-travel / deflection).
+_TRAVELS = gammaincinv(2.0, (np.arange(_ELEMENTS) + 0.5) / _ELEMENTS)
+
 
 def _loop(position: Array, deflection: float) -> Array:
-    """Follow the loop along a path, shape (n,): exact for exponent 1.
-
-    Loading saturates exponentially, unloading is linear; a step may hold both.
-    """
-    result = np.zeros(len(position))
-    state = 0.0
-    for index, move in enumerate((np.diff(position) / deflection).tolist(), 1):
-        if state * move < 0.0:
-            unloaded = min(abs(move), abs(state))
-            state += math.copysign(unloaded, move)
-            move -= math.copysign(unloaded, move)
-        if move:
-            sign = math.copysign(1.0, move)
-            state = sign + (state - sign) * math.exp(-abs(move))
-        result[index] = state
+    """Mean stretch of the elements along a path, shape (n,), -1 to 1."""
+    travel = np.concatenate([[0.0], np.cumsum(np.diff(position) / deflection)])
+    # Between two reversals each element stretches with the travel until it slips.
+    moves = np.flatnonzero(np.diff(travel))
+    turns = moves[1:][np.diff(travel)[moves[1:]] * np.diff(travel)[moves[:-1]] < 0.0]
+    ends = [0, *turns.tolist(), len(position) - 1]
+    result, stretch = np.zeros(len(position)), np.zeros(_ELEMENTS)
+    for begin, end in pairwise(ends):
+        part = (travel[begin + 1 : end + 1, None] - travel[begin]) / _TRAVELS
+        along = np.clip(stretch + part, -1.0, 1.0)
+        if len(along):
+            result[begin + 1 : end + 1], stretch = along.mean(axis=1), along[-1]
     return result
 
 
@@ -41,8 +49,7 @@ hysteresis = Effect(
         friction.level("Half the height of the loop"),
         friction.deflection("Deflection of the loop", friction.body_deflections),
     ),
-    fixed=lambda e: {"exponent": 1.0},
-    starts=lambda e: friction.starts(e, 2, friction.body_deflections),
+    starts=lambda e: friction.starts(e, 3, friction.body_deflections),
     size=lambda p, e: p["level"],
     size_name="level",
     size_unit="torque",
@@ -61,12 +68,12 @@ hysteresis = Effect(
         level="torque",
         deflection="position",
     ),
-    equation="tau = -F * z, dz/dphi = (1 - abs(z)^n * (sign(z * omega) + 1) / 2) / deflection",
-    source="Wen, 1976",
+    equation="tau = -F * mean(z_i), dz_i/dphi = 1 / (x_i * deflection) while abs(z_i) < 1",
+    source="Iwan, 1966",
     contains=("coulomb_friction",),
     as_limit={"level": "level", "deflection": "deflection"},
     confused_with={
-        "presliding_friction": "the way back: a bristle turns steeper, a cable unloads elastically",
+        "presliding_friction": "the way back: a bristle turns steeper, a cable bends as at first",
         "backlash": "fast reversals: the load strikes after crossing a gap",
         "coulomb_friction": "small reversals: Coulomb friction jumps, hysteresis bends",
         "elastic_return": "the way back: a spring returns all of its energy",

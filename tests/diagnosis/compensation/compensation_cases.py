@@ -31,7 +31,7 @@ VALUES: Mapping[str, Mapping[str, float]] = {
     "viscous_friction": {"coefficient": 0.02},
     "quadratic_drag": {"coefficient": 0.01},
     "presliding_friction": {"level": 0.2, "deflection": 0.003},
-    "hysteresis": {"level": 0.2, "deflection": 0.05, "exponent": 1.0},
+    "hysteresis": {"level": 0.2, "deflection": 0.05},
     "load_dependent_friction": {"level": 0.1, "coefficient": 0.05},
     "position_dependent_friction": {"level": 0.2, "sine": 0.05, "cosine": 0.03, "wavenumber": 9.0},
     "backlash": {"gap": 0.004, "load_inertia": 0.003},
