@@ -179,7 +179,7 @@ def six_gains(
     named = _short(gains)
     filter_time = named.pop("filter_time")
     law = Cascade(named, sample=SAMPLE, filter_time=filter_time, limits=(-30.0, 30.0))
-    return _of_position(SIX, law, reference, conditions, 2e-4)
+    return _of_position(SIX, law, reference, conditions, 3e-4)
 
 
 SPINDLE = Rotary(
