@@ -19,7 +19,7 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from gmfbo.correction.matern import matern52
 
@@ -88,6 +88,29 @@ class ResidualProcess:
     def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
         return self._centre + self._solved(points).T @ self._whitened
+
+    def departures(self, variance: float, count: int) -> NDArray[np.float64]:
+        """What the last runs did that their neighbours did not, shape (2 k, m), k <= count.
+
+        Each is what is left of a run's function when it is predicted from all others, scaled so
+        that its covariance is that of a repeated run, `variance` times S, and comes with its mirror
+        image. A run that differs grossly is one of them; draws from the estimated S would all be
+        shaped by it.
+
+        Parameters
+        ----------
+        variance : float
+            Of a repeated run, over that of the process; part of what the process was fitted with.
+        count : int
+            Most runs.
+        """
+        if not len(self.points):
+            return np.zeros((2, len(self._centre)))
+        inverse = cho_solve((self._factor, True), np.eye(len(self.points)))
+        left = solve_triangular(self._factor, self._whitened, lower=True, trans="T")
+        scale = np.sqrt(variance / np.diag(inverse))
+        own = (scale[:, None] * left)[-count:]
+        return np.concatenate([own, -own])
 
     def _solved(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         if not len(self.points):

@@ -2,7 +2,8 @@
 
 The objective g is a known function of a trajectory. It jumps where a response just enters or leaves
 the settling band, whereas trajectories do not jump. So the twin's trajectories are corrected,
-y(t; k) = y_twin(t; k) + residual(t; k). Their objective is the prior mean m(k), and a Gaussian
+y(t; k) = y_twin(t; k) + residual(t; k). The objective that is expected of them is the prior mean
+m(k) (Astudillo and Frazier 2019, Bayesian optimization of composite functions), and a Gaussian
 process models the rest g - m (Kennedy and O'Hagan 2001, here with the discrepancy before the
 objective and not after it)::
 
@@ -21,7 +22,8 @@ search then spreads over the box as a single-source search does.
 An axis does not repeat itself exactly: friction and noise differ from run to run. What neighbouring
 runs do not share is noise, in the trajectories as in the objective, and its size is the likeliest
 one (Gramacy and Lee 2012, Cases for the nugget in modeling computer experiments). Without it the
-luckiest run would be believed.
+luckiest run would be believed. Where the objective jumps, the mean over trajectories with that
+noise differs from the objective of their mean, and is what counts.
 """
 
 from __future__ import annotations
@@ -57,6 +59,9 @@ REPEATED_COST = tuple(one for one in REPEATED if one <= 1.0)
 _OUTLYING = 4.5
 # Log-likelihood by which noise must explain errors better than none (Akaike 1974: a parameter).
 NOISE_COSTS = 1.0
+# Newest runs whose own departures, and their mirror images, are what another run may do: they lie
+# near the best gains, and friction acts as it does there.
+OWN_RUNS = 8
 # Least scale, as a share of the spread of the observed objectives: with a perfect twin the
 # measured error is zero, and improvement would be decided by rounding.
 LEAST_SCALE = 1e-3
@@ -130,10 +135,14 @@ class Residual:
         Of the samples.
     of_numbers : ResidualProcess or None
         Of what lies beside them; None where nothing does.
+    departures : ndarray, shape (r, m - beside)
+        [signal] What another run at the same gains may do differently; a single row of zeros while
+        runs are too few to tell, or repeat themselves.
     """
 
     of_samples: ResidualProcess
     of_numbers: ResidualProcess | None
+    departures: NDArray[np.float64]
 
     @staticmethod
     def smoothness(runs: AxisRuns, rows: NDArray[np.intp]) -> tuple[Smoothness, Smoothness]:
@@ -177,7 +186,38 @@ class Residual:
             )
             for part, one in zip(_parts(runs, rows), smoothness, strict=True)
         ]
-        return cls(fitted[0], fitted[1] if runs.beside else None)
+        repeated = smoothness[0].repeated if smoothness[0].repeated > NUGGET else 0.0
+        departures = (
+            fitted[0].departures(repeated, OWN_RUNS)
+            if repeated
+            else np.zeros((1, runs.measured.shape[1] - runs.beside))
+        )
+        return cls(fitted[0], fitted[1] if runs.beside else None, departures)
+
+    def expected_cost(
+        self, points: NDArray[np.float64], simulated: NDArray[np.float64], cost_of: CostOf
+    ) -> NDArray[np.float64]:
+        """Cost g of a run that is corrected, the mean over what a repeated run does, shape (q,).
+
+        The cost of the mean trajectory is another thing: where one run in two leaves the settling
+        band, the mean trajectory is on one side of it.
+
+        Parameters
+        ----------
+        points : ndarray, shape (q, d)
+            Gains in the unit cube.
+        simulated : ndarray, shape (q, m)
+            [signal] The twin there.
+        cost_of : callable
+            From trajectories, shape (q, m), to g, shape (q,).
+        """
+        corrected = simulated + self.mean(points)
+        total, samples = np.zeros(len(points)), self.departures.shape[1]
+        for departure in self.departures:
+            run = corrected.copy()
+            run[:, :samples] += departure
+            total += np.asarray(cost_of(run), dtype=float)
+        return total / len(self.departures)
 
     def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
@@ -261,7 +301,7 @@ class CorrectedTwinModel:
 
     def trajectory(self, points: ArrayLike, simulated: ArrayLike) -> NDArray[np.float64]:
         """Expected trajectory of the axis [signal], shape (q, m); arguments as for `predict`."""
-        return _corrected(np.asarray(points), np.asarray(simulated), self.residual)
+        return np.asarray(simulated) + self.residual.mean(np.asarray(points))
 
     def predict(
         self, points: ArrayLike, simulated: ArrayLike
@@ -293,14 +333,6 @@ class CorrectedTwinModel:
         return mean, variance
 
 
-def _corrected(
-    points: NDArray[np.float64],
-    simulated: NDArray[np.float64],
-    residual: Residual,
-) -> NDArray[np.float64]:
-    return simulated + residual.mean(points)
-
-
 def _prior_mean(
     points: NDArray[np.float64],
     simulated: NDArray[np.float64],
@@ -311,7 +343,7 @@ def _prior_mean(
     mean = np.full(len(points), unknown)
     known = np.isfinite(simulated).all(axis=1)
     if known.any():
-        mean[known] = cost_of(_corrected(points[known], simulated[known], residual))
+        mean[known] = residual.expected_cost(points[known], simulated[known], cost_of)
     return mean
 
 
@@ -327,8 +359,9 @@ def _left_out_errors(
     predicted = []
     for row in rows:
         residual = Residual.fit(runs, rows[rows != row], smoothness)
-        predicted.append(_corrected(runs.points[[row]], runs.simulated[[row]], residual)[0])
-    return np.asarray(runs.values[rows] - np.asarray(cost_of(np.array(predicted)), dtype=float))
+        one = runs.points[[row]], runs.simulated[[row]]
+        predicted.append(residual.expected_cost(*one, cost_of)[0])
+    return np.asarray(runs.values[rows] - np.array(predicted))
 
 
 def _scale_and_noise(

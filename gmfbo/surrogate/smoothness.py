@@ -16,7 +16,7 @@ from gmfbo.correction.residual_process import NUGGET
 LENGTHSCALES = (0.1, 0.2, 0.4, 0.8, 1.6)
 _LENGTHSCALE_PRIOR = (0.4, 0.7)
 # Variance of a repeated run, over that of the process: the least, and further candidates.
-REPEATED = (NUGGET, 0.1, 0.3, 1.0, 3.0, 10.0)
+REPEATED = (NUGGET, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0)
 # Fewest runs from which the noise of a repeated run is told from a change over the gains.
 LEAST_TOLD = 4
 

@@ -39,6 +39,33 @@ def test_mean_is_that_of_a_direct_solve(
     )
 
 
+def test_departures_are_what_the_others_do_not_predict(
+    runs: tuple[NDArray[np.float64], NDArray[np.float64]],
+) -> None:
+    points, functions = runs
+    extra = np.full(7, 0.3)
+    process = ResidualProcess.fit(points, functions, lengthscale=LENGTHSCALE, extra=extra)
+    found = process.departures(0.3, 2)
+    for row, run in zip(found, (5, 6), strict=False):
+        others = np.arange(7) != run
+        rest = ResidualProcess.fit(
+            points[others], functions[others], lengthscale=LENGTHSCALE, extra=extra[others]
+        )
+        missed = functions[run] - rest.mean(points[[run]])[0]
+        np.testing.assert_allclose(row / np.linalg.norm(row), missed / np.linalg.norm(missed))
+    np.testing.assert_array_equal(found[:2], -found[2:])
+
+
+def test_departures_of_runs_that_share_nothing_are_their_own_functions() -> None:
+    """With the variance of a repeated run alone, each is drawn in full: covariance S."""
+    points = 100.0 * np.arange(50.0)[:, None]
+    functions = np.random.default_rng(3).standard_normal((50, 1)) * np.sin(TIME)
+    extra = np.full(50, 4.0)
+    process = ResidualProcess.fit(points, functions, lengthscale=0.1, extra=extra)
+    found = process.departures(4.0, 50)[:50]
+    np.testing.assert_allclose(found, functions * np.sqrt(4.0 / (5.0 + NUGGET)))
+
+
 def test_runs_are_reproduced_and_nothing_is_claimed_far_from_them(
     runs: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> None:

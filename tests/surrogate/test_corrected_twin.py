@@ -186,6 +186,40 @@ def test_the_luckiest_of_runs_that_do_not_repeat_is_not_believed() -> None:
     assert np.mean(missed) > -0.06
 
 
+def beyond_one(trajectories: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A cost that jumps where the response leaves a band."""
+    return np.asarray((trajectories.max(axis=-1) > 1.0).astype(float))
+
+
+def test_where_runs_leave_the_band_by_luck_the_cost_is_their_share() -> None:
+    """Each run is scaled by its own friction; the cost of the mean trajectory is 0 or 1."""
+    rng = np.random.default_rng(7)
+    points = rng.random((40, 1))
+
+    def twin_at(where: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray((0.8 + 0.4 * where) * (1.0 - np.exp(-8.0 * TIME)))
+
+    twin = twin_at(points)
+    measured = twin * (1.0 + 0.03 * rng.standard_normal((40, 1)))
+    seen = AxisRuns(points, beyond_one(measured), twin, measured)
+    residual = CorrectedTwinModel.fit(seen, beyond_one).residual
+    asked = np.array([[0.05], [0.5], [0.95]])
+    expected = residual.expected_cost(asked, twin_at(asked), beyond_one)
+    assert set(beyond_one(twin_at(asked))) == {0.0, 1.0}
+    np.testing.assert_allclose(expected, [0.0, 0.5, 1.0], atol=0.3)
+    assert 0.2 <= expected[1] <= 0.8
+
+
+def test_where_runs_repeat_the_cost_is_that_of_the_corrected_trajectory(
+    points: NDArray[np.float64],
+) -> None:
+    residual = CorrectedTwinModel.fit(runs(points, gain=0.8), reach).residual
+    twin = response(points, gain=0.8)
+    np.testing.assert_array_equal(
+        residual.expected_cost(points, twin, reach), reach(twin + residual.mean(points))
+    )
+
+
 def test_a_run_that_repeats_is_believed() -> None:
     """The negative control: a departure that neighbours share is no luck."""
     rng = np.random.default_rng(1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -212,7 +213,9 @@ class ReferenceExperiment:
         rows = np.searchsorted(reference.time, times + slack, side="right") - 1
         return reference.signals[self.reference_signal][np.maximum(rows, 0)]
 
-    def metrics_of(self, time: ArrayLike, responses: ArrayLike) -> dict[str, NDArray[np.float64]]:
+    def metrics_of(
+        self, time: ArrayLike, responses: ArrayLike, names: Collection[str] | None = None
+    ) -> dict[str, NDArray[np.float64]]:
         """Metrics of many responses.
 
         Parameters
@@ -221,6 +224,8 @@ class ReferenceExperiment:
             [s]
         responses : array_like, shape (..., n)
             The scored signal of each run.
+        names : collection of str, optional
+            What is needed; others may be left out. All unless given.
 
         Returns
         -------
@@ -229,11 +234,15 @@ class ReferenceExperiment:
         """
         times = np.asarray(time, dtype=float)
         values = smoothed(times, responses, self.terms.filter_s)
-        error = self.target(times) - values
+        asked = None if names is None else {name.partition("[")[0] for name in names}
+        found: dict[str, NDArray[np.float64]] = {}
+        if asked is None or not asked.isdisjoint(METRICS):
+            found |= self._step_metrics(times, values)
+        if asked is None or not asked.isdisjoint(TRACKING_METRICS):
+            error = self.target(times) - values
+            found |= tracking_metrics(times, error, begin=self.begin, horizon=self.horizon)
         unknown = np.full(values.shape[:-1], np.nan)
-        found = tracking_metrics(times, error, begin=self.begin, horizon=self.horizon)
-        found |= {name: unknown for name in COMMAND_METRICS if self.terms.command}
-        return {**self._step_metrics(times, values), **found}
+        return found | {name: unknown for name in COMMAND_METRICS if self.terms.command}
 
     def _step_metrics(
         self, time: NDArray[np.float64], values: NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -178,7 +178,9 @@ class ExperimentSeries:
         spans = [(float(each.time[0]), float(each.time[-1])) for each in self.references]
         return join_runs(runs, self.offsets, spans)
 
-    def metrics_of(self, time: ArrayLike, responses: ArrayLike) -> dict[str, NDArray[np.float64]]:
+    def metrics_of(
+        self, time: ArrayLike, responses: ArrayLike, names: Collection[str] | None = None
+    ) -> dict[str, NDArray[np.float64]]:
         """Metrics of many responses.
 
         Parameters
@@ -187,6 +189,8 @@ class ExperimentSeries:
             [s] Joined, see `scored_times`.
         responses : array_like, shape (..., n)
             The scored signal of each run.
+        names : collection of str, optional
+            What is needed; others may be left out. All unless given.
 
         Returns
         -------
@@ -198,7 +202,7 @@ class ExperimentSeries:
         each = []
         for number, part in enumerate(self.parts):
             rows, own_times = self._slot(times, number)
-            found = part.metrics_of(own_times, values[..., rows])
+            found = part.metrics_of(own_times, values[..., rows], names)
             each.append({**found, **self._own_of(own_times, values[..., rows], part)})
         return _combined(each, self.shares)
 

@@ -153,7 +153,7 @@ class TuningState:
         """
         if self.unsettled:
             return short_of_settling(self.late_error_of(times, trajectories))
-        metrics = self.experiment.metrics_of(times, trajectories)
+        metrics = self.experiment.metrics_of(times, trajectories, self.objective.weights)
         return self.objective.value({**metrics, **(numbers or {})})
 
     def late_error_of(
