@@ -113,16 +113,16 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Two effects are named. The first is a force that closes its loop over about a millimetre. The
-# second stands for friction that grows with speed: 7 N near standstill and 17 N well above
-# 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the sentence says so:
+# Two effects are named. The first is a force that closes its loop over two thirds of a
+# millimetre. The second stands for friction that grows with speed: 4 N near standstill and 13 N
+# well above 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the sentence says so:
 # the second name rises with speed too and takes its place, so widen the range before you believe
 # how the two share it.
 #
 # Fits of a Bouc-Wen model with all of its coefficients free reached 80.8 % on these rows, a lag
-# and a stiffness besides Coulomb friction 54.4 %. The exponent here is fixed at 1 and the loop
-# unloads linearly. About a tenth of what is more than noise is explained by no law and depends on
-# the position: `remainder` says so. "transmission" under `where` is the place where a gear would
+# and a stiffness besides Coulomb friction 54.4 %. The loop here is that of many springs that slip
+# one after the other, with two coefficients. About a tenth of what is more than noise is explained
+# by no law: `remainder` says so. "transmission" under `where` is the place where a gear would
 # have its hysteresis: the twin has one port, so it can be no more than a place.
 
 # %%
@@ -131,14 +131,13 @@ assert next(iter(named)) == "hysteresis"
 assert diagnosis.parameters["viscous"].at_bound == "low"
 assert diagnosis.remainder is not None
 assert 0.05 < diagnosis.remainder.share < 0.15
-assert diagnosis.remainder.against == "position"
 hysteresis = named["hysteresis"]
 assert not set(hysteresis.indistinguishable_from) & {"coulomb_friction", "stribeck_friction"}
 assert 40.0 < hysteresis.parameters["level"].value < 60.0  # [N] of 80 N at most
-assert 5e-4 < hysteresis.parameters["deflection"].value < 2e-3  # [m]
+assert 5e-4 < hysteresis.parameters["deflection"].value < 8e-4  # [m]
 rising = named["stribeck_friction"].parameters
-assert 5.0 < rising["breakaway"].value < 9.0  # [N]
-assert 15.0 < rising["level"].value < 19.0  # [N]
+assert 2.0 < rising["breakaway"].value < 6.0  # [N]
+assert 11.0 < rising["level"].value < 15.0  # [N]
 assert 0.015 < rising["velocity"].value < 0.025  # [m/s]
 
 assert abs(viscous - 0.368) < 0.005, "as others have measured it"

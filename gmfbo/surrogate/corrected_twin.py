@@ -61,7 +61,9 @@ _OUTLYING = 4.5
 NOISE_COSTS = 1.0
 # Newest runs whose own departures, and their mirror images, are what another run may do: they lie
 # near the best gains, and friction acts as it does there.
-OWN_RUNS = 8
+OWN_RUNS = 4
+# Rows whose cost is computed at once.
+_MOST_ROWS = 2048
 # Least scale, as a share of the spread of the observed objectives: with a perfect twin the
 # measured error is zero, and improvement would be decided by rounding.
 LEAST_SCALE = 1e-3
@@ -194,6 +196,30 @@ class Residual:
         )
         return cls(fitted[0], fitted[1] if runs.beside else None, departures)
 
+    def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
+        found = self.of_samples.mean(points)
+        if self.of_numbers is None:
+            return found
+        return np.hstack([found, self.of_numbers.mean(points)])
+
+    def repeats(
+        self, points: NDArray[np.float64], simulated: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """What repeated runs may be [signal], shape (q, r, m): corrected, and with each departure.
+
+        Parameters
+        ----------
+        points : ndarray, shape (q, d)
+            Gains in the unit cube.
+        simulated : ndarray, shape (q, m)
+            [signal] The twin there.
+        """
+        corrected = simulated + self.mean(points)
+        runs = np.repeat(corrected[:, None, :], len(self.departures), axis=1)
+        runs[:, :, : self.departures.shape[1]] += self.departures
+        return runs
+
     def expected_cost(
         self, points: NDArray[np.float64], simulated: NDArray[np.float64], cost_of: CostOf
     ) -> NDArray[np.float64]:
@@ -211,20 +237,19 @@ class Residual:
         cost_of : callable
             From trajectories, shape (q, m), to g, shape (q,).
         """
-        corrected = simulated + self.mean(points)
-        total, samples = np.zeros(len(points)), self.departures.shape[1]
-        for departure in self.departures:
-            run = corrected.copy()
-            run[:, :samples] += departure
-            total += np.asarray(cost_of(run), dtype=float)
-        return total / len(self.departures)
+        block = max(_MOST_ROWS // len(self.departures), 1)
+        parts = [
+            mean_cost(self.repeats(points[at : at + block], simulated[at : at + block]), cost_of)
+            for at in range(0, len(points), block)
+        ]
+        return np.concatenate(parts) if parts else np.empty(0)
 
-    def mean(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Posterior mean, shape (q, m), at points of the unit cube, shape (q, d)."""
-        found = self.of_samples.mean(points)
-        if self.of_numbers is None:
-            return found
-        return np.hstack([found, self.of_numbers.mean(points)])
+
+def mean_cost(runs: NDArray[np.float64], cost_of: CostOf) -> NDArray[np.float64]:
+    """Mean cost g over repeated runs, shape (q,), of runs of shape (q, r, m)."""
+    count, repeats, columns = runs.shape
+    costs = np.asarray(cost_of(runs.reshape(-1, columns)), dtype=float)
+    return np.asarray(costs.reshape(count, repeats).mean(axis=1))
 
 
 def _parts(
@@ -359,9 +384,8 @@ def _left_out_errors(
     predicted = []
     for row in rows:
         residual = Residual.fit(runs, rows[rows != row], smoothness)
-        one = runs.points[[row]], runs.simulated[[row]]
-        predicted.append(residual.expected_cost(*one, cost_of)[0])
-    return np.asarray(runs.values[rows] - np.array(predicted))
+        predicted.append(residual.repeats(runs.points[[row]], runs.simulated[[row]])[0])
+    return np.asarray(runs.values[rows] - mean_cost(np.stack(predicted), cost_of))
 
 
 def _scale_and_noise(
