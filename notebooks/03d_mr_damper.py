@@ -115,9 +115,9 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 #
 # Two effects are named. The first is a force that closes its loop over two thirds of a
 # millimetre. The second stands for friction that grows with speed: 4 N near standstill and 13 N
-# well above 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the sentence says so:
-# the second name rises with speed too and takes its place, so widen the range before you believe
-# how the two share it.
+# well above 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the
+# sentence says so: the second name rises with speed too and takes its place, so widen the range
+# before you believe how the two share it.
 #
 # Fits of a Bouc-Wen model with all of its coefficients free reached 80.8 % on these rows, a lag
 # and a stiffness besides Coulomb friction 54.4 %. The loop here is that of many springs that slip
