@@ -94,8 +94,8 @@ class ResidualProcess:
 
         Each is what is left of a run's function when it is predicted from all others, scaled so
         that its covariance is that of a repeated run, `variance` times S, and comes with its mirror
-        image. A run that differs grossly is one of them; draws from the estimated S would all be
-        shaped by it.
+        image. What the process cannot follow over the gains is part of it. A run that differs
+        grossly is one of them; draws from the estimated S would all be shaped by it.
 
         Parameters
         ----------
@@ -104,8 +104,6 @@ class ResidualProcess:
         count : int
             Most runs.
         """
-        if not len(self.points):
-            return np.zeros((2, len(self._centre)))
         inverse = cho_solve((self._factor, True), np.eye(len(self.points)))
         left = solve_triangular(self._factor, self._whitened, lower=True, trans="T")
         scale = np.sqrt(variance / np.diag(inverse))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gmfbo.physics.effect import EffectParameter, Units, Values, positive
+from gmfbo.physics.effect import EffectParameter, Range, Units, Values, positive
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 
@@ -100,15 +100,25 @@ def bristle(position: Array, deflection: float) -> Array:
     return result
 
 
-def deflection(words: str, visible: Deflections) -> EffectParameter:
-    """Make the parameter of a visible deflection, within these bounds."""
+def deflection(words: str, visible: Deflections, typical: Range | None = None) -> EffectParameter:
+    """Make the parameter of a visible deflection, within these bounds.
+
+    Parameters
+    ----------
+    words : str
+        What it is.
+    visible : callable (Excitation) -> (float, float)
+        Its bounds.
+    typical : callable (Excitation) -> float, optional
+        Its typical size; twice the lower bound unless given.
+    """
     return EffectParameter(
         "deflection",
         words,
         "position",
         low=lambda e: visible(e)[0],
         high=lambda e: visible(e)[1],
-        scale=lambda e: 2.0 * visible(e)[0],
+        scale=typical or (lambda e: 2.0 * visible(e)[0]),
     )
 
 

@@ -1,4 +1,4 @@
-"""Surrogate of the axis whose prior mean is the objective of the corrected twin.
+"""Surrogate of the axis whose prior mean is the expected objective of the corrected twin.
 
 The objective g is a known function of a trajectory. It jumps where a response just enters or leaves
 the settling band, whereas trajectories do not jump. So the twin's trajectories are corrected,
@@ -59,8 +59,8 @@ REPEATED_COST = tuple(one for one in REPEATED if one <= 1.0)
 _OUTLYING = 4.5
 # Log-likelihood by which noise must explain errors better than none (Akaike 1974: a parameter).
 NOISE_COSTS = 1.0
-# Newest runs whose own departures, and their mirror images, are what another run may do: they lie
-# near the best gains, and friction acts as it does there.
+# Newest runs whose own departures, and their mirror images, are what another run may do: later
+# ones lie near the best gains, and friction acts as it does there.
 OWN_RUNS = 4
 # Rows whose cost is computed at once.
 _MOST_ROWS = 2048
@@ -138,8 +138,8 @@ class Residual:
     of_numbers : ResidualProcess or None
         Of what lies beside them; None where nothing does.
     departures : ndarray, shape (r, m - beside)
-        [signal] What another run at the same gains may do differently; a single row of zeros while
-        runs are too few to tell, or repeat themselves.
+        [signal] What another run at the same gains may do differently, or the process cannot
+        follow; a single row of zeros while runs are too few to tell, or repeat themselves.
     """
 
     of_samples: ResidualProcess

@@ -2,7 +2,8 @@
 
 The plants (`truth.c`) share no code with the package: other integrator, other step, hard
 stick-slip friction, Hunt-Crossley contact, Maxwell-slip hysteresis, delays off the grid,
-controllers written again from their equations. A test holds each of them against its twin.
+controllers written again from their equations. The library's hysteresis has been Maxwell slip too
+since 259b65a, with other elements and travels. A test holds each of them against its twin.
 
 Commands, each of which can be stopped and called again:
 

@@ -56,14 +56,16 @@ def test_departures_are_what_the_others_do_not_predict(
     np.testing.assert_array_equal(found[:2], -found[2:])
 
 
-def test_departures_of_runs_that_share_nothing_are_their_own_functions() -> None:
-    """With the variance of a repeated run alone, each is drawn in full: covariance S."""
-    points = 100.0 * np.arange(50.0)[:, None]
-    functions = np.random.default_rng(3).standard_normal((50, 1)) * np.sin(TIME)
-    extra = np.full(50, 4.0)
-    process = ResidualProcess.fit(points, functions, lengthscale=0.1, extra=extra)
-    found = process.departures(4.0, 50)[:50]
-    np.testing.assert_allclose(found, functions * np.sqrt(4.0 / (5.0 + NUGGET)))
+def test_departures_have_the_covariance_of_a_repeated_run() -> None:
+    """Functions of a process with S = 1 at one time, between runs that share much."""
+    rng = np.random.default_rng(3)
+    points, extra = np.sort(rng.random((9, 1)), axis=0), np.full(9, 0.3 - NUGGET)
+    distance = np.sqrt(5.0) * np.abs(points - points.T) / LENGTHSCALE
+    matrix = (1.0 + distance + distance**2 / 3.0) * np.exp(-distance) + 0.3 * np.eye(9)
+    drawn = np.linalg.cholesky(matrix) @ rng.standard_normal((9, 20_000))
+    process = ResidualProcess.fit(points, drawn, lengthscale=LENGTHSCALE, extra=extra)
+    found = process.departures(0.3, 9)[:9]
+    np.testing.assert_allclose(np.mean(found**2, axis=1), 0.3, rtol=0.05)
 
 
 def test_runs_are_reproduced_and_nothing_is_claimed_far_from_them(

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gmfbo.physics import CATALOGUE
+from gmfbo.physics.states import States
 from tests.fmu_build.shaft import run_shaft
 
 if TYPE_CHECKING:
@@ -72,6 +74,17 @@ def test_it_saturates_at_minus_the_level_and_never_beyond(
     torque = effects.run({"state.velocity": speeds}, ["torque"], 1e-3)[1:, 0]
     assert np.abs(torque).max() <= LEVEL * (1.0 + 1e-12)
     np.testing.assert_allclose(torque[1999::2000], [-LEVEL, LEVEL, -LEVEL], rtol=1e-12)
+
+
+def test_the_c_code_follows_the_law_of_the_catalogue(new_instance: NewInstance) -> None:
+    path = np.cumsum(0.02 * np.random.default_rng(0).standard_normal(400))
+    path = np.asarray(path - path[0], dtype=np.float64)
+    still = np.zeros(len(path))
+    states = States(STEP * np.arange(len(path)), path, still, still, still)
+    signal = CATALOGUE["hysteresis"].signal
+    assert signal is not None
+    law = signal(states, {"level": LEVEL, "deflection": DEFLECTION})
+    np.testing.assert_allclose(torque_along(new_instance, path), law, atol=1e-8 * LEVEL)
 
 
 def test_a_step_may_hold_any_travel(new_instance: NewInstance) -> None:

@@ -150,6 +150,7 @@ def test_hysteresis_loads_exponentially_and_returns_at_twice_the_size() -> None:
 
 
 def test_a_single_step_of_hysteresis_may_unload_and_load() -> None:
+    """Also behind a standstill."""
     coarse = signal("hysteresis", along(np.array([0.0, 0.3, 0.3, 0.0])), level=1.0, deflection=0.1)
     path = np.concatenate((np.linspace(0.0, 0.3, 3001), np.linspace(0.3, 0.0, 3001)))
     fine = signal("hysteresis", along(path), level=1.0, deflection=0.1)

@@ -15,8 +15,8 @@ from gmfbo.physics.effect import Effect, Values, sentence
 from gmfbo.physics.states import Array, States
 
 _ELEMENTS = 16
-# Travel at which each slips, over the deflection: with equal forces a first loading is then
-# 1 - exp(-travel / deflection).
+# Travel at which each slips, over the deflection: with equal forces a first loading of many is
+# 1 - exp(-travel / deflection), and of these the same to 0.006.
 _TRAVELS = gammaincinv(2.0, (np.arange(_ELEMENTS) + 0.5) / _ELEMENTS)
 
 
@@ -47,7 +47,11 @@ hysteresis = Effect(
     signal_path="transmission",
     parameters=(
         friction.level("Half the height of the loop"),
-        friction.deflection("Deflection of the loop", friction.body_deflections),
+        friction.deflection(
+            "Deflection of the loop",
+            friction.body_deflections,
+            typical=lambda e: 2.0 * friction.contact_deflections(e)[1],
+        ),
     ),
     starts=lambda e: friction.starts(e, 3, friction.body_deflections),
     size=lambda p, e: p["level"],
@@ -63,8 +67,8 @@ hysteresis = Effect(
     region=lambda p, units: "over the position, after the velocity changes sign",
     region_state="velocity",
     statement=sentence(
-        "Hysteresis of about {level} {place}, closing within {deflection}, is missing from the "
-        "twin.",
+        "Hysteresis of about {level} {place}, building up over about {deflection}, is missing "
+        "from the twin.",
         level="torque",
         deflection="position",
     ),

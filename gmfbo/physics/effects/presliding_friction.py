@@ -35,7 +35,7 @@ presliding_friction = Effect(
     as_limit={"level": "level", "deflection": "deflection"},
     confused_with={
         "coulomb_friction": "micro-steps below breakaway, which plain sliding does not answer",
-        "hysteresis": "the way back: a bristle turns steeper, a cable or gear unloads elastically",
+        "hysteresis": "the way back: a bristle turns steeper, a cable or gear bends as at first",
         "torsional_compliance": "a chirp: compliance resonates, a bristle does not",
         "backlash": "micro-steps: a gap gives no torque back, a bristle does",
     },

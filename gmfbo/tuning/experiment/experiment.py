@@ -234,11 +234,10 @@ class ReferenceExperiment:
         """
         times = np.asarray(time, dtype=float)
         values = smoothed(times, responses, self.terms.filter_s)
-        asked = None if names is None else {name.partition("[")[0] for name in names}
         found: dict[str, NDArray[np.float64]] = {}
-        if asked is None or not asked.isdisjoint(METRICS):
+        if names is None or not set(METRICS).isdisjoint(names):
             found |= self._step_metrics(times, values)
-        if asked is None or not asked.isdisjoint(TRACKING_METRICS):
+        if names is None or not set(TRACKING_METRICS).isdisjoint(names):
             error = self.target(times) - values
             found |= tracking_metrics(times, error, begin=self.begin, horizon=self.horizon)
         unknown = np.full(values.shape[:-1], np.nan)

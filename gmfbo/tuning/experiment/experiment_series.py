@@ -199,11 +199,14 @@ class ExperimentSeries:
             `NAME[2]` ... of each. A user's metric that needs other signals is NaN.
         """
         times, values = np.asarray(time, dtype=float), np.asarray(responses, dtype=float)
+        asked = None if names is None else {name.partition("[")[0] for name in names}
         each = []
         for number, part in enumerate(self.parts):
             rows, own_times = self._slot(times, number)
-            found = part.metrics_of(own_times, values[..., rows], names)
-            each.append({**found, **self._own_of(own_times, values[..., rows], part)})
+            found = part.metrics_of(own_times, values[..., rows], asked)
+            if self.own and (asked is None or not self.own.required.isdisjoint(asked)):
+                found |= self._own_of(own_times, values[..., rows], part)
+            each.append(found)
         return _combined(each, self.shares)
 
     def metrics(self, run: Recording) -> dict[str, float]:

@@ -240,10 +240,11 @@ def log_limit_weight(
         def limited_of(
             trajectories: NDArray[np.float64], name: str = name, middle: float = values.mean()
         ) -> NDArray[np.float64]:
-            metrics = state.experiment.metrics_of(times, trajectories[:, : times.size])
+            metrics = state.experiment.metrics_of(times, trajectories[:, : times.size], {name})
             found = state.limits.limited(metrics)[name]
             # What needs other signals than the scored one is known from real runs alone.
-            return np.where(np.isnan(found), middle, found)
+            known = np.where(np.isnan(found), middle, found)
+            return np.broadcast_to(known, len(trajectories))
 
         model = CorrectedTwinModel.fit(replace(runs, values=values), limited_of)
         total += log_feasibility(*model.predict(points, simulated), most)

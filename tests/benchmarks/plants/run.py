@@ -288,7 +288,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--plants", default=",".join(PLANTS))
     parser.add_argument("--methods", default=METHODS)
-    parser.add_argument("--seeds", default="0:20", help="FIRST:END")
+    parser.add_argument("--seeds", default="20:40", help="FIRST:END")
     parser.add_argument("--out", type=Path, default=RESULTS)
     options = parser.parse_args()
     in_this_process()

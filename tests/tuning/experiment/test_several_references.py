@@ -48,6 +48,19 @@ def test_a_query_plays_all_references_and_its_trial_holds_them(tmp_path: Path) -
         assert trial.metrics[name] == pytest.approx(mean)
 
 
+@pytest.mark.parametrize("asked", ["rise_time", "rise_time[2]", "itae"])
+def test_what_is_asked_for_is_as_among_all_metrics(tmp_path: Path, asked: str) -> None:
+    study = linear_study(tmp_path, reference=TWO, iterations=0)
+    with Tuner(study) as tuner:
+        experiment = tuner.experiment
+    times = experiment.scored_times(400)
+    target = np.where(times < times[200], 2e-4, -1e-3)
+    responses = target * (1.0 - np.exp(-np.outer([10.0, 30.0], times)))
+    whole, part = (experiment.metrics_of(times, responses, n) for n in (None, {asked}))
+    assert len(part) < len(whole)
+    np.testing.assert_array_equal(part[asked], whole[asked])
+
+
 def test_the_weight_decides_which_reference_counts(tmp_path: Path) -> None:
     costs = []
     for weight in (1e-6, 1e6):
