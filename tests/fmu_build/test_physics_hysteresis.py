@@ -78,9 +78,9 @@ def test_it_saturates_at_minus_the_level_and_never_beyond(
 
 def test_the_c_code_follows_the_law_of_the_catalogue(new_instance: NewInstance) -> None:
     path = np.cumsum(0.02 * np.random.default_rng(0).standard_normal(400))
-    path = np.asarray(path - path[0], dtype=np.float64)
-    still = np.zeros(len(path))
-    states = States(STEP * np.arange(len(path)), path, still, still, still)
+    path -= path[0]
+    time, still = np.linspace(0.0, STEP * 399, 400), np.zeros(400)
+    states = States(time, path, still, still, still)
     signal = CATALOGUE["hysteresis"].signal
     assert signal is not None
     law = signal(states, {"level": LEVEL, "deflection": DEFLECTION})
