@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.errors import InputError
-from gmfbo.surrogate.corrected_twin import AxisRuns, CorrectedTwinModel
+from gmfbo.surrogate.axis_residual import AxisRuns
+from gmfbo.surrogate.corrected_twin import CorrectedTwinModel
 from gmfbo.surrogate.smoothness import likeliest_smoothness
 
 TIME = np.linspace(0.0, 1.0, 101)

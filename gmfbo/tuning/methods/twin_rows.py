@@ -16,7 +16,7 @@ from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.twin.runs_beside import runs_beside
 
 if TYPE_CHECKING:
-    from gmfbo.surrogate.corrected_twin import AxisRuns, CostOf
+    from gmfbo.surrogate.axis_residual import AxisRuns, CostOf
 
 MOST_SAMPLES = 400
 """Samples of a trajectory that are compared; metrics interpolate between them."""
@@ -40,7 +40,7 @@ def axis_runs(state: TuningState, times: NDArray[np.float64]) -> tuple[AxisRuns,
     times : ndarray, shape (m,)
         [s] See `sample_times`.
     """
-    from gmfbo.surrogate.corrected_twin import AxisRuns
+    from gmfbo.surrogate.axis_residual import AxisRuns
 
     twins = runs_beside(state.trials)
     modelled = modelled_runs(state)
