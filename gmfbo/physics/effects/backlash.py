@@ -68,7 +68,7 @@ backlash = Effect(
         "Backlash with an effective gap of about {gap} behind the motor is missing from the twin.",
         gap="position",
     ),
-    equation="tau = -k * dead_zone(phi - phi_load, gap) - d * (omega - omega_load) in contact",
+    equation="tau = -k * deadzone(phi - phi_load, gap) - d * (omega - omega_load) in contact",
     source="Nordin and Gutman, 2002",
     confused_with={
         "coulomb_friction": "slow reversals at two amplitudes: the gap acts at the reversal only",
