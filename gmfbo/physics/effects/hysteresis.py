@@ -48,7 +48,7 @@ hysteresis = Effect(
     parameters=(
         friction.level("Half the height of the loop"),
         friction.deflection(
-            "Deflection of the loop",
+            "Travel in which a first loading comes within 1/e of the level",
             friction.body_deflections,
             typical=lambda e: 2.0 * friction.contact_deflections(e)[1],
         ),
@@ -72,7 +72,8 @@ hysteresis = Effect(
         level="torque",
         deflection="position",
     ),
-    equation="tau = -F * mean(z_i), dz_i/dphi = 1 / (x_i * deflection) while abs(z_i) < 1",
+    equation="tau = -F * mean(z_i), dz_i/dphi = 1 / (x_i * deflection) up to abs(z_i) = 1, "
+    "16 x_i from 0.27 to 5.3",
     source="Iwan, 1966",
     contains=("coulomb_friction",),
     as_limit={"level": "level", "deflection": "deflection"},
