@@ -29,7 +29,7 @@ def test_all_laws_are_listed_with_law_sentence_and_needs(
 def test_one_law_is_told_in_full(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["effects", "backlash"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert told.startswith("backlash law tau = -k * dead_zone")
+    assert told.startswith("backlash law tau = -k * deadzone(")
     assert "gap [rad]: Effective gap, total free play" in told
     assert "hysteresis; told apart by fast reversals" in told
     assert told.endswith("source Nordin and Gutman, 2002")
