@@ -130,13 +130,9 @@ def contact_deflections(excitation: Excitation) -> tuple[float, float]:
 
 
 def body_deflections(excitation: Excitation) -> tuple[float, float]:
-    """Bounds of a gear's or cable's deflection, from a tenth of the most of a contact on.
-
-    Far below it the loops of a contact and of a body are the same in recordings. With both in the
-    comparison neither was named on a part of a real axis.
-    """
-    contact = contact_deflections(excitation)[1]
-    return 0.1 * contact, max(0.2 * excitation.stroke, 20.0 * contact)
+    """Bounds of a gear's or cable's deflection: what a contact may deflect, and far more."""
+    low, contact = contact_deflections(excitation)
+    return low, max(0.2 * excitation.stroke, 20.0 * contact)
 
 
 def starts(excitation: Excitation, count: int, visible: Deflections) -> list[Values]:

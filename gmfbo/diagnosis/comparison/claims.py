@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,21 +125,42 @@ _Left = Sequence[tuple[set[str], float, Mapping[str, float]]]
 
 
 def _smallest(left: _Left) -> dict[str, float]:
-    """Elements with the belief that each adds, those that add most first."""
-    whole = sum(
-        belief * max((shares.get(name, 1.0) for name in names), default=0.0)
-        for names, belief, shares in left
+    """The fewest elements that meet what is believed, each with what it adds, the most first.
+
+    Of sets as small the likeliest. One that takes the likeliest element first may be larger: two
+    laws of which one is in every row may both be less likely than a third that is in most.
+    """
+    names = sorted({name for own, _, _ in left for name in own})
+    masses = np.array(
+        [
+            [belief * shares.get(name, 1.0) if name in own else 0.0 for name in names]
+            for own, belief, shares in left
+        ]
     )
-    kept: dict[str, float] = {}
-    while sum(kept.values()) < NAMED * whole:
-        masses: dict[str, float] = {}
-        for names, belief, shares in left:
-            for name in names if not names & kept.keys() else ():
-                masses[name] = masses.get(name, 0.0) + belief * shares.get(name, 1.0)
-        most = max(sorted(masses), key=lambda name: masses[name], default=None)
-        if most is None:
+    enough = NAMED * float(masses.max(1).sum())
+    greedy = _greedy(masses, enough)
+    # An element that meets less than may be missed is in no set that is smaller.
+    likely = [k for k in range(len(names)) if masses[:, k].sum() >= (1.0 - NAMED) * enough]
+    for count in range(1, len(greedy) + 1):
+        sets = [list(one) for one in combinations(likely, count)]
+        met = [float(masses[:, one].max(1).sum()) for one in sets]
+        if met and max(met) >= enough:
+            greedy = _greedy(masses[:, best := sets[int(np.argmax(met))]], enough)
+            return {names[best[k]]: adds for k, adds in greedy.items()}
+    return {names[k]: adds for k, adds in greedy.items()}
+
+
+def _greedy(masses: Array, enough: float) -> dict[int, float]:
+    """Columns by what each adds to the largest of a row, until the sum is enough."""
+    kept: dict[int, float] = {}
+    met = np.zeros(len(masses))
+    while float(met.sum()) < enough:
+        added = np.maximum(masses - met[:, None], 0.0).sum(0)
+        most = int(np.argmax(added))
+        if added[most] <= 0.0:
             break
-        kept[most] = masses[most]
+        kept[most] = float(added[most])
+        met = np.maximum(met, masses[:, most])
     return kept
 
 

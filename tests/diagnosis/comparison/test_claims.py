@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -52,6 +53,23 @@ def test_laws_that_replace_each_other_are_a_set_where_the_best_row_has_two_of_th
 
 def test_a_set_of_a_law_and_its_limit_is_the_limit() -> None:
     assert told({("coulomb_friction",): 0.6, ("stribeck_friction",): 0.4}) == [{"coulomb_friction"}]
+
+
+def test_laws_of_which_every_row_has_one_are_a_set_beside_a_likelier_law_of_most_rows() -> None:
+    """A part of a recording of a real axis: its rows, and their shares above the floors."""
+    rest = {"cogging_torque", "stribeck_friction"}
+    beliefs = {
+        tuple(sorted({*rest, "asymmetric_friction", "hysteresis"})): 0.41,
+        tuple(sorted({*rest, "asymmetric_friction", "presliding_friction"})): 0.41,
+        tuple(sorted({*rest, "presliding_friction"})): 0.16,
+        ("cogging_torque", "hysteresis"): 0.01,
+        ("cogging_torque", "presliding_friction"): 0.01,
+    }
+    assert told(beliefs, {"stribeck_friction": 0.9}) == [
+        {"cogging_torque"},
+        {"presliding_friction", "hysteresis"},
+        {"stribeck_friction", "asymmetric_friction"},
+    ]
 
 
 def test_nothing_is_told_where_nothing_is_believed_or_all_is_below_its_floor() -> None:
@@ -119,3 +137,15 @@ def test_a_told_probability_is_the_belief_in_rows_that_hold_one_of_the_set(table
     held = sum(v for row, v in beliefs.items() if set(row) & set(first.members))
     assert first.probability == pytest.approx(held)
     assert len({*first.members}) == len(first.members)
+
+
+@given(tables)
+def test_no_smaller_set_meets_as_much(table: Beliefs) -> None:
+    whole = sum(table.values())
+    beliefs = {row: value / whole for row, value in table.items()}
+    there = sum(value for row, value in beliefs.items() if row)
+    for first in claims(beliefs)[:1]:
+        assert first.probability >= NAMED * there - 1e-12
+        for smaller in combinations({n for row in beliefs for n in row}, len(first.members) - 1):
+            met = sum(value for row, value in beliefs.items() if set(row) & set(smaller))
+            assert met < NAMED * there
