@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.case.command_signal import command_of, torque_of_command
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
@@ -119,9 +119,10 @@ def comparison_of(
     is_open = case.simulations.tracking is not None
     kernels_at, sizes = kernels_of(case, problem), _sizes(case)
     first = _first(case, problem)
-    ports = set(first.runs[0].response.ports) | ({"sensor"} if is_open else set())
+    kernels = kernels_at(first)
+    ports = {*first.runs[0].response.ports, *kernels.kernels}
     if is_open and rig.position is not None:
-        problem = _followed(case, problem, kernels_at(first))
+        problem = _followed(case, problem, kernels)
     cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
     search = Search(
         _elements(case, effects, passing, held),
@@ -161,7 +162,13 @@ def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
         point = problem.point(hypothesis, hypothesis.start(fitted.parameters))
         command = command_of(case)
         return port_kernels(
-            case.simulations, point, sizes, rig.position, rig.position_to_si, command
+            case.simulations,
+            point,
+            sizes,
+            rig.position,
+            rig.position_to_si,
+            command,
+            torque_of_command(case),
         )
 
     return kernels_at

@@ -58,15 +58,16 @@ def sensed_noise(
         seen = rfft(residual, length, axis=-1).T
         columns[segment.record][rows] = irfft(np.sum(gain * seen, axis=1), length)[: rows.size]
     return tuple(
-        PlayedNoise(own, linear_answer(simulations, kernels, k, own))
+        PlayedNoise(at_port, linear_answer(simulations, kernels, k, own), port)
         for k, own in enumerate(map(from_rest, columns))
+        for port, at_port in kernels.of(k).sensed(own).items()
     )
 
 
 def linear_answer(
     simulations: Simulations, kernels: PortKernels, k: int, noise: Array
 ) -> tuple[Array, ...]:
-    """[SI] What a linear path makes of noise in the simulated signals of a recording.
+    """[SI] What a linear path makes of the sensor's noise in the simulated signals of a recording.
 
     Parameters
     ----------

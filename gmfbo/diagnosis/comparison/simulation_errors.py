@@ -246,7 +246,7 @@ def _beyond_linear(
     k: int,
 ) -> _Heard | None:
     """Change of a recording's signals under noise; None where it cannot be simulated."""
-    noisy = simulations.run_one(point, k, excitation={"sensor": noise})
+    noisy = simulations.run_one(point, k, excitation=kernels.of(k).sensed(noise))
     if not noisy.finite:
         return None
     linear = linear_answer(simulations, kernels, k, noise)

@@ -37,13 +37,16 @@ class PlayedNoise:
     Attributes
     ----------
     at_port : ndarray, shape (rows,)
-        [FMU's unit] Added at the sensor port.
+        [FMU's unit] Added at a port.
     linear : tuple of ndarray, shape (n_rows of that signal,)
         [SI] Its linear answer in each signal, which is taken out again.
+    port : str
+        Where it is added; what the controller makes of its reading, where no port is the sensor's.
     """
 
     at_port: NDArray[np.float64]
     linear: tuple[NDArray[np.float64], ...]
+    port: str = "sensor"
 
 
 @dataclass(frozen=True)

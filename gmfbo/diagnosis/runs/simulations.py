@@ -286,7 +286,7 @@ class Simulations:
     ) -> Response:
         physics, measured = dict(run.physics), None
         if run.noise is not None:
-            excitation = {"sensor": run.noise.at_port}
+            excitation = {run.noise.port: run.noise.at_port}
         if run.tracking is not None:
             physics = {**run.tracking.settings, **physics}
             measured = run.tracking.measured[run.record]

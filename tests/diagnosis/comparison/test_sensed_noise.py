@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gmfbo import FmuTwin
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.diagnosis.runs.simulated import PlayedNoise
-from tests.diagnosis.noise.planted_noise import Planted, opened, planted
+from tests.diagnosis.noise.planted_noise import Planted, opened, planted, servo_without_sensor
 
 Array = NDArray[np.float64]
 SIGMA = 3e-4  # [rad]
@@ -40,6 +44,22 @@ def test_noise_that_the_logger_alone_saw_is_not_played() -> None:
     with opened(found) as case:
         noise = sensed(case)
     assert max(float(np.std(own.at_port)) for own in noise) < 0.2 * SIGMA
+
+
+def test_without_a_sensor_port_it_is_told_as_the_torque_that_the_controller_makes_of_it(
+    tmp_path: Path,
+) -> None:
+    found = planted(SIGMA)
+    twin = FmuTwin(servo_without_sensor(tmp_path), isolated=False)
+    with opened(replace(found, twin=twin)) as case:
+        noise = sensed(case)
+        search = (stated := comparison_of(case, [])).search
+        kernels = search.kernels_at(stated.first)
+    for k, (own, truth) in enumerate(zip(noise, found.noise, strict=True)):
+        ((port, torque),) = kernels.of(k).sensed(truth).items()
+        inner = slice(50, -50)
+        assert own.port == port == "torque"
+        assert float(np.std((own.at_port - torque)[inner])) < 0.4 * float(np.std(torque[inner]))
 
 
 WIDTH = 0.06  # [N m] of the command

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import SERVO, Axis, Reference, moves, multisine, open_small
 
@@ -105,3 +107,13 @@ def opened(found: Planted) -> Iterator[Case]:
         yield case
     finally:
         case.simulations.close()
+
+
+def servo_without_sensor(folder: Path) -> Path:
+    """Twin file of the servo axis whose FMU is said to have no sensor port."""
+    text = (models_folder() / "servo_axis.toml").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("sensor = ")]
+    fmu = (models_folder() / "servo_axis.fmu").as_posix()
+    path = folder / "servo_without_sensor.toml"
+    path.write_text("\n".join(lines).replace("servo_axis.fmu", fmu), encoding="utf-8")
+    return path
