@@ -94,11 +94,6 @@ SEEN_ONCE = 0.75
 UNLIKE = 0.03
 """[1] Share of an effect's change that no parameter makes, below which it is not testable."""
 
-EXPLAINED = 0.9
-"""[1] Share of what the refitted twin leaves beyond noise, below which laws beside which something
-unknown acts do not explain it. Laws of the wrong form explain 0.68 to 0.80 (development draw, 003,
-070, 075), those of a real axis 0.96 and 0.98 (two pieces of EMPS)."""
-
 MOST = 0.5
 """[1] Share that is most of something."""
 

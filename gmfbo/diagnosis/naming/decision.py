@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, INADEQUACY_TOLERANCE, MOST
+from gmfbo.diagnosis.comparison.numbers import INADEQUACY_TOLERANCE, MOST
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
@@ -147,7 +147,7 @@ class Decision:
         if self.share is None or self.is_withdrawn:
             return self.share is not None
         if self.unknown is not None:
-            return self.share < EXPLAINED
+            return True
         usual = self.compared.search.tolerance / INADEQUACY_TOLERANCE
         level = self.compared.ledger.levels.ports.get("torque", 0.0)
         return self.share < MOST and level > MOST * usual

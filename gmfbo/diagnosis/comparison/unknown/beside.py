@@ -20,7 +20,7 @@ from gmfbo.diagnosis.comparison.inadequacy import (
     with_inadequacy,
 )
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
-from gmfbo.diagnosis.comparison.numbers import EXPLAINED, NAMED
+from gmfbo.diagnosis.comparison.numbers import NAMED
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.fitted import (
@@ -66,7 +66,7 @@ class Unknown:
 
 
 def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | None:
-    """Tell what acts that no law holds; None where that is not believed, or laws explain enough.
+    """Tell what acts that no law holds; None where that is not believed.
 
     Each row of laws, and the same rows with a free function, stand under the noise that they
     leave themselves. A law that adds nothing beside the function is not beside it.
@@ -81,10 +81,6 @@ def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | 
         Beliefs in them.
     """
     if "torque" not in ledger.kernels.simulated or not search.is_inadequate(ledger, scored):
-        return None
-    base, best = ledger.rows[frozenset()], ledger.rows[scored.best]
-    share = search.noise.share(base, best, ledger)
-    if share is not None and share >= EXPLAINED:
         return None
     return _Beside(search, ledger, scored.best).told()
 
