@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import log
+
 PRIOR_OF_COUNT = (0.45, 0.35, 0.15, 0.04, 0.01)
 """[1] Prior probability of no, one, two, three and four effects."""
 
@@ -91,6 +93,9 @@ NAMED = 0.95
 SEEN_ONCE = 0.75
 """[1] Most that is believed of what would not be said without its best stretch."""
 
+FEW_STRETCHES = 8
+"""[1] With fewer, those beside the best one are no part of its event: three of them may be all."""
+
 UNLIKE = 0.03
 """[1] Share of an effect's change that no parameter makes, below which it is not testable."""
 
@@ -102,3 +107,8 @@ SAME = 4.0
 
 TOLD_APART = 30.0
 """[1] Squared whitened distance that tells two predictions apart: noise alone gives 15."""
+
+
+def named_log_odds() -> float:
+    """[nats] Log odds from which something is said."""
+    return log(NAMED / (1.0 - NAMED))

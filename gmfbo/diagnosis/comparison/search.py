@@ -21,9 +21,9 @@ from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, re
 from gmfbo.diagnosis.comparison.numbers import (
     FIXED_SHARE,
     LEAST_GAIN,
-    NAMED,
     PRIOR_OF_COUNT,
     SAME,
+    named_log_odds,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
@@ -374,7 +374,7 @@ class Search:
 def _ahead(scored: Scored) -> set[frozenset[str]]:
     """The best row, and larger ones that may be as good: what they lack shows beside them alone."""
     logs = scored.log_evidences.mean(1)
-    near = logs > logs.max() - log(NAMED / (1.0 - NAMED))
+    near = logs > logs.max() - named_log_odds()
     larger = {
         elements
         for elements, is_near in zip(scored.elements, near, strict=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from math import log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +12,11 @@ from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_flo
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
+    FEW_STRETCHES,
     NAMED,
     SEEN_ONCE,
     UNLIKE,
+    named_log_odds,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.row_fits import RowFits, lacking
@@ -31,7 +32,6 @@ from gmfbo.plain_words import number, words
 
 Array = NDArray[np.float64]
 
-_ENOUGH = 8  # stretches, of which three may be one event
 _NOTHING = "changes nothing in these recordings"
 
 
@@ -87,7 +87,7 @@ def decide(
         model=model,
         row=row,
         base=base,
-        threshold=log(NAMED / (1.0 - NAMED)),
+        threshold=named_log_odds(),
         shown=tuple(seen),
         like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
         share=compared.search.noise.share(base, row, ledger),
@@ -312,10 +312,10 @@ def seen_once(
     problem = compared.search.problem
     k = int(np.argmax([own.max() for own in gains]))
     most = int(np.argmax(gains[k]))
-    beside = 1 if sum(own.size for own in gains) >= _ENOUGH else 0
+    beside = 1 if sum(own.size for own in gains) >= FEW_STRETCHES else 0
     event = slice(max(most - beside, 0), most + beside + 1)
     others = min(_sum_without(gains, k, event), _sum_without(acting, k, event))
-    if 0.5 * others > log(NAMED / (1.0 - NAMED)):
+    if 0.5 * others > named_log_odds():
         return ""
     segment, rows = problem.segments[k], problem.stretches()[k][most]
     first, last = (number(float(segment.time[rows][end])) for end in (0, -1))

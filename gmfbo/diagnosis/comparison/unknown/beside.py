@@ -20,7 +20,7 @@ from gmfbo.diagnosis.comparison.inadequacy import (
     with_inadequacy,
 )
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
-from gmfbo.diagnosis.comparison.numbers import NAMED
+from gmfbo.diagnosis.comparison.numbers import NAMED, named_log_odds
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.fitted import (
@@ -36,7 +36,6 @@ Array = NDArray[np.float64]
 
 _TRIED = 2  # kinds that are fitted beside a row: those that a straight line likes best
 _LEVELS = 5  # most rounds of a function and the noise beside it
-_LIKELY = log(NAMED / (1.0 - NAMED))
 _NAME = "unknown"
 
 
@@ -129,11 +128,13 @@ class _Beside:
         if now is None:
             return None
         while now.elements:
-            likely = [one for one in self._with_less(now) if one.score > now.score - _LIKELY]
+            likely = [
+                one for one in self._with_less(now) if one.score > now.score - named_log_odds()
+            ]
             if not likely:
                 break
             now = max(likely, key=lambda one: one.score)
-        if now.score - float(self._alone(self._once)[0]) <= _LIKELY:
+        if now.score - float(self._alone(self._once)[0]) <= named_log_odds():
             return None
         if now.found.effective < self._search.tolerance:
             return None
