@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from gmfbo.physics import CATALOGUE
 Array = NDArray[np.float64]
 
 _DRAWS = 400
+_MOST_SETS = 10_000  # of one size that are looked at: a tenth of a second
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,8 @@ def _smallest(left: _Left) -> dict[str, float]:
     """The fewest elements that meet what is believed, each with what it adds, the most first.
 
     Of sets as small the likeliest. One that takes the likeliest element first may be larger: two
-    laws of which one is in every row may both be less likely than a third that is in most.
+    laws of which one is in every row may both be less likely than a third that is in most. Where
+    nothing is believed enough to be told, or there are too many sets, that one is taken.
     """
     names = sorted({name for own, _, _ in left for name in own})
     masses = np.array(
@@ -137,17 +140,29 @@ def _smallest(left: _Left) -> dict[str, float]:
             for own, belief, shares in left
         ]
     )
-    enough = NAMED * float(masses.max(1).sum())
-    greedy = _greedy(masses, enough)
-    # An element that meets less than may be missed is in no set that is smaller.
-    likely = [k for k in range(len(names)) if masses[:, k].sum() >= (1.0 - NAMED) * enough]
-    for count in range(1, len(greedy) + 1):
-        sets = [list(one) for one in combinations(likely, count)]
-        met = [float(masses[:, one].max(1).sum()) for one in sets]
-        if met and max(met) >= enough:
-            greedy = _greedy(masses[:, best := sets[int(np.argmax(met))]], enough)
-            return {names[best[k]]: adds for k, adds in greedy.items()}
-    return {names[k]: adds for k, adds in greedy.items()}
+    there = float(masses.max(1).sum())
+    found = _greedy(masses, NAMED * there)
+    if there >= NAMED:
+        likely = _not_less_everywhere(masses)
+        for count in range(1, len(found) + 1):
+            if comb(len(likely), count) > _MOST_SETS:
+                break
+            sets = [list(one) for one in combinations(likely, count)]
+            met = [float(masses[:, one].max(1).sum()) for one in sets]
+            if max(met, default=0.0) >= NAMED * there:
+                best = sets[int(np.argmax(met))]
+                adds = _greedy(masses[:, best], float(max(met)) * (1.0 - 1e-12))
+                return {names[best[k]]: mass for k, mass in adds.items()}
+    return {names[k]: mass for k, mass in found.items()}
+
+
+def _not_less_everywhere(masses: Array) -> list[int]:
+    """Columns but for those that another one equals or exceeds in each row."""
+    kept: list[int] = []
+    for k in sorted(range(masses.shape[1]), key=lambda k: -masses[:, k].sum()):
+        if not any(np.all(masses[:, j] >= masses[:, k]) for j in kept):
+            kept.append(k)
+    return kept
 
 
 def _greedy(masses: Array, enough: float) -> dict[int, float]:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.case.command_signal import command_of, torque_of_command
+from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.comparison.controller_reading import (
+    Controller,
+    controllers_of,
+    with_reading,
+)
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
@@ -156,20 +161,24 @@ def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
     """
     rig, sizes = case.rig, _sizes(case)
 
+    is_open = case.simulations.tracking is not None
+    told: list[Mapping[int, Controller] | None] = []
+
     def kernels_at(fitted: Fitted) -> PortKernels:
         linear = tuple(c for c in fitted.hypothesis.effects if c.law.is_linear)
         hypothesis = Hypothesis(fitted.hypothesis.setting, linear)
         point = problem.point(hypothesis, hypothesis.start(fitted.parameters))
         command = command_of(case)
-        return port_kernels(
-            case.simulations,
-            point,
-            sizes,
-            rig.position,
-            rig.position_to_si,
-            command,
-            torque_of_command(case),
+        found = port_kernels(
+            case.simulations, point, sizes, rig.position, rig.position_to_si, command
         )
+        if is_open or "sensor" in found.kernels or rig.position is None or command is None:
+            return found
+        reading = rig.position, command, rig.position_to_si
+        # Gains are known, and the same at each point.
+        if not told:
+            told.append(controllers_of(found, *reading))
+        return found if told[0] is None else with_reading(found, told[0], *reading)
 
     return kernels_at
 

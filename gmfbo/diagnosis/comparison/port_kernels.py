@@ -19,10 +19,24 @@ Spectrum = NDArray[np.complex128]
 
 _LONGEST_S = 1.0
 _PUSH, _MOST_PUSH = 1e-5, 0.1
-_ACTING = "acting command"
-_LEAST_READ = 1e-7  # of its largest share: less of a position's answer is rounding
-_NOT_BEFORE = 1e-4  # of its energy: an answer has none before its cause
+_READ, _ACTING = "position as read", "command as made"
 _COUNTS = 10.0  # that an encoder in the twin counts of a push: less would be its rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """What a push of the torque makes in a closed loop, per FMU's unit of the port.
+
+    Attributes
+    ----------
+    position : ndarray, shape (taps,)
+        [SI] As the controller reads it at the beginning of a row.
+    command : ndarray, shape (taps,)
+        [SI] That it makes of this reading.
+    """
+
+    position: Array
+    command: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +56,10 @@ class PortKernels:
     others : mapping of int to PortKernels
         Of recordings with other gains, by their index.
     controller : ndarray, shape (taps,), or None
-        [FMU's unit of the port / FMU's unit of the position] What the controller adds to its
-        command for a push of its reading, where that stands for a sensor port.
+        [FMU's unit of the torque port / FMU's unit of the position] Torque that the controller
+        makes of a push of its reading, where that stands for a sensor port.
+    pushed : Pushed or None
+        What a push of the torque makes.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
@@ -51,6 +67,7 @@ class PortKernels:
     simulated: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     others: Mapping[int, PortKernels] = field(default_factory=dict)
     controller: Array | None = None
+    pushed: Pushed | None = None
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
 
     def of(self, record: int) -> PortKernels:
@@ -111,7 +128,6 @@ def port_kernels(
     position: str | None,
     to_si: float,
     command: str | None,
-    torque_of_command: float | None = None,
 ) -> PortKernels:
     """Push each port for one row in the middle of the longest recording of each set of gains.
 
@@ -129,8 +145,6 @@ def port_kernels(
         [SI unit / FMU's unit] Of the position.
     command : str or None
         Output that is the controller's command: what is added to it is in the log as well.
-    torque_of_command : float or None
-        [FMU's unit of the torque port / SI unit] Of the command, where it is a torque or a force.
     """
     sizes_of = [record.plan.grid.size for record in simulations.records]
     first, *others = sorted(
@@ -139,9 +153,7 @@ def port_kernels(
 
     def measured(group: Sequence[int]) -> PortKernels:
         longest = max(group, key=lambda k: sizes_of[k])
-        return _in_recording(
-            simulations, longest, point, sizes, position, to_si, command, torque_of_command
-        )
+        return _in_recording(simulations, longest, point, sizes, position, to_si, command)
 
     found = {k: kernels for group in others for kernels in [measured(group)] for k in group}
     return replace(measured(first), others=found)
@@ -155,7 +167,6 @@ def _in_recording(
     position: str | None,
     to_si: float,
     command: str | None,
-    torque_of_command: float | None,
 ) -> PortKernels:
     grid = simulations.records[k].plan.grid
     step = float(grid[1] - grid[0])
@@ -175,7 +186,7 @@ def _in_recording(
             run = simulations.run_one(point, k, measured_noise=push)
         else:
             run = simulations.run_one(point, k, excitation={port: push})
-        found = _changed(simulations, run.response, base.response, command)
+        found = _changed(simulations, run.response, base.response, position, command)
         return {name: change[first:] for name, change in found.items()}
 
     def one(port: str) -> dict[str, Array]:
@@ -192,7 +203,11 @@ def _in_recording(
         return found
 
     kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
-    acting = {port: own.pop(_ACTING) for port, own in kernels.items() if _ACTING in own}
+    pushed = {
+        port: Pushed(own.pop(_READ), own.pop(_ACTING))
+        for port, own in kernels.items()
+        if _READ in own and _ACTING in own
+    }
     simulated = {p: own for p, own in kernels.items() if not (is_open and p == "sensor")}
     if "sensor" in simulated:
         kernels["sensor"] = _with_reading(simulated["sensor"], position, to_si)
@@ -200,82 +215,25 @@ def _in_recording(
         # What the controller commands otherwise is in the log as well.
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
-    found = PortKernels(kernels, step, simulated)
-    if position is None or command is None or torque_of_command is None or is_open:
-        return found
-    if "sensor" in kernels or "sensor" not in sizes or command not in kernels.get("torque", {}):
-        return found
-    return _with_sensor(found, acting["torque"], position, to_si, command, torque_of_command)
+    return PortKernels(kernels, step, simulated, pushed=pushed.get("torque"))
 
 
 def _changed(
-    simulations: Simulations, after: Response, before: Response, command: str | None
+    simulations: Simulations,
+    after: Response,
+    before: Response,
+    position: str | None,
+    command: str | None,
 ) -> dict[str, Array]:
-    """Change of each signal as it is logged, and of the command with which a row acts."""
+    """Change of each signal as it is logged, and of what a controller reads and makes in a row."""
     found = {}
     for name in before.held:
         source = "new" if name in simulations.new_rows else "held"
         found[name] = getattr(after, source)[name] - getattr(before, source)[name]
-    if command is not None:
+    if position is not None and command is not None:
+        found[_READ] = after.held[position] - before.held[position]
         found[_ACTING] = after.new[command] - before.new[command]
     return found
-
-
-def _with_sensor(
-    found: PortKernels,
-    acting: Array,
-    position: str,
-    to_si: float,
-    command: str,
-    torque_of_command: float,
-) -> PortKernels:
-    """Answers to the sensor's noise of a twin without that port, where they can be told.
-
-    Such noise acts on the axis as a torque that the controller makes of it. The log alone has it
-    in the reading and in the command.
-    """
-    pushed = found.simulated["torque"]
-    answer = controller_answer(pushed[position] / to_si, pushed[command])
-    acts = controller_answer(pushed[position] / to_si, acting)
-    if answer is None or acts is None:
-        return found
-    own = torque_of_command * acts
-    simulated = {name: through(own, kernel) for name, kernel in pushed.items()}
-    logged = {
-        **simulated,
-        position: simulated[position] + to_si * np.eye(1, own.size)[0],
-        command: simulated[command] + answer,
-    }
-    return replace(
-        found,
-        kernels={**found.kernels, "sensor": logged},
-        simulated={**found.simulated, "sensor": simulated},
-        controller=own,
-    )
-
-
-def controller_answer(position: Array, command: Array) -> Array | None:
-    """Impulse response of the controller, told from what a push elsewhere makes of two signals.
-
-    None where the command does not follow from rows of the position alone: a controller that reads
-    it between the rows would have to answer before they are there.
-
-    Parameters
-    ----------
-    position, command : ndarray, shape (taps,)
-        Answers to the same push.
-    """
-    length = 2 * position.size
-    read, made = rfft(position, length), rfft(command, length)
-    power = np.abs(read) ** 2
-    if not power.any():
-        return None
-    whole = irfft(made * read.conj() / (power + _LEAST_READ**2 * power.max()), length)
-    before = float(np.sum(whole[position.size :] ** 2))
-    if before > _NOT_BEFORE * float(np.sum(whole**2)):
-        return None
-    answer: Array = whole[: position.size]
-    return answer
 
 
 def through(columns: Array, kernel: Array) -> Array:

@@ -16,6 +16,11 @@ from gmfbo.diagnosis.result.predictions import Predictions, Span
 from gmfbo.errors import InputError
 from gmfbo.plain_words import probability, words
 
+_CURVE_HOLDS_LAWS = (
+    "the curve in the report was inferred from all that is missing: it holds the named laws, and "
+    "is not cancelled beside them"
+)
+
 
 def compensation_of(
     diagnosis: Diagnosis, name: str, smoothing: float | None = None
@@ -58,10 +63,14 @@ def compensation_of(
         tables += found
         if not found:
             left.append(NotCompensated(effect.name, ADVICE.get(effect.name, "tune with it")))
-    tables += _unnamed(diagnosis, ground)
+    curve = _unnamed(diagnosis, ground)
+    remarks = _remarks(diagnosis)
+    if curve and tables:
+        remarks += (_CURVE_HOLDS_LAWS,)
+    tables = tables or curve
     if not tables:
         raise InputError(_nothing(diagnosis, name, left))
-    return Compensation(name, tuple(tables), tuple(left), ground.units, _remarks(diagnosis))
+    return Compensation(name, tuple(tables), tuple(left), ground.units, remarks)
 
 
 def _ground(spans: Mapping[str, Span], smoothing: float | None) -> Ground:

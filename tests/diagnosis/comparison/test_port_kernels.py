@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, Recording
-from gmfbo.diagnosis.comparison.port_kernels import (
-    PortKernels,
-    controller_answer,
-    port_kernels,
-)
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.runs.scored_record import scored_record
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
-from tests.diagnosis.noise.planted_noise import servo_without_sensor
 
 STEP = 2e-3
 
@@ -68,47 +61,3 @@ def test_a_coarse_encoder_answers_noise_as_a_fine_one() -> None:
     coarse, fine = drive(4096.0), drive(2.0**24)
     assert np.abs(fine).max() > 1.0
     assert np.abs(coarse - fine).max() < 0.05 * np.abs(fine).max()
-
-
-def servo(path: Path, lag: float) -> PortKernels:
-    """Paths of the servo axis with a lag [s] of its current loop."""
-    twin = FmuTwin(path, parameters={"torque_lag": lag}, isolated=False)
-    time = twin.step * np.arange(1200, dtype=np.float64)
-    wave = 0.3 * np.sin(2.0 * np.pi * 2.0 * time)
-    asked = Recording(time=time, signals={"reference": wave}, name="a.csv")
-    names = ["position", "torque_command"]
-    run = twin.run({}, asked)
-    signals = {"reference": wave, **{name: run.signal(name) for name in names}}
-    recording = Recording(time=time, signals=signals, name="a.csv")
-    with AugmentedTwin(twin, isolated=False) as simulator:
-        record = scored_record(recording, simulator.plan(recording, {}), names, 0.0)
-    sizes = {"sensor": 0.6, "torque": 5.0}
-    with Simulations(lambda: AugmentedTwin(twin), [record], 1) as simulations:
-        return port_kernels(
-            simulations, Point(), sizes, "position", 1.0, "torque_command", torque_of_command=1.0
-        )
-
-
-@pytest.mark.parametrize(("lag", "off"), [(1e-5, 2e-3), (5e-4, 0.02)])
-def test_without_a_sensor_port_its_noise_is_told_from_what_the_controller_does(
-    tmp_path: Path, lag: float, off: float
-) -> None:
-    """What the log has of it and what it does to the axis, but for the lag of the current loop."""
-    there = servo(models_folder() / "servo_axis.toml", lag)
-    told = servo(servo_without_sensor(tmp_path), lag)
-    assert there.controller is None
-    for name, kernel in there.kernels["sensor"].items():
-        largest = np.abs(kernel).max()
-        np.testing.assert_allclose(told.kernels["sensor"][name], kernel, atol=off * largest)
-
-
-def test_an_answer_before_its_cause_is_none() -> None:
-    rng = np.random.default_rng(0)
-    position = np.concatenate([[0.0], rng.standard_normal(99) * 0.8 ** np.arange(99)])
-    controller = np.array([3.0, -1.0, 0.5])
-    command = np.convolve(position, controller)[:100]
-    told = controller_answer(position, command)
-    assert told is not None
-    np.testing.assert_allclose(told[:3], controller, atol=1e-3)
-    assert controller_answer(position, np.append(command[3:], np.zeros(3))) is None
-    assert controller_answer(0.0 * position, command) is None

@@ -15,6 +15,7 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
+from gmfbo.diagnosis.comparison.unknown.kinds import kinds
 from gmfbo.diagnosis.runs.simulated import PlayedNoise
 from tests.diagnosis.noise.planted_noise import Planted, opened, planted, servo_without_sensor
 
@@ -55,6 +56,8 @@ def test_without_a_sensor_port_it_is_told_as_the_torque_that_the_controller_make
         noise = sensed(case)
         search = (stated := comparison_of(case, [])).search
         kernels = search.kernels_at(stated.first)
+        free = kinds(search.problem, kernels, stated.first)
+    assert {kind.port for kind in free} == {"torque", "command"}
     for k, (own, truth) in enumerate(zip(noise, found.noise, strict=True)):
         ((port, torque),) = kernels.of(k).sensed(truth).items()
         inner = slice(50, -50)

@@ -34,6 +34,11 @@ def square_drag(position: Array, velocity: Array, rng: np.random.Generator) -> A
     return -2e-4 * velocity * np.abs(velocity)
 
 
+def cubic_drag(position: Array, velocity: Array, rng: np.random.Generator) -> Array:
+    """[N m] Drag in proportion to the cube of the velocity."""
+    return -2e-3 * velocity**3
+
+
 def torque_noise(position: Array, velocity: Array, rng: np.random.Generator) -> Array:
     """[N m] With the correlation time of the table."""
     keep, found = np.exp(-STEP / TORQUE_TIME), np.zeros(position.size)
@@ -103,6 +108,13 @@ def test_a_law_that_only_imitates_the_unknown_is_not_beside_it() -> None:
 
 def test_a_law_of_the_library_needs_no_unknown() -> None:
     assert left(square_drag, ["quadratic_drag", "coulomb_friction"]) is None
+
+
+def test_a_law_that_is_nearly_the_unknown_does_not_hide_it() -> None:
+    """Draw case 007: quadratic drag explains 98 % of a cubic one."""
+    found = left(cubic_drag, ["quadratic_drag", "coulomb_friction"])
+    assert found is not None
+    assert (found.port, found.against) == ("torque", "velocity")
 
 
 def test_a_law_about_which_nobody_cares_is_not_told() -> None:

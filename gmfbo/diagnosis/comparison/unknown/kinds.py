@@ -85,7 +85,7 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
             Kind("command", "command", over_command),
             Kind("command", "command", _each_way(over_command, _rates(command))),
         ]
-    if "sensor" in ports:
+    if "sensor" in ports and kernels.controller is None:
         made.append(Kind("sensor", "position", over_position))
     return made
 
