@@ -7,7 +7,7 @@ and the log has it in the reading and in the command besides.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -44,10 +44,8 @@ class Controller:
 
 def controllers_of(
     kernels: PortKernels, position: str, command: str, to_si: float
-) -> Mapping[int, Controller] | None:
-    """The controllers of all sets of gains, by recording; -1 is the first set's.
-
-    None where one cannot be told.
+) -> Sequence[Controller] | None:
+    """The controllers of all sets of gains; None where one cannot be told.
 
     Parameters
     ----------
@@ -58,21 +56,18 @@ def controllers_of(
     to_si : float
         [SI unit / FMU's unit] Of the position.
     """
-    found: dict[int, Controller] = {}
-    known: dict[int, Controller] = {}
-    for k, own in {-1: kernels, **kernels.others}.items():
-        if id(own) not in known:
-            controller = _controller(own, command, to_si)
-            if controller is None or position not in own.simulated["torque"]:
-                return None
-            known[id(own)] = controller
-        found[k] = known[id(own)]
+    found: list[Controller] = []
+    for own in _sets(kernels):
+        controller = _controller(own, position, command, to_si)
+        if controller is None:
+            return None
+        found.append(controller)
     return found
 
 
 def with_reading(
     kernels: PortKernels,
-    controllers: Mapping[int, Controller],
+    controllers: Sequence[Controller],
     position: str,
     command: str,
     to_si: float,
@@ -82,8 +77,8 @@ def with_reading(
     Parameters
     ----------
     kernels : PortKernels
-        Without.
-    controllers : mapping of int to Controller
+        Without, of the same recordings.
+    controllers : sequence of Controller
         As `controllers_of` tells them.
     position, command, to_si
         As there.
@@ -102,13 +97,20 @@ def with_reading(
             controller=controller.acting,
         )
 
-    others = {k: one(own, controllers[k]) for k, own in kernels.others.items()}
-    return replace(one(kernels, controllers[-1]), others=others)
+    sets = _sets(kernels)
+    found = dict(zip(sets, map(one, sets, controllers), strict=True))
+    others = {k: found[own] for k, own in kernels.others.items()}
+    return replace(found[kernels], others=others)
 
 
-def _controller(own: PortKernels, command: str, to_si: float) -> Controller | None:
+def _sets(kernels: PortKernels) -> list[PortKernels]:
+    """Paths of each set of gains, once."""
+    return list(dict.fromkeys([kernels, *kernels.others.values()]))
+
+
+def _controller(own: PortKernels, position: str, command: str, to_si: float) -> Controller | None:
     pushed = own.pushed
-    if pushed is None or command not in own.simulated.get("torque", {}):
+    if pushed is None or not {position, command} <= own.simulated.get("torque", {}).keys():
         return None
     ratio = _torque_of_command(pushed)
     if ratio is None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -162,8 +163,9 @@ def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
     rig, sizes = case.rig, _sizes(case)
 
     is_open = case.simulations.tracking is not None
-    told: list[Mapping[int, Controller] | None] = []
+    told: list[Sequence[Controller] | None] = []
 
+    @lru_cache(maxsize=1)  # the search begins at the row about which its ports are known
     def kernels_at(fitted: Fitted) -> PortKernels:
         linear = tuple(c for c in fitted.hypothesis.effects if c.law.is_linear)
         hypothesis = Hypothesis(fitted.hypothesis.setting, linear)

@@ -186,7 +186,10 @@ def _in_recording(
             run = simulations.run_one(point, k, measured_noise=push)
         else:
             run = simulations.run_one(point, k, excitation={port: push})
-        found = _changed(simulations, run.response, base.response, position, command)
+        found = _changed(simulations, run.response, base.response)
+        if port == "torque" and position is not None and command is not None:
+            found[_READ] = run.response.held[position] - base.response.held[position]
+            found[_ACTING] = run.response.new[command] - base.response.new[command]
         return {name: change[first:] for name, change in found.items()}
 
     def one(port: str) -> dict[str, Array]:
@@ -203,11 +206,8 @@ def _in_recording(
         return found
 
     kernels = dict(zip(ports, simulations.map(one, ports), strict=True))
-    pushed = {
-        port: Pushed(own.pop(_READ), own.pop(_ACTING))
-        for port, own in kernels.items()
-        if _READ in own and _ACTING in own
-    }
+    own = kernels.get("torque", {})
+    pushed = Pushed(own.pop(_READ), own.pop(_ACTING)) if _READ in own else None
     simulated = {p: own for p, own in kernels.items() if not (is_open and p == "sensor")}
     if "sensor" in simulated:
         kernels["sensor"] = _with_reading(simulated["sensor"], position, to_si)
@@ -215,24 +215,15 @@ def _in_recording(
         # What the controller commands otherwise is in the log as well.
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
-    return PortKernels(kernels, step, simulated, pushed=pushed.get("torque"))
+    return PortKernels(kernels, step, simulated, pushed=pushed)
 
 
-def _changed(
-    simulations: Simulations,
-    after: Response,
-    before: Response,
-    position: str | None,
-    command: str | None,
-) -> dict[str, Array]:
-    """Change of each signal as it is logged, and of what a controller reads and makes in a row."""
+def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:
+    """Change of each signal as it is logged."""
     found = {}
     for name in before.held:
         source = "new" if name in simulations.new_rows else "held"
         found[name] = getattr(after, source)[name] - getattr(before, source)[name]
-    if position is not None and command is not None:
-        found[_READ] = after.held[position] - before.held[position]
-        found[_ACTING] = after.new[command] - before.new[command]
     return found
 
 

@@ -39,10 +39,9 @@ def inferred_shape(diagnosis: Findings) -> str:
     else:
         told = f"{what}, fitted point by point with no law in mind."
         if diagnosis.shape is not None:
-            named = diagnosis.effects
             told += (
                 " It holds what the named laws explain, too."
-                if named
+                if diagnosis.effects
                 else " No effect in the library has this shape."
             )
     return paragraph(told) + _chart(shape)
