@@ -162,14 +162,15 @@ class FitNoise:
 
     def cared_about(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise, and the least inadequacy that anybody cares about."""
-        levels = ledger.levels.with_ports(**self.cared)
+        levels = replace(ledger.levels.with_ports(**self.cared), astray={})
         return self.whitening(fitted, ledger.kernels, levels, ledger.errors)
 
     def quiet(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise alone, without any inadequacy."""
         levels = ledger.levels
         ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
-        return self.whitening(fitted, ledger.kernels, levels.with_ports(**ports), ledger.errors)
+        levels = replace(levels.with_ports(**ports), astray={})
+        return self.whitening(fitted, ledger.kernels, levels, ledger.errors)
 
     def share(self, base: Fitted, row: Fitted, ledger: Ledger) -> float | None:
         """Of the square that the refitted twin leaves beyond noise, what a row explains.

@@ -76,3 +76,28 @@ def test_hidden_white_noise_and_a_torque_are_told_apart(torque: float, command: 
         else:
             assert found.ports["torque"] < 1e-3  # an eighth of the noise that hides
             assert found.own["command"] == pytest.approx(command, rel=0.1)
+
+
+def after_saturation(rng: np.random.Generator, torque: float) -> NDArray[np.float64]:
+    """Signals under a torque that a loop sends on but for its command's second half."""
+    pushed = torque * coloured(rng)
+    paths = KERNELS.kernels["torque"]
+    position, command = (np.convolve(pushed, paths[name])[:ROWS] for name in NAMES)
+    command[ROWS // 2 :] = 0.0
+    own = [2e-6 * rng.standard_normal(ROWS), 1e-3 * rng.standard_normal(ROWS)]
+    return np.stack([position, command]) + np.stack(own)
+
+
+@pytest.mark.parametrize("torque", [2e-3, 2e-2])
+def test_where_a_command_saturates_the_torque_that_is_missing_is_not_exaggerated(
+    torque: float,
+) -> None:
+    rng = np.random.default_rng(3)
+    time = np.linspace(0.0, STEP * (ROWS - 1), ROWS)
+    own = [Segment(k, NAMES, time, (time, time)) for k in range(3)]
+    residuals = [after_saturation(rng, torque) for _ in own]
+    still = [np.zeros((2, ROWS)) for _ in own]
+    levels = Levels({"sensor": 1e-9}, {"position": 2e-6, "command": 1e-3})
+    found = inadequate(KERNELS, own, residuals, still, levels, CARED)
+    assert 0.5 * torque < found.ports["torque"] < 1.1 * torque
+    assert 0.1 * torque < found.astray["torque"] < 1.1 * torque

@@ -8,7 +8,7 @@ stays in its column: their levels follow from the covariance of the signals at e
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +34,15 @@ class Levels:
         [SI] What the logger adds to each signal, white.
     jitter : float
         [s] Of the logger's clock, seen in the positions.
+    astray : mapping of str to float
+        [FMU's unit] By port, what reaches each signal by itself, as large as the port's path makes
+        it: a loop that saturates or sticks does not send on what a push of it sends.
     """
 
     ports: Mapping[str, float]
     own: Mapping[str, float]
     jitter: float = 0.0
+    astray: Mapping[str, float] = field(default_factory=dict)
 
     def with_ports(self, **levels: float) -> Levels:
         """The same with other levels at some ports."""
@@ -49,6 +53,8 @@ class Levels:
         kind, _, which = name.partition(":")
         if kind == "jitter":
             return self.jitter
+        if kind == "astray":
+            return self.astray.get(which, 0.0)
         return (self.ports if kind == "port" else self.own)[which]
 
 
@@ -84,6 +90,10 @@ def covariance(
         total += level**2 * np.reshape(colour * np.ones(frequencies.size), (-1, 1, 1)) * outer
     own = np.array([levels.own[name] ** 2 for name in names]) + levels.jitter**2 * square_rates
     diagonal = np.einsum("fii->fi", total)
+    for port, level in levels.astray.items():
+        if level > 0.0 and port in kernels.kernels:
+            power = np.abs(kernels.spectra(port, names, frequencies).T) ** 2
+            diagonal += level**2 * coloured(frequencies, kernels.step)[:, None] * power
     diagonal += FLOOR * diagonal.real + own
     return total
 
@@ -180,6 +190,8 @@ def with_level(levels: Levels, name: str, value: float) -> Levels:
         return replace(levels, jitter=value)
     if kind == "port":
         return levels.with_ports(**{which: value})
+    if kind == "astray":
+        return replace(levels, astray={**levels.astray, which: value})
     return replace(levels, own={**levels.own, which: value})
 
 

@@ -1,5 +1,9 @@
 """Levels over the whole band of a residual: what is missing at the ports, and hidden white noise.
 
+What is missing reaches the signals by the ports' paths, which hold where the loop is linear: part
+of it may reach each signal by itself. Else what a saturated command does not send on would be
+taken for hundredths of a torque many times as large (hobby servo, notebook 03c: 5 V for 0.2 V).
+
 What the controller reads may hide the logger's own noise where levels of noise are read, at high
 frequencies, and not below. There it must not be taken for a torque that the twin lacks (development
 draw, 072: own noise of the command looked like 2 mN m of torque, in which friction of 6 was lost).
@@ -23,7 +27,7 @@ from gmfbo.diagnosis.comparison.noise.places import (
     summed,
     with_level,
 )
-from gmfbo.diagnosis.comparison.numbers import TOLERANCE
+from gmfbo.diagnosis.comparison.numbers import FLOOR, TOLERANCE
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
 
@@ -63,7 +67,9 @@ def inadequate(
     ports = [port for port in least if port in kernels.kernels]
     if not ports:
         return levels  # what is missing would be taken for noise of the logger
-    free, low, high = _ranges(levels, {port: least[port] for port in ports})
+    # Of one signal alone nobody tells whether what it shows came by the loop's path.
+    apart = any(len(segment.names) > 1 for segment in segments)
+    free, low, high = _ranges(levels, {port: least[port] for port in ports}, apart=apart)
     whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
     shares = [_Shares.of(group, levels, free, kernels) for group in whole]
 
@@ -78,24 +84,34 @@ def inadequate(
         grid = [np.append(c, rest) for c in product(steps, repeat=len(ports))]
         pushed = min((quiet + c for c in grid), key=lambda x: nll(x)[0])
     else:
-        pushed = np.clip(np.log([near.of(name) for name in free]), low, high)
+        pushed = np.log(np.clip([near.of(name) for name in free], np.exp(low), np.exp(high)))
+    starts = [pushed, quiet + own]
+    if apart:
+        part = pushed.copy()
+        for i, port in enumerate(ports):
+            part[free.index(f"astray:{port}")] = pushed[i] - _STEP
+        starts.append(part)
     bounds = list(zip(low, high, strict=True))
-    tried = [
-        minimize(nll, start, jac=True, method="L-BFGS-B", bounds=bounds)
-        for start in (pushed, quiet + own)
-    ]
+    tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
     best = min(tried, key=lambda found: float(found.fun))
     for name, value in zip(free, np.exp(best.x), strict=True):
         levels = with_level(levels, name, float(value))
     return levels
 
 
-def _ranges(levels: Levels, least: Mapping[str, float]) -> tuple[list[str], Array, Array]:
+def _ranges(
+    levels: Levels, least: Mapping[str, float], *, apart: bool
+) -> tuple[list[str], Array, Array]:
     """Places of what is free, as `estimated` names them, and the ends of its log levels."""
     free = [f"port:{port}" for port in least] + [f"own:{name}" for name in levels.own]
     low = np.log([*least.values(), *levels.own.values()])
     # No more is missing at a port than what acts there at most.
     high = low - np.log(TOLERANCE)
+    if apart:
+        free += [f"astray:{port}" for port in least]
+        whole = np.log([*least.values()])
+        low = np.append(low, whole + 0.5 * np.log(FLOOR))  # that much is uncertain in any case
+        high = np.append(high, whole - np.log(TOLERANCE))
     read = levels.ports.get("sensor", 0.0)
     if read > 0.0:
         free.append("port:sensor")
