@@ -30,8 +30,8 @@ from gmfbo.diagnosis.naming.decision_told import (
     units_of,
 )
 from gmfbo.diagnosis.naming.open_explanations import predictions_of
-from gmfbo.diagnosis.outside.free_function import Unnamed
 from gmfbo.diagnosis.outside.named_law import inferred_beside_law
+from gmfbo.diagnosis.outside.unknown_shape import shape_of
 from gmfbo.diagnosis.result.estimated import EstimatedParameter
 from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
@@ -61,8 +61,6 @@ class Conclusion:
         The names that stand.
     reasons : dict of str to str
         Why an effect could not be tested.
-    free : Unnamed or None
-        Free function, where the laws do not explain what is missing.
     result : Validated
         Errors on recordings that were not fitted.
     response : PortResponse or None
@@ -73,7 +71,6 @@ class Conclusion:
     unseen: Case | None
     decision: Decision
     reasons: dict[str, str]
-    free: Unnamed | None
     result: Validated
     response: PortResponse | None = None
 
@@ -187,9 +184,9 @@ class Conclusion:
             augmented if effects else None,
             self.units,
         )
-        acting = self.decision.unknown or self.free
-        if verdict == "outside_library" and acting is not None:
-            return located_at(location, acting.port)
+        unknown = self.decision.unknown
+        if verdict == "outside_library" and unknown is not None and not effects:
+            return located_at(location, unknown.port, unknown.against)
         return location
 
     def _next_experiment(self) -> tuple[NextExperiment | None, str]:
@@ -210,23 +207,10 @@ class Conclusion:
 
     @property
     def _shape(self) -> Shape | None:
-        """Signal inferred by the free function; None where it does not show what is unknown."""
-        if self.free is None:
+        """Curve of what is unknown."""
+        if self.decision.unknown is None:
             return None
-        units = self.units
-        shape = self.free.shape(
-            {
-                "torque": units.torque,
-                "sensor": units.position,
-                "command": units.command,
-                "position": units.position,
-                "velocity": units.velocity,
-            }
-        )
-        unknown = self.decision.unknown
-        if unknown is None or (shape.port, shape.against) == (unknown.port, unknown.against):
-            return shape
-        return None
+        return shape_of(self.decision.unknown, self.units)
 
     @property
     def _latent(self) -> Shape | None:

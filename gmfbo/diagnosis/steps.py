@@ -7,7 +7,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, split_of
@@ -15,7 +14,7 @@ from gmfbo.diagnosis.conclusion import Conclusion
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.naming.decided_by_score import decide, measured
 from gmfbo.diagnosis.naming.decision import Decision
-from gmfbo.diagnosis.outside.free_function import Unnamed, unnamed
+from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.screening.exclusion import Excluded
 from gmfbo.diagnosis.screening.searched_lines import SearchedLines
 from gmfbo.diagnosis.screening.testable_effects import NOT_EXCITED_BY_REVERSALS, untestable
@@ -73,10 +72,9 @@ class Search:
         decision = self._decision(reasons)
         case.base = measured(case.misfit, decision.base)
         case.notes.extend(decision.notes)
-        free = self._free_function(decision)
         self.progress("validating", 0.85)
-        decision, result = self._confirmed(decision, free, unseen)
-        found = Conclusion(case, unseen, decision, reasons, free, result, self.lines.response)
+        decision, result = self._confirmed(decision, unseen)
+        found = Conclusion(case, unseen, decision, reasons, result, self.lines.response)
         return found.diagnosis(seed, started, self.progress)
 
     def _decision(self, reasons: dict[str, str]) -> Decision:
@@ -101,20 +99,9 @@ class Search:
             is_open=self.case.simulations.tracking is not None,
         )
 
-    def _free_function(self, decision: Decision) -> Unnamed | None:
-        """Shape of what no law explains; None where laws explain it, or without a port."""
-        if self.lines.response is None or not decision.is_outside:
-            return None
-        self.progress("looking outside the library", 0.8)
-        alone = replace(self.case, misfit=self.case.plain)
-        base = self.case.base.measured_by(self.case.plain)
-        return unnamed(alone, base, self.lines.response)
-
-    def _confirmed(
-        self, decision: Decision, free: Unnamed | None, unseen: Case | None
-    ) -> tuple[Decision, Validated]:
+    def _confirmed(self, decision: Decision, unseen: Case | None) -> tuple[Decision, Validated]:
         """Score on held-out recordings, and withdraw names that these contradict."""
-        result = self._validated(decision, free, unseen)
+        result = self._validated(decision, unseen)
         if not decision.row.elements or not result.contradicts_names:
             return decision, result
         names = " and ".join(words(name) for name in sorted(decision.row.elements))
@@ -130,11 +117,9 @@ class Search:
             model=self.case.base,
             is_withdrawn=True,
         )
-        return withdrawn, self._validated(withdrawn, free, unseen)
+        return withdrawn, self._validated(withdrawn, unseen)
 
-    def _validated(
-        self, decision: Decision, free: Unnamed | None, unseen: Case | None
-    ) -> Validated:
+    def _validated(self, decision: Decision, unseen: Case | None) -> Validated:
         case = self.case
         if unseen is not None:
             return validate_unseen(case, unseen, decision)
@@ -144,16 +129,13 @@ class Search:
             for without, with_it in pairwise(models)
         ]
         split = split_of(case, changes, decision.model)
-        return validated_on(case, decision, split, self._unnamed_change(free, split))
+        return validated_on(case, decision, split, self._with_unknown(decision, split))
 
-    def _unnamed_change(
-        self, free: Unnamed | None, split: Split
-    ) -> list[Sequence[NDArray[np.float64]]] | None:
-        """Change of each recording's signals by the free function, fitted without held-out ones."""
-        if free is None:
+    def _with_unknown(self, decision: Decision, split: Split) -> list[Simulated] | None:
+        """The recordings with a free function in place of laws, fitted without held-out ones."""
+        if decision.unknown is None:
             return None
         windows = self.case.budget.windows
         unseen = {windows[i].record for i in split.held_out}
         whole = unseen - {windows[i].record for i in split.fitted}
-        records = range(len(self.case.simulations.records))
-        return [free.predicted(k, without=whole) for k in records]
+        return decision.unknown.function.played(whole)

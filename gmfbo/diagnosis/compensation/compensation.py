@@ -16,9 +16,9 @@ from gmfbo.diagnosis.result.predictions import Predictions, Span
 from gmfbo.errors import InputError
 from gmfbo.plain_words import probability, words
 
-_CURVE_HOLDS_LAWS = (
-    "the curve in the report was inferred from all that is missing: it holds the named laws, and "
-    "is not cancelled beside them"
+_CURVE_LEFT_OUT = (
+    "the curve in the report was fitted beside other values of the named laws: it is not cancelled "
+    "with them"
 )
 
 
@@ -66,7 +66,7 @@ def compensation_of(
     curve = _unnamed(diagnosis, ground)
     remarks = _remarks(diagnosis)
     if curve and tables:
-        remarks += (_CURVE_HOLDS_LAWS,)
+        remarks += (_CURVE_LEFT_OUT,)
     tables = tables or curve
     if not tables:
         raise InputError(_nothing(diagnosis, name, left))

@@ -34,6 +34,12 @@ _ALWAYS = 0.6  # of the rows that move: an effect that acts in more has no speci
 _SHOWS_LATE_S = 0.04  # time that the loop takes to show a torque's effect
 _ALIKE = 0.8  # of the best score
 _STANDS_OUT = 0.25  # of the strongest block
+_PARTS: dict[str, tuple[SignalPath, ...]] = {
+    "torque": ("plant", "transmission"),
+    "command": ("actuator", "controller"),
+    "sensor": ("sensor", "controller"),
+}
+"""Of the loop, at which a port acts; the first where nothing else is known."""
 
 
 def locate(
@@ -66,12 +72,22 @@ def locate(
     return _of_parities(case, base, parities, units)
 
 
-def located_at(location: Location, port: str) -> Location:
-    """Location with the part of the loop taken from a free function's port, if it is unknown."""
-    parts: dict[str, SignalPath] = {"torque": "plant", "command": "actuator", "sensor": "sensor"}
-    if location.signal_path is not None:
+def located_at(location: Location, port: str, against: str) -> Location:
+    """Location at a free function's port, where what was read of the signals is no part of it.
+
+    Parameters
+    ----------
+    location : Location
+        As the signals tell it.
+    port : str
+        Where the function acts.
+    against : str
+        State on which it depends.
+    """
+    first, *others = _PARTS[port]
+    if location.signal_path in (first, *others):
         return location
-    return replace(location, signal_path=parts.get(port))
+    return replace(location, signal_path=first, region=f"it depends on the {against}")
 
 
 def _of_effects(

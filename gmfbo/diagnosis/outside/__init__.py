@@ -1,4 +1,1 @@
-"""Show what is missing that the library of effects does not hold.
-
-`free_function.unnamed` infers it as a function of one state, at one port of the twin.
-"""
+"""Draw what is missing: the curve of what is unknown, and that beside a named law."""

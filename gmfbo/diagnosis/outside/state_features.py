@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,6 @@ Array = NDArray[np.float64]
 
 _SPEED_SHARES = (0.004, 0.02, 0.08, 0.2, 0.4, 0.68, 1.0)  # of the range: laws bend near standstill
 _POSITION_KNOTS = 11
-_TIME_KNOTS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,43 +24,23 @@ class Family:
 
     Attributes
     ----------
-    name : str
-        `velocity`, `position`, `folded_position`, `signed_position`, `damped_position` or `time`.
     against : str
         The state, in words.
-    unit : {"velocity", "position", "time"}
+    unit : {"velocity", "position"}
         Quantity that the knots are in.
     knots : ndarray, shape (n_knots,)
         Rising values of the state.
     turn : ndarray, shape (n_values, n)
         Values at the knots by each free number.
-    bends : ndarray of bool, shape (n,)
-        Free numbers that a prior holds back; not so a level and a slope.
     columns : tuple of ndarray, shape (n, rows)
         Of each recording: torque along it by each free number alone.
-    shared : bool
-        All recordings have the same values; else one set of knots after the other.
     """
 
-    name: str
     against: str
     unit: str
     knots: Array
     turn: Array
-    bends: NDArray[np.bool_]
     columns: tuple[Array, ...]
-    shared: bool = True
-
-
-def families(states: Sequence[States]) -> list[Family]:
-    """All families over what recordings show."""
-    found = [
-        of_velocity(states),
-        of_position(states),
-        _of_signed_position(states),
-        _of_position_with_speed(states),
-    ]
-    return [*(family for family in found if family is not None), _of_time(states)]
 
 
 def hats(values: Array, knots: Array) -> Array:
@@ -110,14 +89,20 @@ def of_velocity(states: Sequence[States]) -> Family | None:
     knots = np.concatenate([below, [0.0], above])
     # Each direction is a curve of its own: what opposes the motion jumps at standstill.
     turn = block_diag(*(hinges(side) for side in (below, np.zeros(1), above) if side.size))
-    bends = np.concatenate([_inner(side) for side in (below, np.zeros(1), above)])
     columns = tuple(between_points(turn.T @ hats(s.velocity, knots)) for s in states)
-    return Family("velocity", "velocity", "velocity", knots, turn, bends, columns)
+    return Family("velocity", "velocity", knots, turn, columns)
 
 
 def of_position(states: Sequence[States]) -> Family | None:
     """Free function of the position; None where nothing moves."""
-    return _along_position(states, "position", "position", lambda s: [1.0])
+    position = np.concatenate([s.position for s in states])
+    low, high = float(position.min()), float(position.max())
+    if high <= low:
+        return None
+    knots = np.linspace(low, high, _POSITION_KNOTS)
+    turn = hinges(knots)
+    columns = tuple(between_points(turn.T @ hats(s.position, knots)) for s in states)
+    return Family("position", "position", knots, turn, columns)
 
 
 def of_folded_position(states: Sequence[States], period: float) -> Family:
@@ -136,65 +121,4 @@ def of_folded_position(states: Sequence[States], period: float) -> Family:
     columns = tuple(
         between_points(turn.T @ hats(np.mod(s.position, period), knots)) for s in states
     )
-    free = np.ones(knots.size - 1, dtype=bool)
-    against = "position within one period"
-    return Family("folded_position", against, "position", knots, turn, free, columns)
-
-
-def _of_signed_position(states: Sequence[States]) -> Family | None:
-    against = "position, with the sign of the velocity"
-    return _along_position(states, "signed_position", against, lambda s: [s.direction])
-
-
-def _of_position_with_speed(states: Sequence[States]) -> Family | None:
-    fastest = max(float(np.abs(s.velocity).max()) for s in states)
-    if fastest <= 0.0:
-        return None
-    against = "position, in proportion to the velocity (at its largest)"
-    return _along_position(states, "damped_position", against, lambda s: [s.velocity / fastest])
-
-
-def _along_position(
-    states: Sequence[States],
-    name: str,
-    against: str,
-    factors: Callable[[States], Sequence[Array | float]],
-) -> Family | None:
-    """Curves over the position, each of them times a factor; None where nothing moves."""
-    knots = _position_knots(states)
-    if knots is None:
-        return None
-    turn = hinges(knots)
-    columns = []
-    for s in states:
-        along = turn.T @ hats(s.position, knots)
-        columns.append(between_points(np.concatenate([f * along for f in factors(s)])))
-    curves = len(factors(states[0]))
-    bends = np.tile(_inner(knots), curves)
-    together = block_diag(*[turn] * curves)
-    return Family(name, against, "position", knots, together, bends, tuple(columns))
-
-
-def _inner(knots: Array) -> NDArray[np.bool_]:
-    return np.arange(knots.size) >= 2
-
-
-def _position_knots(states: Sequence[States]) -> Array | None:
-    position = np.concatenate([s.position for s in states])
-    low, high = float(position.min()), float(position.max())
-    return np.linspace(low, high, _POSITION_KNOTS) if high > low else None
-
-
-def _of_time(states: Sequence[States]) -> Family:
-    """Values of its own for each recording, over the longest one's time."""
-    start = min(float(s.time[0]) for s in states)
-    end = max(float(s.time[-1]) for s in states)
-    knots = np.linspace(start, end, _TIME_KNOTS)
-    columns = []
-    for k, s in enumerate(states):
-        column = np.zeros((len(states) * knots.size, s.time.size))
-        column[k * knots.size : (k + 1) * knots.size] = between_points(hats(s.time, knots))
-        columns.append(column)
-    n = len(states) * knots.size
-    free = np.ones(n, dtype=bool)
-    return Family("time", "time", "time", knots, np.eye(n), free, tuple(columns), shared=False)
+    return Family("position within one period", "position", knots, turn, columns)

@@ -40,7 +40,7 @@ def inferred_shape(diagnosis: Findings) -> str:
         told = f"{what}, fitted point by point with no law in mind."
         if diagnosis.shape is not None:
             told += (
-                " It holds what the named laws explain, too."
+                " It acts beside the named laws."
                 if diagnosis.effects
                 else " No effect in the library has this shape."
             )

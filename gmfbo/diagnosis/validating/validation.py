@@ -81,7 +81,7 @@ def validate(
     case: Case,
     decision: Decision,
     split: Split,
-    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+    unnamed: Sequence[Simulated] | None,
 ) -> Validated:
     """Refit on the fitted windows alone, and score on the others.
 
@@ -93,8 +93,8 @@ def validate(
         What was accepted.
     split : Split
         Which windows are fitted.
-    unnamed : sequence of sequences of ndarray, optional
-        Change of each recording's signals by a model without a name.
+    unnamed : sequence of Simulated, optional
+        The recordings by a model without a name.
     """
     chosen = split.fitted or tuple(range(len(case.budget.windows)))
     search, ledger = decision.compared.search, decision.compared.ledger
@@ -219,12 +219,12 @@ class _Told:
     plain: Fitted
     augmented: Fitted
     split: Split
-    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None
+    unnamed: Sequence[Simulated] | None
 
 
 def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     case, augmented = told.case, told.augmented
-    signals = _table(case, told.scored, case.base, told.plain, augmented, told.unnamed)
+    signals = _table(case, told.scored, told.plain, augmented, told.unnamed)
     removed, distance = None, _distance(seen.before, seen.after)
     nominal = seen.nominal(case.nominal)
     if distance > SAME:
@@ -283,10 +283,9 @@ def _stretches(case: Case, scored: Sequence[int]) -> dict[str, tuple[float, floa
 def _table(
     case: Case,
     scored: Sequence[int],
-    base: Fitted,
     plain: Fitted,
     augmented: Fitted,
-    unnamed: Sequence[Sequence[NDArray[np.float64]]] | None,
+    unnamed: Sequence[Simulated] | None,
 ) -> dict[str, SignalFit]:
     names = [s.name for record in case.simulations.records for s in record.signals]
     free, table = free_runs(case, scored, plain, augmented), {}
@@ -301,9 +300,7 @@ def _table(
                 else float("nan")
             ),
             unnamed_spline=(
-                float("nan")
-                if unnamed is None
-                else _nrmse(case, scored, name, base.simulated, unnamed)
+                float("nan") if unnamed is None else _nrmse(case, scored, name, unnamed)
             ),
             noise_floor=_floor(case, scored, name),
             free_run=free.get(name),
@@ -316,7 +313,6 @@ def _nrmse(
     scored: Sequence[int],
     name: str,
     simulated: Sequence[Simulated],
-    added: Sequence[Sequence[NDArray[np.float64]]] | None = None,
 ) -> float:
     """RMS error over the range of the recorded signal, over all scored rows."""
     square, count, low, high = 0.0, 0, np.inf, -np.inf
@@ -326,8 +322,6 @@ def _nrmse(
             if signal.name != name or not rows.size:
                 continue
             residual = signal.values - simulated[k].signals[i]
-            if added is not None:
-                residual = residual - added[k][i]
             square += float(np.sum(residual[rows] ** 2))
             count += rows.size
             low = min(low, float(signal.values[rows].min()))

@@ -303,14 +303,14 @@ def test_an_inferred_curve_is_cancelled_as_it_was_drawn() -> None:
         compensation_of(in_time, "found")
 
 
-def test_a_curve_is_not_cancelled_beside_the_laws_that_it_holds() -> None:
+def test_a_curve_is_not_cancelled_with_laws_that_were_fitted_without_it() -> None:
     x, y = (-1.0, 0.0, 1.0), (0.3, 0.0, -0.3)
     shape = Shape("torque", "velocity", x, y, y, y, "rad/s", "N.m")
     friction = diagnosis_of({"coulomb_friction": VALUES["coulomb_friction"]})
     beside = replace(friction, verdict="outside_library", shape=shape)
     found = compensation_of(beside, "found")
     assert [table.effect for table in found.tables] == ["coulomb_friction"]
-    assert any("holds the named laws" in remark for remark in found.remarks)
+    assert any("beside other values of the named laws" in remark for remark in found.remarks)
 
 
 def test_two_lines_that_share_no_period_are_tabulated_over_what_was_recorded() -> None:

@@ -126,9 +126,11 @@ def test_gravity_is_everywhere_that_the_axis_moves() -> None:
 
 
 def test_a_free_function_tells_the_part_of_the_loop_that_parities_do_not() -> None:
-    assert located_at(Location(None), "sensor").signal_path == "sensor"
-    assert located_at(Location(None), "torque").signal_path == "plant"
-    assert located_at(Location("controller"), "sensor").signal_path == "controller"
+    assert located_at(Location(None), "sensor", "position").signal_path == "sensor"
+    assert located_at(Location(None), "torque", "velocity").signal_path == "plant"
+    assert located_at(Location("controller"), "sensor", "position").signal_path == "controller"
+    told = located_at(Location("actuator", "it depends on the command"), "torque", "position")
+    assert (told.signal_path, told.region) == ("plant", "it depends on the position")
 
 
 def test_dead_zone_without_a_name_is_placed_in_the_actuator() -> None:

@@ -23,6 +23,7 @@ from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.numbers import NAMED, named_log_odds
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.search import Search
+from gmfbo.diagnosis.comparison.unknown.curve import FreeFunction
 from gmfbo.diagnosis.comparison.unknown.fitted import (
     WORTH,
     Sized,
@@ -55,6 +56,8 @@ class Unknown:
         [nats] Against laws alone.
     beside : frozenset of str
         Elements of the best row of laws that are believed beside it.
+    function : FreeFunction
+        Fitted, with these elements.
     """
 
     port: str
@@ -62,6 +65,7 @@ class Unknown:
     probability: float
     log_odds: float
     beside: frozenset[str]
+    function: FreeFunction
 
 
 def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | None:
@@ -91,6 +95,7 @@ class _Tried:
     found: WithUnknown
     own: Ledger
     score: float
+    size: float
 
     @property
     def elements(self) -> frozenset[str]:
@@ -145,7 +150,10 @@ class _Beside:
         if probability < NAMED:
             return None
         kind = now.found.kind
-        return Unknown(kind.port, kind.against, probability, float(odds.mean()), now.elements)
+        function = FreeFunction(self._search.problem, now.own.whitening, now.found, now.size)
+        return Unknown(
+            kind.port, kind.against, probability, float(odds.mean()), now.elements, function
+        )
 
     def _with_less(self, now: _Tried) -> list[_Tried]:
         """Rows that lack one element of a row, and that without any."""
@@ -212,7 +220,7 @@ class _Beside:
             score = float(sized.log_evidences[0]) + self._prior(row.elements)
             if best is not None and score < best.score + WORTH:
                 break
-            best, start, size = _Tried(found, own, score), found, sized.size
+            best, start, size = _Tried(found, own, score, sized.size), found, sized.size
         assert best is not None
         search.log(
             f"{kind.port} over {kind.against} ({kind.count}) beside {sorted(row.elements)}: "

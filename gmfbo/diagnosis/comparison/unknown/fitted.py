@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -193,6 +193,46 @@ def fitted_with(
     return at
 
 
+def played_without(
+    problem: Problem,
+    whitening: Whitening,
+    at: WithUnknown,
+    size: float,
+    left_out: Collection[int],
+) -> list[Simulated]:
+    """The recordings simulated with a free function that some of them have no part in.
+
+    What the others ask for is one linear step away from the values that all of them gave.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    whitening : Whitening
+        By noise, under which all were fitted.
+    at : WithUnknown
+        Fitted to all.
+    size : float
+        [FMU's unit of the torque port] Standard deviation of the amplitudes.
+    left_out : collection of int
+        Recordings that have no part.
+    """
+    own = at.left.beside_own_parts(whitening)
+    prior = np.concatenate([at.left.curvatures, np.full(len(at.amplitudes), size**-2)])
+    matrix = np.diag(prior)
+    slope = -np.concatenate([at.left.slopes, at.amplitudes / size**2])
+    blocks = (own(at.left.residual), own(at.left.columns), own(at.columns))
+    for segment, z, columns, bumps in zip(problem.segments, *blocks, strict=True):
+        if segment.record in left_out:
+            continue
+        j = np.concatenate([columns, bumps]).reshape(len(prior), -1)
+        matrix, slope = matrix + j @ j.T, slope + j @ z.ravel()
+    if left_out:
+        moved = _moved(problem, at, _step(matrix, slope, _longest_steps(at)), ())
+        at = at if moved is None else moved
+    return _played(problem, at.left, at.kind, at.amplitudes)
+
+
 def _longest_steps(at: WithUnknown) -> tuple[Array, Array]:
     """Least and largest step of each quantity: within its bounds, and where it is about linear."""
     row, free = at.left, np.full(len(at.amplitudes), np.inf)
@@ -235,7 +275,9 @@ def _moved(
     runs = _played(problem, moved, at.kind, amplitudes)
     if not all(run.finite for run in runs):
         return None
-    values = [own + more for own, more in zip(problem.values(runs), heard, strict=True)]
+    values = problem.values(runs)
+    if heard:
+        values = [own + more for own, more in zip(values, heard, strict=True)]
     if problem.has_run_away(values):
         return None
     own = problem.residual(values, nuisances)

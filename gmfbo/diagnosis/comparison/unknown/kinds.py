@@ -30,6 +30,8 @@ class Kind:
         State on which they depend: `position`, `velocity` or `command`.
     signals : list of ndarray, shape (c, rows)
         [FMU's unit of the port] By recording: c functions of unit size along it.
+    ways : tuple of (str, list of ndarray, shape (rows,))
+        In which a value over the state may act: what is said of it, and its factor by recording.
     unit : float
         [FMU's unit of the port / FMU's unit of the torque port] A unit size.
     """
@@ -37,6 +39,7 @@ class Kind:
     port: str
     against: str
     signals: list[Array]
+    ways: tuple[tuple[str, list[Array]], ...]
     unit: float = 1.0
 
     @property
@@ -60,33 +63,36 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
     ports, motion = kernels.simulated.keys(), motion_of(problem, row)
     over_position = _over(motion.positions, _FINE)
     made = []
+    plain = (("", [np.ones(v.size) for v in motion.positions]),)
     if "torque" in ports:
-        over_speed = _over(motion.speeds, _FINE)
-        dragged = [
-            own * v / motion.fast for own, v in zip(over_position, motion.velocities, strict=True)
-        ]
+        moving = motion.velocities
+        over_speed, turning = _over(motion.speeds, _FINE), _rates(motion.speeds)
+        shares = [v / motion.fast for v in moving]
+        dragged = [own * share for own, share in zip(over_position, shares, strict=True)]
+        both = _products(_over(motion.positions, _COARSE), _over(motion.speeds, _COARSE))
+        of_speed = (*plain, (", with the sign of the acceleration", _signs(turning)))
+        of_place = (*plain, (", with the sign of the velocity", _signs(moving)))
+        in_proportion = ((", in proportion to the velocity (at its largest)", shares),)
         made += [
-            Kind("torque", "velocity", over_speed),
-            Kind("torque", "velocity", _each_way(over_speed, _rates(motion.speeds))),
-            Kind("torque", "position", over_position),
-            Kind("torque", "position", _each_way(over_position, motion.velocities)),
-            Kind("torque", "position", dragged),
-            Kind(
-                "torque",
-                "velocity",
-                _products(_over(motion.positions, _COARSE), _over(motion.speeds, _COARSE)),
-            ),
+            Kind("torque", "velocity", over_speed, plain),
+            Kind("torque", "velocity", _each_way(over_speed, turning), of_speed),
+            Kind("torque", "position", over_position, plain),
+            Kind("torque", "position", _each_way(over_position, moving), of_place),
+            Kind("torque", "position", dragged, in_proportion),
+            Kind("torque", "velocity", both, plain),
         ]
     states = [run.response.states for run in row.runs]
     if "command" in ports and all("command" in own for own in states):
         command = [own["command"] for own in states]
-        over_command = _over(command, _FINE_COMMAND)
+        over_command, rising = _over(command, _FINE_COMMAND), _rates(command)
+        each_way = _each_way(over_command, rising)
+        of_command = (*plain, (", with the sign of its rate", _signs(rising)))
         made += [
-            Kind("command", "command", over_command),
-            Kind("command", "command", _each_way(over_command, _rates(command))),
+            Kind("command", "command", over_command, plain),
+            Kind("command", "command", each_way, of_command),
         ]
     if "sensor" in ports and kernels.controller is None:
-        made.append(Kind("sensor", "position", over_position))
+        made.append(Kind("sensor", "position", over_position, plain))
     return made
 
 
@@ -94,6 +100,10 @@ def _over(columns: Sequence[Array], count: int) -> list[Array]:
     """Smooth functions over the range that a state has in all recordings, shape (count, n)."""
     low, high = ends_of(columns)
     return [smooth(values, low, high, count) for values in columns]
+
+
+def _signs(columns: Sequence[Array]) -> list[Array]:
+    return [np.where(values > 0.0, 1.0, -1.0) for values in columns]
 
 
 def _rates(columns: Sequence[Array]) -> list[Array]:

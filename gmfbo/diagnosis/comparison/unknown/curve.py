@@ -1,0 +1,156 @@
+"""The curve of a free function over its state, and what it foretells."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.comparison.inadequacy import ends_of, motion_of
+from gmfbo.diagnosis.comparison.numbers import UNLIKE
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, played_without
+from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.runs.simulated import Simulated
+
+Array = NDArray[np.float64]
+
+_POINTS = 101  # of a drawn curve, at most: two and a half a bump of the finest
+_HARDLY = 1e-3  # of the rows that most bins have: too few for a point
+_TWO_SIDED = 1.96  # 95 % of a normal distribution
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A function of one state, with its band.
+
+    Attributes
+    ----------
+    against : str
+        The state, and how the function acts with it.
+    x : ndarray, shape (n,)
+        [FMU's unit of the state] Rising.
+    y : ndarray, shape (n,)
+        [FMU's unit of the port] The function.
+    half : ndarray, shape (n,)
+        [FMU's unit of the port] Half of its 95 % band.
+    """
+
+    against: str
+    x: Array
+    y: Array
+    half: Array
+
+
+@dataclass(frozen=True, eq=False)
+class FreeFunction:
+    """A free function as it was fitted.
+
+    Attributes
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    whitening : Whitening
+        By the noise that it leaves.
+    fitted : WithUnknown
+        With the row of laws beside it.
+    size : float
+        [FMU's unit of the torque port] Standard deviation of its amplitudes.
+    """
+
+    problem: Problem
+    whitening: Whitening
+    fitted: WithUnknown
+    size: float
+
+    def played(self, left_out: Collection[int]) -> list[Simulated]:
+        """The recordings simulated with it, some of them without a part in its fit.
+
+        Parameters
+        ----------
+        left_out : collection of int
+            Recordings that have no part.
+        """
+        return played_without(self.problem, self.whitening, self.fitted, self.size, left_out)
+
+    def curve(self) -> Curve:
+        """The function over its state, less what the twin's parameters can make of it.
+
+        A function of more than that state is drawn as the curve that comes nearest to it, with
+        the sign of a rate where that comes nearer.
+        """
+        kind, (values, covariance) = self.fitted.kind, self._apart_from_parameters()
+        along, signals = self._along(), np.concatenate(kind.signals, axis=1)
+        bins = _Bins.over(along, is_speed=kind.against == "velocity")
+        nearest, shown = None, -1.0
+        for words, factors in kind.ways:
+            factor = np.concatenate(factors)
+            squares = bins.sums(factor**2)
+            held = squares > _HARDLY * squares.max()
+            turn = np.stack([bins.sums(factor * own)[held] for own in signals], axis=1)
+            turn /= squares[held, None]
+            x, y = bins.sums(factor**2 * along)[held] / squares[held], turn @ values
+            if squares[held] @ y**2 <= shown:
+                continue
+            shown = float(squares[held] @ y**2)
+            spread = np.sqrt(np.maximum(np.sum((turn @ covariance) * turn, axis=1), 0.0))
+            nearest = Curve(f"{kind.against}{words}", x, y, _TWO_SIDED * spread)
+        assert nearest is not None
+        return nearest
+
+    def _along(self) -> Array:
+        """The state in all recordings, as it is with the function."""
+        if self.fitted.kind.against == "command":
+            return np.concatenate([run.response.states["command"] for run in self.fitted.left.runs])
+        motion = motion_of(self.problem, self.fitted.left)
+        is_speed = self.fitted.kind.against == "velocity"
+        return np.concatenate(motion.velocities if is_speed else motion.positions)
+
+    def _apart_from_parameters(self) -> tuple[Array, Array]:
+        """Amplitudes and their covariance, without what quantities of the row make as well.
+
+        A slope over the velocity is viscous friction: with that among the parameters, the
+        recordings only tell the rest.
+        """
+        left, amplitudes = self.fitted.left, self.fitted.amplitudes
+        own = left.beside_own_parts(self.whitening)
+        blocks = zip(own(left.columns), own(self.fitted.columns), strict=True)
+        flat = [np.concatenate([a, b]).reshape(len(a) + len(b), -1) for a, b in blocks]
+        gram = sum((j @ j.T for j in flat), np.zeros((len(flat[0]), len(flat[0]))))
+        p, q = left.u.size, left.curvatures.size
+        prior = np.concatenate([left.curvatures, np.full(amplitudes.size, self.size**-2)])
+        covariance = np.linalg.inv(gram + np.diag(prior))[q:, q:]
+        weights = gram[q:, q:] + np.diag(prior[q:])
+        made = np.linalg.solve(weights, gram[q:, :p])
+        size = np.diag(gram)[:p]
+        alike = made[:, size - np.einsum("np,np->p", gram[q:, :p], made) < UNLIKE * size]
+        if not alike.shape[1]:
+            return amplitudes, covariance
+        onto = np.linalg.lstsq(alike.T @ weights @ alike, alike.T @ weights, rcond=None)[0]
+        rest = np.eye(amplitudes.size) - alike @ onto
+        return rest @ amplitudes, rest @ covariance @ rest.T
+
+
+@dataclass(frozen=True, eq=False)
+class _Bins:
+    """Bins over the range of a state, which is their number: finer about standstill."""
+
+    place: NDArray[np.intp]
+    inside: NDArray[np.bool_]
+
+    @classmethod
+    def over(cls, along: Array, *, is_speed: bool) -> _Bins:
+        """Bins over a state, without the few rows beyond its usual range."""
+        ends = np.array(ends_of([along]))
+        if is_speed:
+            along, ends = (np.sign(v) * np.sqrt(np.abs(v)) for v in (along, ends))
+        inside = (along >= ends[0]) & (along <= ends[1])
+        edges = np.linspace(ends[0], ends[1], _POINTS + 1)[1:-1]
+        return cls(np.searchsorted(edges, along[inside], side="right"), inside)
+
+    def sums(self, values: Array) -> Array:
+        """Sum of values over the rows of each bin, shape (n_bins,)."""
+        found: Array = np.bincount(self.place, values[self.inside], _POINTS).astype(np.float64)
+        return found
