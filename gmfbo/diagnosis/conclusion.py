@@ -207,10 +207,9 @@ class Conclusion:
 
     @property
     def _shape(self) -> Shape | None:
-        """Curve of what is unknown."""
-        if self.decision.unknown is None:
-            return None
-        return shape_of(self.decision.unknown, self.units)
+        """Curve of what is unknown, where it can be drawn."""
+        unknown = self.decision.shown_unknown
+        return None if unknown is None else shape_of(unknown, self.units)
 
     @property
     def _latent(self) -> Shape | None:

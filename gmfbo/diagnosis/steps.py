@@ -132,10 +132,14 @@ class Search:
         return validated_on(case, decision, split, self._with_unknown(decision, split))
 
     def _with_unknown(self, decision: Decision, split: Split) -> list[Simulated] | None:
-        """The recordings with a free function in place of laws, fitted without held-out ones."""
-        if decision.unknown is None:
+        """The recordings with a free function, of which held-out ones have no part in the fit.
+
+        None without such a function, or where stretches are held out of recordings it was fitted to.
+        """
+        if decision.shown_unknown is None:
             return None
         windows = self.case.budget.windows
         unseen = {windows[i].record for i in split.held_out}
-        whole = unseen - {windows[i].record for i in split.fitted}
-        return decision.unknown.function.played(whole)
+        if unseen & {windows[i].record for i in split.fitted}:
+            return None
+        return decision.shown_unknown.function.played(unseen)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,11 +13,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.runs.measured_excitation import states_of
-from gmfbo.diagnosis.screening.port_response import (
-    PortResponse,
-    between_points,
-    measure_port_response,
-)
+from gmfbo.diagnosis.screening.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.screening.seen_from_port import whitened_columns
 from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording
@@ -26,9 +22,7 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 SERVO = models_folder() / "servo_axis.toml"
 GAINS = {"kp": 40.0, "kd": 0.8}
-Law = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 _TRUTH = {"inertia": 0.0105, "viscous": 0.03}
-_ROUNDS = 5  # after which a law and the motion under it agree
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +58,8 @@ def port_case(case: Case) -> PortCase:
     return PortCase(case, response)
 
 
-def open_servo(
-    physics: Mapping[str, float],
-    twin: FmuTwin | None = None,
-    law: Law | None = None,
-    port: str = "torque",
-) -> Case:
-    """Open the case of a servo axis that moves with hidden physics and a sensor's noise.
-
-    A hidden law gives what a port is given for each velocity and position; the recordings satisfy
-    it.
-    """
+def open_servo(physics: Mapping[str, float], twin: FmuTwin | None = None) -> Case:
+    """Open the case of a servo axis that moves with hidden physics and a sensor's noise."""
     rng = np.random.default_rng(5)
     recordings = []
     with AugmentedTwin(FmuTwin(SERVO), substeps=10, isolated=False) as simulator:
@@ -85,12 +70,6 @@ def open_servo(
             added = {"sensor": 3e-5 * rng.standard_normal(time.size)}
             plan = simulator.plan(asked, _TRUTH)
             run = simulator.run(plan, _TRUTH, physics, excitation=added)
-            for _ in range(_ROUNDS):
-                if law is None:
-                    break
-                given = between_points(law(run.states["velocity"], run.states["position"]))
-                acting = {**added, port: added.get(port, 0.0) + given}
-                run = simulator.run(plan, _TRUTH, physics, excitation=acting)
             command = run.held["torque_command"] + 0.02 * rng.standard_normal(time.size)
             signals = {"position": run.held["position"], "torque_command": command}
             recordings.append(

@@ -271,7 +271,7 @@ class Search:
             row = RowFits(self.problem, ledger.noise).again(whitening, row, {})
             ledger = replace(ledger, rows={**ledger.rows, leading: row})
             cared = self.noise.cared.keys() & levels.ports.keys()
-            fallen = [before.ports[p] / levels.ports[p] for p in cared]
+            fallen = [before.missing(p) / levels.missing(p) for p in cared]
             if max(fallen, default=1.0) < _MUCH:
                 break
         return ledger

@@ -39,7 +39,7 @@ _PARTS: dict[str, tuple[SignalPath, ...]] = {
     "command": ("actuator", "controller"),
     "sensor": ("sensor", "controller"),
 }
-"""Of the loop, at which a port acts; the first where nothing else is known."""
+"""Parts of the loop in which what acts at a port may sit, the likeliest first."""
 
 
 def locate(

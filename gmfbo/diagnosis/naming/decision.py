@@ -149,5 +149,14 @@ class Decision:
         if self.unknown is not None:
             return True
         usual = self.compared.search.tolerance / INADEQUACY_TOLERANCE
-        level = self.compared.ledger.levels.ports.get("torque", 0.0)
+        level = self.compared.ledger.levels.missing("torque")
         return self.share < MOST and level > MOST * usual
+
+    @property
+    def shown_unknown(self) -> Unknown | None:
+        """What is unknown, where its function stands beside nothing but what is told."""
+        told = {name for found in self.rounds for name in found.names}
+        told |= {f"parameter:{name}" for name in self.freed}
+        if self.unknown is None or not self.is_outside or self.unknown.beside - told:
+            return None
+        return self.unknown

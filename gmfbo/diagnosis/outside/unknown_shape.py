@@ -7,8 +7,8 @@ from gmfbo.diagnosis.result.whereabouts import Shape
 from gmfbo.physics import Units
 
 
-def shape_of(unknown: Unknown, units: Units) -> Shape:
-    """State the curve of a free function.
+def shape_of(unknown: Unknown, units: Units) -> Shape | None:
+    """State the curve of a free function; None where no curve over one state holds most of it.
 
     Parameters
     ----------
@@ -18,6 +18,8 @@ def shape_of(unknown: Unknown, units: Units) -> Shape:
         Of ports and states.
     """
     curve = unknown.function.curve()
+    if curve is None:
+        return None
     by_port = {"torque": units.torque, "command": units.command, "sensor": units.position}
     by_state = {
         "position": units.position,

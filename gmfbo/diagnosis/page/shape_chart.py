@@ -37,7 +37,9 @@ def inferred_shape(diagnosis: Findings) -> str:
             "the law has the right shape."
         )
     else:
-        told = f"{what}, fitted point by point with no law in mind."
+        told = (
+            f"{what}, fitted as a smooth function with no law in mind. Its band is that of noise."
+        )
         if diagnosis.shape is not None:
             told += (
                 " It acts beside the named laws."

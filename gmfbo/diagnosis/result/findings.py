@@ -50,7 +50,7 @@ class Findings:
     ----------
     verdict : {"none", "parameters", "missing_physics", "outside_library"}
         Nothing beyond noise; the twin's uncertain values explain it; at least one named effect;
-        or a mismatch that no known effect explains, whose `shape` was inferred.
+        or a mismatch that no known effect explains.
     evidence : {"sufficient", "insufficient"}
         Whether these recordings suffice; if not, the verdict names only what is certain.
     effects : tuple of NamedEffect
@@ -68,7 +68,8 @@ class Findings:
     fit : Fit
         Errors on held-out recordings.
     shape : Shape or None
-        The inferred signal where the verdict is `outside_library`.
+        The inferred signal where the verdict is `outside_library` and a curve over one state shows
+        most of it, beside nothing but named laws.
     next_experiment : NextExperiment or None
         Next experiment, if it would tell more.
     not_testable : tuple of NotTestable

@@ -23,7 +23,7 @@ class SignalFit:
     augmented : float
         The twin with the named physics and refitted parameters.
     unnamed_spline : float
-        The refitted twin with a smooth residual that has no name.
+        The twin with a free function in place of laws, or beside some, and refitted parameters.
     noise_floor : float
         Error of a perfect twin, by noise alone.
     free_run : FreeRun or None

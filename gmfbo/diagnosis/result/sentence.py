@@ -149,7 +149,7 @@ def _function(diagnosis: Findings) -> str:
     shape, left = diagnosis.shape, diagnosis.remainder
     if left is not None and left.port is not None and left.against is not None:
         place = (left.port, left.against)
-        if shape is None or (shape.port, shape.against) != place:
+        if shape is None or (shape.port, shape.against.partition(",")[0]) != place:
             port, against = map(words, place)
             return f": it acts at the {port} port and depends on the {against}"
     if shape is None or not shape.y:

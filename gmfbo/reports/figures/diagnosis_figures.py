@@ -97,8 +97,8 @@ def latent_shape(diagnosis: Diagnosis) -> Figure:
     shape = diagnosis.shape
     if shape is None:
         raise InputError(
-            f"expected a diagnosis outside the library, got '{diagnosis.verdict}', which has no "
-            "inferred shape; plot before_and_after instead"
+            f"expected a diagnosis with an inferred shape, got one of the verdict "
+            f"'{diagnosis.verdict}' that has none; plot before_and_after instead"
         )
     figure = new_figure(7.0, 4.0)
     axis = figure.subplots()

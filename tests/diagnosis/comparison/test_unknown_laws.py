@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from gmfbo.diagnosis.comparison.inadequacy import motion_of, through_loop
 from gmfbo.diagnosis.comparison.numbers import NAMED, TORQUE_TIME
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
-from gmfbo.diagnosis.comparison.unknown.curve import Curve
+from gmfbo.diagnosis.comparison.unknown.curve import DrawnFunction
 from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, fitted_with
 from gmfbo.diagnosis.comparison.unknown.kinds import kinds
 from gmfbo.recordings.recording import Recording
@@ -108,7 +109,7 @@ def test_a_law_over_the_position_is_seen_and_its_state_told(dragged: Unknown) ->
     assert (dragged.port, dragged.against) == ("torque", "position")
 
 
-def covered(curve: Curve, truth: Array) -> float:
+def covered(curve: DrawnFunction, truth: Array) -> float:
     """Share of the points at which the band holds the truth; a hundredth of it is no difference."""
     slack = 0.01 * float(np.abs(truth).max())
     return float(np.mean(np.abs(curve.y - truth) <= curve.half + slack))
@@ -116,6 +117,7 @@ def covered(curve: Curve, truth: Array) -> float:
 
 def test_the_curve_is_the_law_without_what_parameters_make_of_it(dragged: Unknown) -> None:
     curve, fitted = dragged.function.curve(), dragged.function.fitted
+    assert curve is not None
     assert curve.against == "position, in proportion to the velocity (at its largest)"
     fast = motion_of(dragged.function.problem, fitted.left).fast
     truth = -0.01 * fast * np.cos(20.0 * curve.x)
@@ -127,13 +129,35 @@ def test_the_curve_is_the_law_without_what_parameters_make_of_it(dragged: Unknow
     assert np.median(curve.half) < 0.2 * np.abs(truth).max()
 
 
+def test_what_is_no_function_of_one_state_is_not_drawn_as_one(dragged: Unknown) -> None:
+    """The same torque as one of position and velocity, and as one of position alone."""
+    function = dragged.function
+    kind, row = function.fitted.kind, function.fitted.left
+    states = [run.response.states for run in row.runs]
+    for port_signals, against in (
+        ([s["position"] * s["velocity"] for s in states], "velocity"),
+        ([s["velocity"] * np.sin(9.0 * s["position"]) for s in states], "position"),
+    ):
+        plain = replace(
+            kind,
+            against=against,
+            ways=(("", [np.ones(own.size) for own in port_signals]),),
+            signals=[own[None] for own in port_signals],
+        )
+        columns = [c[:1] for c in function.fitted.columns]
+        fitted = replace(function.fitted, kind=plain, columns=columns, amplitudes=np.ones(1))
+        assert replace(function, fitted=fitted).curve() is None
+
+
 def test_a_recording_without_part_in_the_fit_is_foretold(dragged: Unknown) -> None:
     function = dragged.function
     problem, base = function.problem, function.fitted.row
     records = problem.simulations.records
     without = problem.simulations.run([problem.point(base.hypothesis, base.x)])[0]
     for k, record in enumerate(records):
-        foretold = function.played([k])[k]
+        played = function.played([k])
+        assert played is not None
+        foretold = played[k]
         before, after = (
             float(np.sum((signal.values - run.signals[i]) ** 2))
             for run in (without[k], foretold)
@@ -149,6 +173,7 @@ def test_a_curve_over_the_velocity_has_no_slope_that_friction_makes() -> None:
         found = unknown_beside(stated.search, *stated.run())
     assert found is not None
     curve = found.function.curve()
+    assert curve is not None
     assert curve.against == "velocity"
     truth, weights = -2e-3 * curve.x**3, curve.half**-2
     truth += curve.x * (weights @ (curve.x * (curve.y - truth)) / (weights @ curve.x**2))

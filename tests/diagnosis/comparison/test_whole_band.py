@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -98,6 +100,27 @@ def test_where_a_command_saturates_the_torque_that_is_missing_is_not_exaggerated
     residuals = [after_saturation(rng, torque) for _ in own]
     still = [np.zeros((2, ROWS)) for _ in own]
     levels = Levels({"sensor": 1e-9}, {"position": 2e-6, "command": 1e-3})
-    found = inadequate(KERNELS, own, residuals, still, levels, CARED)
-    assert 0.5 * torque < found.ports["torque"] < 1.1 * torque
-    assert 0.1 * torque < found.astray["torque"] < 1.1 * torque
+    least = replace(levels.with_ports(**CARED), astray={"torque": 1e-7})
+    loud = replace(levels.with_ports(torque=0.3), astray={"torque": 0.3})
+    for near in (None, least, loud):
+        found = inadequate(KERNELS, own, residuals, still, levels, CARED, near)
+        assert 0.5 * torque < found.ports["torque"] < 1.1 * torque
+        assert 0.1 * torque < found.astray["torque"] < 1.1 * torque
+        assert found.own["position"] < 2e-5
+
+
+def test_of_a_command_that_answers_nothing_all_is_astray() -> None:
+    """From any start: the rotor's position moves, its controller's command does not."""
+    rng = np.random.default_rng(4)
+    time = np.linspace(0.0, STEP * (ROWS - 1), ROWS)
+    own = [Segment(k, NAMES, time, (time, time)) for k in range(3)]
+    residuals = [after_saturation(rng, 2e-2) for _ in own]
+    for signals in residuals:
+        signals[1] = 1e-3 * rng.standard_normal(ROWS)
+    still = [np.zeros((2, ROWS)) for _ in own]
+    levels = Levels({"sensor": 1e-9}, {"position": 2e-6, "command": 1e-3})
+    least = replace(levels.with_ports(**CARED), astray={"torque": 1e-7})
+    for near in (None, least):
+        found = inadequate(KERNELS, own, residuals, still, levels, CARED, near)
+        assert found.astray["torque"] > 30.0 * found.ports["torque"]
+        assert found.own["position"] < 2e-5

@@ -298,7 +298,8 @@ def test_an_inferred_curve_is_cancelled_as_it_was_drawn() -> None:
     diagnosis = replace(diagnosis_of({}), verdict="outside_library", shape=shape)
     found = compensation_of(diagnosis, "found")
     assert found.value("torque", {"velocity": np.array([0.5])}) == pytest.approx([0.15])
-    in_time = replace(diagnosis, shape=replace(shape, against="time"))
+    against = "position, with the sign of the velocity"
+    in_time = replace(diagnosis, shape=replace(shape, against=against))
     with pytest.raises(InputError, match="no function of one state"):
         compensation_of(in_time, "found")
 

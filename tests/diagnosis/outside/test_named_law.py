@@ -6,15 +6,31 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.outside.named_law import inferred_beside_law
+from gmfbo.diagnosis.outside.state_features import hats, hinges
 from gmfbo.diagnosis.result.whereabouts import Shape
 from gmfbo.physics import CATALOGUE, Units
 from tests.diagnosis.port_cases import PortCase, open_servo, port_case
 
 LEVEL = 0.05
+
+
+@given(st.lists(st.floats(-5.0, 5.0), min_size=1, max_size=30))
+def test_hats_add_up_to_one_everywhere(values: list[float]) -> None:
+    knots = np.array([-2.0, -0.5, 0.0, 1.0, 3.0])
+    np.testing.assert_allclose(hats(np.array(values), knots).sum(axis=0), 1.0)
+
+
+def test_hinges_without_bends_are_straight_lines() -> None:
+    knots = np.array([0.0, 1.0, 4.0, 6.0])
+    turn = hinges(knots)
+    np.testing.assert_allclose(turn @ [2.0, 3.0, 0.0, 0.0], 2.0 + 3.0 * knots / 6.0)
+    assert abs(np.linalg.det(turn)) > 0.0
 
 
 @pytest.fixture(scope="module")

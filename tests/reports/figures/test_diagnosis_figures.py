@@ -59,7 +59,7 @@ def test_what_cannot_be_drawn_is_refused_with_a_cure() -> None:
         before_and_after(replace(friction(), curves=()))
     with pytest.raises(InputError, match=r"got 'x\.csv'; known are rec3\.csv"):
         before_and_after(friction(), "x.csv")
-    with pytest.raises(InputError, match="got 'missing_physics', which has no inferred shape"):
+    with pytest.raises(InputError, match="verdict 'missing_physics' that has none"):
         latent_shape(friction())
     with pytest.raises(InputError, match="expected a diagnosis with scored signals"):
         error_table(replace(friction(), fit=replace(FIT, signals={})))

@@ -48,6 +48,10 @@ class Levels:
         """The same with other levels at some ports."""
         return replace(self, ports={**self.ports, **levels})
 
+    def missing(self, port: str) -> float:
+        """[FMU's unit] What is missing at a port, with what goes astray."""
+        return float(np.hypot(self.ports.get(port, 0.0), self.astray.get(port, 0.0)))
+
     def of(self, name: str) -> float:
         """Level of a place, as `estimated` names them."""
         kind, _, which = name.partition(":")

@@ -1,8 +1,9 @@
 """Levels over the whole band of a residual: what is missing at the ports, and hidden white noise.
 
 What is missing reaches the signals by the ports' paths, which hold where the loop is linear: part
-of it may reach each signal by itself. Else what a saturated command does not send on would be
-taken for hundredths of a torque many times as large (hobby servo, notebook 03c: 5 V for 0.2 V).
+of it may reach each signal by itself. A hundredth of a path is uncertain in any case, so that the
+errors of a saturated command, which go no path, fitted a disturbance a hundred times as large
+(hobby servo, notebook 03c: 5 V for 0.2 V).
 
 What the controller reads may hide the logger's own noise where levels of noise are read, at high
 frequencies, and not below. There it must not be taken for a torque that the twin lacks (development
@@ -11,7 +12,7 @@ draw, 072: own noise of the command looked like 2 mN m of torque, in which frict
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -62,7 +63,7 @@ def inadequate(
     least : mapping of str to float
         [FMU's unit] By port, the level below which nobody cares.
     near : Levels, optional
-        Where the search begins, beside nothing missing; without it many starts are tried.
+        Where the search begins too.
     """
     ports = [port for port in least if port in kernels.kernels]
     if not ports:
@@ -78,25 +79,35 @@ def inadequate(
 
     quiet = np.where([name == "port:sensor" for name in free], high, low)
     own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
-    if near is None:
-        steps = np.arange(0.0, -np.log(TOLERANCE), _STEP)
-        rest = np.zeros(low.size - len(ports))
-        grid = [np.append(c, rest) for c in product(steps, repeat=len(ports))]
-        pushed = min((quiet + c for c in grid), key=lambda x: nll(x)[0])
-    else:
-        pushed = np.log(np.clip([near.of(name) for name in free], np.exp(low), np.exp(high)))
-    starts = [pushed, quiet + own]
-    if apart:
-        part = pushed.copy()
-        for i, port in enumerate(ports):
-            part[free.index(f"astray:{port}")] = pushed[i] - _STEP
-        starts.append(part)
+    starts = [min(_pushed(quiet, free, len(ports)), key=lambda x: nll(x)[0]), quiet + own]
+    if near is not None:
+        starts.append(np.log(np.clip([near.of(name) for name in free], np.exp(low), np.exp(high))))
     bounds = list(zip(low, high, strict=True))
     tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
     best = min(tried, key=lambda found: float(found.fun))
     for name, value in zip(free, np.exp(best.x), strict=True):
         levels = with_level(levels, name, float(value))
     return levels
+
+
+def _pushed(quiet: Array, free: Sequence[str], ports: int) -> Iterator[Array]:
+    """Levels at the ports of which one may be near the right ones.
+
+    All of what is missing goes the ports' paths, an eighth of it astray, or all but as little.
+    """
+    steps = np.arange(0.0, -np.log(TOLERANCE), _STEP)
+    astray = [i for i, name in enumerate(free) if name.startswith("astray:")]
+    for levels in product(steps, repeat=ports):
+        pushed = quiet.copy()
+        pushed[:ports] += levels
+        yield pushed
+        if not astray:
+            continue
+        for least in (0.0, _STEP):
+            split = pushed.copy()
+            split[astray] = np.maximum(split[:ports] + least - _STEP, quiet[astray])
+            split[:ports] = np.maximum(split[:ports] - least, quiet[:ports])
+            yield split
 
 
 def _ranges(

@@ -32,6 +32,7 @@ from gmfbo.diagnosis.comparison.unknown.fitted import (
     of_unit_size,
 )
 from gmfbo.diagnosis.comparison.unknown.kinds import Kind, kinds
+from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
 
@@ -95,6 +96,7 @@ class _Tried:
     found: WithUnknown
     own: Ledger
     score: float
+    under: Whitening
     size: float
 
     @property
@@ -150,7 +152,7 @@ class _Beside:
         if probability < NAMED:
             return None
         kind = now.found.kind
-        function = FreeFunction(self._search.problem, now.own.whitening, now.found, now.size)
+        function = FreeFunction(self._search.problem, now.under, now.found, now.size)
         return Unknown(
             kind.port, kind.against, probability, float(odds.mean()), now.elements, function
         )
@@ -214,13 +216,14 @@ class _Beside:
         start = WithUnknown(kind, self._columns(kind), row, np.zeros(kind.count))
         own, best = search.noise.alone(row, self._ledger), None
         for _ in range(_LEVELS):
-            found = fitted_with(search.problem, own.whitening, row, start, size)
+            under, used = own.whitening, size
+            found = fitted_with(search.problem, under, row, start, used)
             own = search.noise.alone(found.left, self._ledger)
             sized = self._sized(found, own, self._once)
             score = float(sized.log_evidences[0]) + self._prior(row.elements)
             if best is not None and score < best.score + WORTH:
                 break
-            best, start, size = _Tried(found, own, score, sized.size), found, sized.size
+            best, start, size = _Tried(found, own, score, under, used), found, sized.size
         assert best is not None
         search.log(
             f"{kind.port} over {kind.against} ({kind.count}) beside {sorted(row.elements)}: "

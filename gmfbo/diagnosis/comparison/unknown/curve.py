@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.inadequacy import ends_of, motion_of
-from gmfbo.diagnosis.comparison.numbers import UNLIKE
+from gmfbo.diagnosis.comparison.numbers import MOST, UNLIKE
+from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, played_without
 from gmfbo.diagnosis.comparison.whitener import Whitening
@@ -18,13 +19,13 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 _POINTS = 101  # of a drawn curve, at most: two and a half a bump of the finest
-_HARDLY = 1e-3  # of the rows that most bins have: too few for a point
+_HARDLY = 0.01  # of the rows of the middle bin: too few for a point
 _TWO_SIDED = 1.96  # 95 % of a normal distribution
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """A function of one state, with its band.
+class DrawnFunction:
+    """A function of one state, with its band by noise.
 
     Attributes
     ----------
@@ -53,7 +54,7 @@ class FreeFunction:
     problem : Problem
         Recordings and simulators.
     whitening : Whitening
-        By the noise that it leaves.
+        By noise, under which it was fitted.
     fitted : WithUnknown
         With the row of laws beside it.
     size : float
@@ -65,8 +66,8 @@ class FreeFunction:
     fitted: WithUnknown
     size: float
 
-    def played(self, left_out: Collection[int]) -> list[Simulated]:
-        """The recordings simulated with it, some of them without a part in its fit.
+    def played(self, left_out: Collection[int]) -> list[Simulated] | None:
+        """The recordings simulated with it, some of them without a part in its fit, or None.
 
         Parameters
         ----------
@@ -75,20 +76,21 @@ class FreeFunction:
         """
         return played_without(self.problem, self.whitening, self.fitted, self.size, left_out)
 
-    def curve(self) -> Curve:
-        """The function over its state, less what the twin's parameters can make of it.
+    def curve(self) -> DrawnFunction | None:
+        """The function over its state, less what quantities of the row make as well.
 
-        A function of more than that state is drawn as the curve that comes nearest to it, with
-        the sign of a rate where that comes nearer.
+        A function of more than that state is drawn as the curve that comes nearest to it, where
+        that holds most of it; with the sign of a rate where that comes nearer.
         """
-        kind, (values, covariance) = self.fitted.kind, self._apart_from_parameters()
+        kind, (values, covariance) = self.fitted.kind, self._apart_from_the_row()
         along, signals = self._along(), np.concatenate(kind.signals, axis=1)
         bins = _Bins.over(along, is_speed=kind.against == "velocity")
-        nearest, shown = None, -1.0
+        nearest, shown = None, MOST * float(bins.sums((values @ signals) ** 2).sum())
         for words, factors in kind.ways:
             factor = np.concatenate(factors)
             squares = bins.sums(factor**2)
-            held = squares > _HARDLY * squares.max()
+            held = squares > 0.0
+            held &= squares > _HARDLY * np.median(squares[held] if held.any() else squares)
             turn = np.stack([bins.sums(factor * own)[held] for own in signals], axis=1)
             turn /= squares[held, None]
             x, y = bins.sums(factor**2 * along)[held] / squares[held], turn @ values
@@ -96,8 +98,7 @@ class FreeFunction:
                 continue
             shown = float(squares[held] @ y**2)
             spread = np.sqrt(np.maximum(np.sum((turn @ covariance) * turn, axis=1), 0.0))
-            nearest = Curve(f"{kind.against}{words}", x, y, _TWO_SIDED * spread)
-        assert nearest is not None
+            nearest = DrawnFunction(f"{kind.against}{words}", x, y, _TWO_SIDED * spread)
         return nearest
 
     def _along(self) -> Array:
@@ -108,11 +109,11 @@ class FreeFunction:
         is_speed = self.fitted.kind.against == "velocity"
         return np.concatenate(motion.velocities if is_speed else motion.positions)
 
-    def _apart_from_parameters(self) -> tuple[Array, Array]:
+    def _apart_from_the_row(self) -> tuple[Array, Array]:
         """Amplitudes and their covariance, without what quantities of the row make as well.
 
         A slope over the velocity is viscous friction: with that among the parameters, the
-        recordings only tell the rest.
+        recordings only tell the rest. A quantity at its bound makes no more.
         """
         left, amplitudes = self.fitted.left, self.fitted.amplitudes
         own = left.beside_own_parts(self.whitening)
@@ -125,7 +126,10 @@ class FreeFunction:
         weights = gram[q:, q:] + np.diag(prior[q:])
         made = np.linalg.solve(weights, gram[q:, :p])
         size = np.diag(gram)[:p]
-        alike = made[:, size - np.einsum("np,np->p", gram[q:, :p], made) < UNLIKE * size]
+        unlike = size - np.einsum("np,np->p", gram[q:, :p], made)
+        low, high = bounds_of(left.priors).T
+        moves = np.minimum(left.u - low, high - left.u) > 1e-3 * (high - low)
+        alike = made[:, (unlike < UNLIKE * size) & moves]
         if not alike.shape[1]:
             return amplitudes, covariance
         onto = np.linalg.lstsq(alike.T @ weights @ alike, alike.T @ weights, rcond=None)[0]

@@ -199,17 +199,18 @@ def played_without(
     at: WithUnknown,
     size: float,
     left_out: Collection[int],
-) -> list[Simulated]:
+) -> list[Simulated] | None:
     """The recordings simulated with a free function that some of them have no part in.
 
-    What the others ask for is one linear step away from the values that all of them gave.
+    What the others ask for is one linear step away from the values that all of them gave. None
+    where the twin cannot be simulated there.
 
     Parameters
     ----------
     problem : Problem
         Recordings and simulators.
     whitening : Whitening
-        By noise, under which all were fitted.
+        By noise, under which it was fitted.
     at : WithUnknown
         Fitted to all.
     size : float
@@ -227,9 +228,15 @@ def played_without(
             continue
         j = np.concatenate([columns, bumps]).reshape(len(prior), -1)
         matrix, slope = matrix + j @ j.T, slope + j @ z.ravel()
+    if at.left.own.size:
+        common = at.left.own.copy()
+        common[list(left_out)] = 0.0  # what they had of their own was read of them
+        at = replace(at, left=replace(at.left, own=common))
     if left_out:
         moved = _moved(problem, at, _step(matrix, slope, _longest_steps(at)), ())
-        at = at if moved is None else moved
+        if moved is None:
+            return None
+        at = moved
     return _played(problem, at.left, at.kind, at.amplitudes)
 
 

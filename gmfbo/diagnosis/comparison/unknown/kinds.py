@@ -73,6 +73,9 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
         of_speed = (*plain, (", with the sign of the acceleration", _signs(turning)))
         of_place = (*plain, (", with the sign of the velocity", _signs(moving)))
         in_proportion = ((", in proportion to the velocity (at its largest)", shares),)
+        passed = _passed(problem)
+        growing = [own * share for own, share in zip(over_speed, passed, strict=True)]
+        in_time = ((", in proportion to the time since the start (at the end)", passed),)
         made += [
             Kind("torque", "velocity", over_speed, plain),
             Kind("torque", "velocity", _each_way(over_speed, turning), of_speed),
@@ -80,6 +83,7 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
             Kind("torque", "position", _each_way(over_position, moving), of_place),
             Kind("torque", "position", dragged, in_proportion),
             Kind("torque", "velocity", both, plain),
+            Kind("torque", "velocity", growing, in_time),
         ]
     states = [run.response.states for run in row.runs]
     if "command" in ports and all("command" in own for own in states):
@@ -94,6 +98,13 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
     if "sensor" in ports and kernels.controller is None:
         made.append(Kind("sensor", "position", over_position, plain))
     return made
+
+
+def _passed(problem: Problem) -> list[Array]:
+    """Time since the start of each recording, of the longest one's."""
+    grids = [record.plan.grid for record in problem.simulations.records]
+    longest = max(float(grid[-1] - grid[0]) for grid in grids)
+    return [(grid - grid[0]) / longest for grid in grids]
 
 
 def _over(columns: Sequence[Array], count: int) -> list[Array]:
