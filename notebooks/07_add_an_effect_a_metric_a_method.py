@@ -149,9 +149,10 @@ with FmuTwin(folder / "found" / "augmented.toml") as better:
 print(sizes, followed.status)
 
 # %% [markdown]
-# The same without it in the library: something is missing, and no known law gets the blame for it.
-# What is left is a curve over the position, which shows what kind of law to write. A curve is no
-# equation, though: it says nothing beyond the positions that were reached, and goes into no FMU.
+# The same without it in the library: something is missing that no known law explains, and the nearest
+# laws are called no more than that. What is left is a curve over the position, which shows what kind
+# of law to write. A curve is no equation, though: it says nothing beyond the positions that were
+# reached, and goes into no FMU.
 
 # %%
 without = diagnose(AXIS, recordings[:2], recordings[2:], exclude=["cubic_spring"])
@@ -281,7 +282,7 @@ assert abs(named.parameters["stiffness"].value - BELLOWS) < 0.05 * BELLOWS
 assert sizes == ["physics.cubic_spring.stiffness"]
 assert followed.status == "ok"
 assert without.verdict == "outside_library"
-assert without.effects == ()
+assert all(effect.set_probability <= 0.8 for effect in without.effects)  # the nearest
 assert without.shape is not None
 assert without.shape.against == "position"
 assert ("cubic_spring", "excluded by the user") in {(n.name, n.why) for n in without.not_testable}

@@ -134,7 +134,7 @@ class Search:
     def _with_unknown(self, decision: Decision, split: Split) -> list[Simulated] | None:
         """The recordings with a free function, of which held-out ones have no part in the fit.
 
-        None without such a function, or where stretches are held out of recordings it was fitted to.
+        None without such a function, or where only stretches of recordings are held out.
         """
         if decision.shown_unknown is None:
             return None

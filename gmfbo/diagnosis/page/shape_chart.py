@@ -37,9 +37,7 @@ def inferred_shape(diagnosis: Findings) -> str:
             "the law has the right shape."
         )
     else:
-        told = (
-            f"{what}, fitted as a smooth function with no law in mind. Its band is that of noise."
-        )
+        told = f"{what}, fitted as a smooth function with no law in mind; its band is of noise."
         if diagnosis.shape is not None:
             told += (
                 " It acts beside the named laws."
