@@ -149,10 +149,10 @@ with FmuTwin(folder / "found" / "augmented.toml") as better:
 print(sizes, followed.status)
 
 # %% [markdown]
-# The same without it in the library: something is missing that no known law explains, and the nearest
-# laws are called no more than that. What is left is a curve over the position, which shows what kind
-# of law to write. A curve is no equation, though: it says nothing beyond the positions that were
-# reached, and goes into no FMU.
+# The same without it in the library: something is missing that no known law explains, and the
+# nearest laws are called no more than that. What is left is a curve over the position, which shows
+# what kind of law to write. A curve is no equation, though: it says nothing beyond the positions
+# that were reached, and goes into no FMU.
 
 # %%
 without = diagnose(AXIS, recordings[:2], recordings[2:], exclude=["cubic_spring"])
