@@ -167,6 +167,7 @@ def test_a_recording_without_part_in_the_fit_is_foretold(dragged: Unknown) -> No
         assert after < 0.3 * before
 
 
+@pytest.mark.slow
 def test_a_curve_over_the_velocity_has_no_slope_that_friction_makes() -> None:
     with opened(recordings(cubic_drag)) as case:
         stated = comparison_of(case, [])
