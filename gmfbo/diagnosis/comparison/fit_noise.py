@@ -162,14 +162,13 @@ class FitNoise:
 
     def cared_about(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise, and the least inadequacy that anybody cares about."""
-        levels = replace(ledger.levels.with_ports(**self.cared), astray={})
+        levels = ledger.levels.with_missing(**self.cared)
         return self.whitening(fitted, ledger.kernels, levels, ledger.errors)
 
     def quiet(self, fitted: Fitted, ledger: Ledger) -> Whitening:
         """Whitening by a ledger's noise alone, without any inadequacy."""
-        levels = ledger.levels
-        ports = dict.fromkeys(set(levels.ports) - {"sensor"}, 0.0)
-        levels = replace(levels.with_ports(**ports), astray={})
+        nothing = dict.fromkeys(set(ledger.levels.ports) - {"sensor"}, 0.0)
+        levels = ledger.levels.with_missing(**nothing)
         return self.whitening(fitted, ledger.kernels, levels, ledger.errors)
 
     def share(self, base: Fitted, row: Fitted, ledger: Ledger) -> float | None:

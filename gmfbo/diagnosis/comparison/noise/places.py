@@ -48,6 +48,10 @@ class Levels:
         """The same with other levels at some ports."""
         return replace(self, ports={**self.ports, **levels})
 
+    def with_missing(self, **levels: float) -> Levels:
+        """The same with other levels at some ports, and nothing astray."""
+        return replace(self.with_ports(**levels), astray={})
+
     def missing(self, port: str) -> float:
         """[FMU's unit] What is missing at a port, with what goes astray."""
         return float(np.hypot(self.ports.get(port, 0.0), self.astray.get(port, 0.0)))

@@ -116,13 +116,12 @@ class FreeFunction:
         recordings only tell the rest. A quantity at its bound makes no more.
         """
         left, amplitudes = self.fitted.left, self.fitted.amplitudes
-        own = left.beside_own_parts(self.whitening)
-        blocks = zip(own(left.columns), own(self.fitted.columns), strict=True)
-        flat = [np.concatenate([a, b]).reshape(len(a) + len(b), -1) for a, b in blocks]
+        flat = self.fitted.blocks(left.beside_own_parts(self.whitening))
         gram = sum((j @ j.T for j in flat), np.zeros((len(flat[0]), len(flat[0]))))
         p, q = left.u.size, left.curvatures.size
         prior = np.concatenate([left.curvatures, np.full(amplitudes.size, self.size**-2)])
-        covariance = np.linalg.inv(gram + np.diag(prior))[q:, q:]
+        inverse: Array = np.linalg.inv(gram + np.diag(prior)).astype(np.float64)
+        covariance = inverse[q:, q:]
         weights = gram[q:, q:] + np.diag(prior[q:])
         made = np.linalg.solve(weights, gram[q:, :p])
         size = np.diag(gram)[:p]

@@ -80,6 +80,21 @@ class WithUnknown:
         played = np.concatenate([self.amplitudes @ signals for signals in self.kind.signals])
         return float(np.sqrt(np.mean(played**2))) / self.kind.unit
 
+    def blocks(self, whitening: Whitening) -> list[Array]:
+        """Whitened changes per quantity and nuisance of the row, then per function, by segment.
+
+        Parameters
+        ----------
+        whitening : Whitening
+            By noise, with the row's own parts beside.
+
+        Returns
+        -------
+        list of ndarray, shape (p + q + c, m n)
+        """
+        pairs = zip(whitening(self.left.columns), whitening(self.columns), strict=True)
+        return [np.concatenate([a, b]).reshape(len(a) + len(b), -1) for a, b in pairs]
+
     def sized(
         self,
         problem: Problem,
@@ -163,11 +178,7 @@ def fitted_with(
     whitening = row.beside_own_parts(whitening)
     quiet = problem.values(_played(problem, row, start.kind, np.zeros(start.kind.count)))
     heard = [own - still for own, still in zip(row.values, quiet, strict=True)]
-    columns = [
-        np.concatenate([a, b])
-        for a, b in zip(whitening(row.columns), whitening(start.columns), strict=True)
-    ]
-    flat = [c.reshape(c.shape[0], -1) for c in columns]
+    flat = start.blocks(whitening)
     prior = np.concatenate([row.curvatures, np.full(len(start.amplitudes), size**-2)])
     matrix = sum((j @ j.T for j in flat), np.diag(prior))
     at, cost = start, _cost(whitening, start, size)
@@ -218,26 +229,31 @@ def played_without(
     left_out : collection of int
         Recordings that have no part.
     """
-    own = at.left.beside_own_parts(whitening)
-    prior = np.concatenate([at.left.curvatures, np.full(len(at.amplitudes), size**-2)])
-    matrix = np.diag(prior)
-    slope = -np.concatenate([at.left.slopes, at.amplitudes / size**2])
-    blocks = (own(at.left.residual), own(at.left.columns), own(at.columns))
-    for segment, z, columns, bumps in zip(problem.segments, *blocks, strict=True):
-        if segment.record in left_out:
-            continue
-        j = np.concatenate([columns, bumps]).reshape(len(prior), -1)
-        matrix, slope = matrix + j @ j.T, slope + j @ z.ravel()
-    if at.left.own.size:
-        common = at.left.own.copy()
-        common[list(left_out)] = 0.0  # what they had of their own was read of them
-        at = replace(at, left=replace(at.left, own=common))
     if left_out:
-        moved = _moved(problem, at, _step(matrix, slope, _longest_steps(at)), ())
+        own = at.left.beside_own_parts(whitening)
+        matrix = np.diag(np.concatenate([at.left.curvatures, np.full(at.kind.count, size**-2)]))
+        slope = -np.concatenate([at.left.slopes, at.amplitudes / size**2])
+        for segment, z, j in zip(
+            problem.segments, own(at.left.residual), at.blocks(own), strict=True
+        ):
+            if segment.record not in left_out:
+                matrix, slope = matrix + j @ j.T, slope + j @ z.ravel()
+        moved = _moved(
+            problem, _without_own(at, left_out), _step(matrix, slope, _longest_steps(at)), ()
+        )
         if moved is None:
             return None
         at = moved
     return _played(problem, at.left, at.kind, at.amplitudes)
+
+
+def _without_own(at: WithUnknown, records: Collection[int]) -> WithUnknown:
+    """The same without own parts of some recordings, which were read of them."""
+    if not at.left.own.size:
+        return at
+    common = at.left.own.copy()
+    common[list(records)] = 0.0
+    return replace(at, left=replace(at.left, own=common))
 
 
 def _longest_steps(at: WithUnknown) -> tuple[Array, Array]:
