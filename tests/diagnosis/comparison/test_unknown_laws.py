@@ -167,6 +167,23 @@ def test_a_recording_without_part_in_the_fit_is_foretold(dragged: Unknown) -> No
         assert after < 0.3 * before
 
 
+def test_own_parts_of_a_recording_do_not_foretell_it(dragged: Unknown) -> None:
+    """They were read of it: without a part in the fit it is run at the common values."""
+    function = dragged.function
+    left = function.fitted.left
+    shape = (len(function.problem.simulations.records), left.u.size)
+    runs = []
+    for size in (0.0, 0.5):
+        own = np.zeros(shape)
+        own[1] = size
+        fitted = replace(function.fitted, left=replace(left, own=own))
+        played = replace(function, fitted=fitted).played([1])
+        assert played is not None
+        runs.append(played[1].signals)
+    for without, with_own in zip(*runs, strict=True):
+        np.testing.assert_array_equal(without, with_own)
+
+
 @pytest.mark.slow
 def test_a_curve_over_the_velocity_has_no_slope_that_friction_makes() -> None:
     with opened(recordings(cubic_drag)) as case:
