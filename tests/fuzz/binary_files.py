@@ -21,7 +21,7 @@ from gmfbo.recordings.store.pack import pack_study
 from gmfbo.recordings.store.seal import without_seal
 from gmfbo.recordings.store.study_folder import StudyStore
 from gmfbo.recordings.store.trial_file import trial_image
-from gmfbo.recordings.writing.hdf5_group import file_image, write_recording_group
+from gmfbo.recordings.writing.hdf5_group import file_image, recording_content, write_content
 from tests.fuzz.mutation import byte_changes
 from tests.recordings.store.example_trials import example_trial
 
@@ -158,7 +158,8 @@ def _hdf5_corpus() -> list[bytes]:
     plain = make_hdf5(columns, random.Random(0))
     packed = make_hdf5({"time": TIME, "a": TIME}, random.Random(3))
     trial = trial_image(example_trial(1, rows=_ROWS))
-    run = file_image(lambda root: write_recording_group(root, example_trial(3, rows=9).recording))
+    content = recording_content(example_trial(3, rows=9).recording)
+    run = file_image(lambda root: write_content(root, content))
     return [plain, packed, trial, run, _packed()]
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 def group_content(
     group: Any, attributes: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Read a group written by `gmfbo.recordings.writing.hdf5_group.write_recording_group`.
+    """Read a group of `gmfbo.recordings.writing.hdf5_group.recording_content`.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def group_content(
 
 
 def is_recording_group(group: Any) -> bool:
-    """Whether this group has the layout of `write_recording_group`."""
+    """Whether this group has the layout of `recording_content`."""
     return "layout" in group.attrs and "signals" in group.attrs
 
 

@@ -19,7 +19,7 @@ from gmfbo.recordings.store.seal import read_seal, sealed
 from gmfbo.recordings.store.study_reading import FolderReading
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.recordings.store.trial_file import check_digest, read_trial_group, write_trial_group
-from gmfbo.recordings.writing.hdf5_group import DIGEST, file_image, group_digest
+from gmfbo.recordings.writing.hdf5_group import DIGEST, content_digest, content_of, file_image
 
 
 def pack_study(folder: str | Path, path: str | Path) -> Path:
@@ -75,9 +75,7 @@ def pack_record(record: StudyRecord, path: str | Path) -> Path:
 
     def write(trials: Any) -> None:
         for trial in record.trials:
-            group = trials.create_group(trial_name(trial.number))
-            write_trial_group(group, trial)
-            group.attrs[DIGEST] = group_digest(group)
+            write_trial_group(trials.create_group(trial_name(trial.number)), trial)
 
     return _write_pack(target, target.stem, record.study_text, record.event_lines, write)
 
@@ -109,7 +107,7 @@ def _copy_trial(study: FolderReading, number: int, trials: Any) -> None:
     with h5py.File(study.trial_path(number), "r", locking=False) as file:
         trials.copy(file["/"], trial_name(number))
     packed = trials[trial_name(number)]
-    packed.attrs[DIGEST] = group_digest(packed)  # a file of an early version has none
+    packed.attrs[DIGEST] = content_digest(content_of(packed))  # a file of an early version has none
 
 
 class PackedReading:

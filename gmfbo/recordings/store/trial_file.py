@@ -21,12 +21,13 @@ from gmfbo.recordings.store.seal import read_seal, sealed
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.recordings.writing.hdf5_group import (
     DIGEST,
+    GroupContent,
+    content_digest,
+    content_of,
     file_image,
-    group_digest,
-    write_column,
-    write_recording_group,
-    write_texts,
-    write_values,
+    recording_content,
+    texts,
+    write_content,
 )
 
 _OPTIONAL = ("parent", "sigma_c", "accepted", "late_error")
@@ -47,15 +48,11 @@ def software_versions() -> Mapping[str, str]:
 def trial_image(trial: Trial) -> bytes:
     """Bytes of the HDF5 file of one trial, with the seal that shows damage."""
 
-    def fill(root: Any) -> None:
-        write_trial_group(root, trial)
-        root.attrs[DIGEST] = group_digest(root)
-
-    return sealed(file_image(fill))
+    return sealed(file_image(lambda root: write_trial_group(root, trial)))
 
 
 def write_trial_group(group: Any, trial: Trial) -> None:
-    """Write a trial into an empty group: the root of its file.
+    """Write a trial and the digest of its content into an empty group: the root of its file.
 
     Parameters
     ----------
@@ -70,26 +67,32 @@ def write_trial_group(group: Any, trial: Trial) -> None:
     RecordingError
         Two columns have one name, or HDF5 cannot hold a name.
     """
-    attributes = group.attrs
-    # Before the columns: a file that is cut off loses its end.
+    content = _trial_content(trial)
+    content.attributes[DIGEST] = content_digest(content)
+    write_content(group, content)
+
+
+def _trial_content(trial: Trial) -> GroupContent:
+    content = recording_content(trial.recording)
+    attributes = content.attributes
     for key in ("number", "source", "objective", "status", "started", "seconds", "seed", "twin"):
         attributes[key] = getattr(trial, key)
     for key in _OPTIONAL:
         if getattr(trial, key) is not None:
             attributes[key] = getattr(trial, key)
     attributes["gains"] = np.array(list(trial.gains.values()), dtype=np.float64)
-    write_texts(group, "gain_names", list(trial.gains))
-    write_values(group, "metric", trial.metrics)
+    attributes["gain_names"] = texts(trial.gains)
+    content.add_values("metric", trial.metrics)
     for package, number in (trial.versions or software_versions()).items():
         attributes[f"version.{package}"] = number
-    write_texts(group, "uncorrected", list(trial.uncorrected))
-    write_texts(group, "std", list(trial.std))
-    write_recording_group(group, trial.recording)
+    attributes["uncorrected"] = texts(trial.uncorrected)
+    attributes["std"] = texts(trial.std)
     units = trial.recording.units
     for name, values in trial.uncorrected.items():
-        write_column(group, f"{name}_uncorrected", values, "uncorrected", units.get(name))
+        content.add_column(f"{name}_uncorrected", values, "uncorrected", units.get(name))
     for name, values in trial.std.items():
-        write_column(group, f"{name}_std", values, "std", units.get(name))
+        content.add_column(f"{name}_std", values, "std", units.get(name))
+    return content
 
 
 def read_trial_group(group: Any) -> Trial:
@@ -170,7 +173,7 @@ def check_digest(group: Any) -> None:
     RecordingError
         The digest differs or is missing.
     """
-    if group.attrs.get(DIGEST) != group_digest(group):
+    if group.attrs.get(DIGEST) != content_digest(content_of(group)):
         raise RecordingError("its content is not what was written")
 
 

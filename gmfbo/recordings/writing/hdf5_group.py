@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import h5py
@@ -20,6 +21,9 @@ DIGEST = "digest"
 LAYOUT = 1  # version of the layout below, attribute `layout`
 
 _NUMBER = h5py.h5t.py_create(np.dtype(np.float64))
+_TEXT_TYPE = h5py.string_dtype()
+_TEXT = h5py.h5t.py_create(_TEXT_TYPE, logical=True)
+_SCALAR = h5py.h5s.create_simple(())
 
 _names_in_memory = itertools.count()
 
@@ -36,95 +40,169 @@ def file_image(fill: Callable[[Any], None]) -> bytes:
         return bytes(file.id.get_file_image())
 
 
-def write_recording_group(group: Any, recording: Recording) -> None:
-    """Write one dataset a column, and other fields of the recording as attributes.
+@dataclass(frozen=True)
+class Dataset:
+    """Values of one dataset, None for a group, and its attributes."""
+
+    values: NDArray[Any] | None
+    attributes: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class GroupContent:
+    """All that an HDF5 group holds: its attributes, and datasets by their path in it."""
+
+    attributes: dict[str, Any] = field(default_factory=dict)
+    datasets: dict[str, Dataset] = field(default_factory=dict)
+
+    def add_column(
+        self, name: str, values: NDArray[np.float64], kind: str, unit: str | None
+    ) -> None:
+        """Add a dataset, shape (n,), with the attributes `kind` and, where known, `unit`.
+
+        Raises
+        ------
+        RecordingError
+            There is a column of this name.
+        """
+        if name in self.datasets:
+            raise RecordingError(
+                f"column '{name}': cannot be stored in HDF5, there are two columns of this name; "
+                "rename it"
+            )
+        attributes = {"kind": kind} if unit is None else {"kind": kind, "unit": unit}
+        self.datasets[name] = Dataset(np.ascontiguousarray(values, dtype=np.float64), attributes)
+
+    def add_values(self, prefix: str, values: Mapping[str, float]) -> None:
+        """Add each value as the attribute `<prefix>.<name>`."""
+        self.attributes.update({f"{prefix}.{name}": float(one) for name, one in values.items()})
+
+
+def texts(given: Iterable[str]) -> NDArray[Any]:
+    """List of texts, shape (n,), as an attribute holds it."""
+    array: NDArray[Any] = np.array(list(given), dtype=_TEXT_TYPE)
+    return array
+
+
+def recording_content(recording: Recording) -> GroupContent:
+    """One dataset a column, and other fields of the recording as attributes.
 
     Parameters
     ----------
-    group : h5py.Group
-        Empty group; the root of a trial file.
     recording : Recording
         Signals and parameter schedules become datasets with the attributes `kind` and `unit`.
 
     Raises
     ------
     RecordingError
-        Two columns have one name, or HDF5 cannot hold a name.
+        Two columns have one name.
     """
-    attributes = group.attrs
+    content = GroupContent()
+    attributes = content.attributes
     attributes["layout"] = LAYOUT
     for key in ("name", "start_time", "written_by"):
         attributes[key] = getattr(recording, key)
     if recording.use is not None:
         attributes["use"] = np.array(recording.use)
     # HDF5 lists datasets by name, so the order of the columns is stored.
-    attributes["signals"] = _texts(recording.signals)
-    attributes["schedules"] = _texts(recording.schedules)
-    write_values(group, "parameter", recording.parameters)
+    attributes["signals"] = texts(recording.signals)
+    attributes["schedules"] = texts(recording.schedules)
+    content.add_values("parameter", recording.parameters)
     if isinstance(recording, Trajectory):
         attributes["trajectory.status"] = recording.status
         attributes["trajectory.message"] = recording.message
         attributes["trajectory.seconds"] = recording.seconds
         if recording.stopped_at is not None:
             attributes["trajectory.stopped_at"] = recording.stopped_at
-    write_column(group, "time", recording.time, "time", "s")
+    content.add_column("time", recording.time, "time", "s")
     for name, values in recording.signals.items():
-        write_column(group, name, values, "signal", recording.units.get(name))
+        content.add_column(name, values, "signal", recording.units.get(name))
     for name, values in recording.schedules.items():
-        write_column(group, name, values, "schedule", recording.units.get(name))
+        content.add_column(name, values, "schedule", recording.units.get(name))
+    return content
 
 
-def write_column(
-    group: Any, name: str, values: NDArray[np.float64], kind: str, unit: str | None
-) -> None:
-    """Write one dataset, shape (n,), with the attributes `kind` and, where known, `unit`."""
-    try:
-        if any(part in ("", ".") for part in name.split("/")):
-            raise ValueError("a path that HDF5 would take for another")
-        dataset = group.create_dataset(name, data=np.asarray(values, dtype=np.float64))
-    except (ValueError, OSError, RuntimeError, TypeError) as error:
-        why = "there are two columns of this name" if name in group else "HDF5 refuses the name"
-        raise RecordingError(
-            f"column '{name}': cannot be stored in HDF5, {why}; rename it"
-        ) from error
-    dataset.attrs["kind"] = kind
-    if unit is not None:
-        dataset.attrs["unit"] = unit
+def write_content(group: Any, content: GroupContent) -> None:
+    """Write a group's content.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Empty group; the root of a trial file.
+    content : GroupContent
+        What it is to hold.
+
+    Raises
+    ------
+    RecordingError
+        HDF5 cannot hold a name.
+    """
+    # Before the columns: a file that is cut off loses its end.
+    _write_attributes(group, content.attributes)
+    for name, dataset in content.datasets.items():
+        try:
+            if any(part in ("", ".") for part in name.split("/")):
+                raise ValueError("a path that HDF5 would take for another")
+            written = group.create_dataset(name, data=dataset.values)
+        except (ValueError, OSError, RuntimeError, TypeError) as error:
+            raise RecordingError(
+                f"column '{name}': cannot be stored in HDF5, HDF5 refuses the name; rename it"
+            ) from error
+        _write_attributes(written, dataset.attributes)
 
 
-def write_values(group: Any, prefix: str, values: Mapping[str, float]) -> None:
-    """Write each value as the attribute `<prefix>.<name>`."""
-    scalar = h5py.h5s.create_simple(())
-    for name, value in values.items():
-        # As `group.attrs`, in a fifth of its time: a trial has a hundred attributes.
-        text = f"{prefix}.{name}".encode("utf-8", "surrogateescape")
-        attribute = h5py.h5a.create(group.id, text, _NUMBER, scalar)
-        attribute.write(np.array(value, dtype=np.float64))
+def _write_attributes(item: Any, attributes: Mapping[str, Any]) -> None:
+    """As `item.attrs` would, in a third of its time: a trial has a hundred attributes."""
+    for name, value in attributes.items():
+        if not isinstance(value, str | float):
+            item.attrs[name] = value
+            continue
+        kind, array = (
+            (_TEXT, np.array(value, dtype=_TEXT_TYPE))
+            if isinstance(value, str)
+            else (_NUMBER, np.array(value, dtype=np.float64))
+        )
+        key = name.encode("utf-8", "surrogateescape")
+        h5py.h5a.create(item.id, key, kind, _SCALAR).write(array)
 
 
-def write_texts(group: Any, name: str, texts: Mapping[str, Any] | list[str]) -> None:
-    """Write a list of texts as one attribute."""
-    group.attrs[name] = _texts(texts)
-
-
-def _texts(texts: Mapping[str, Any] | list[str]) -> NDArray[Any]:
-    array: NDArray[Any] = np.array(list(texts), dtype=h5py.string_dtype())
-    return array
-
-
-def group_digest(group: Any) -> str:
-    """BLAKE2b of all names and values of a group except its digest, whatever their layout."""
-    digest = hashlib.blake2b(digest_size=16)
+def content_of(group: Any) -> GroupContent:
+    """All that a group holds."""
+    content = GroupContent(dict(group.attrs))
 
     def add(name: str, item: Any) -> None:
-        digest.update(f"{name}\n".encode("utf-8", "surrogatepass"))
-        attributes = item.attrs
-        for key in sorted(set(attributes) - {DIGEST} if item == group else attributes):
-            value = np.asarray(attributes[key]).tolist()
-            digest.update(f"{key} = {value!r}\n".encode("utf-8", "surrogatepass"))
-        if isinstance(item, h5py.Dataset):
-            digest.update(np.ascontiguousarray(item[()]).tobytes())
+        values = item[()] if isinstance(item, h5py.Dataset) else None
+        content.datasets[name] = Dataset(values, dict(item.attrs))
 
-    add("", group)
-    group.visititems(add)  # in the order of the names
+    group.visititems(add)
+    return content
+
+
+def content_digest(content: GroupContent) -> str:
+    """BLAKE2b of all names and values except the digest, whatever their layout in HDF5."""
+    digest = hashlib.blake2b(digest_size=16)
+
+    def add(name: str, dataset: Dataset) -> None:
+        digest.update(f"{name}\n".encode("utf-8", "surrogatepass"))
+        for key, value in sorted(dataset.attributes.items()):
+            text = f"{key} = {np.asarray(value).tolist()!r}\n"
+            digest.update(text.encode("utf-8", "surrogatepass"))
+        if dataset.values is not None:
+            digest.update(np.ascontiguousarray(dataset.values).tobytes())
+
+    own = {key: value for key, value in content.attributes.items() if key != DIGEST}
+    add("", Dataset(None, own))
+    groups = {
+        "/".join(parts[:depth])
+        for parts in (name.split("/") for name in content.datasets)
+        for depth in range(1, len(parts))
+    }
+    items = {name: Dataset(None, {}) for name in groups} | content.datasets
+    for name in sorted(items, key=_as_hdf5_lists):
+        add(name, items[name])
     return digest.hexdigest()
+
+
+def _as_hdf5_lists(name: str) -> list[bytes]:
+    """Order of `h5py.Group.visititems`: by name, a group before what it holds."""
+    return [part.encode("utf-8", "surrogateescape") for part in name.split("/")]

@@ -44,11 +44,16 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
 
             content = csv_text(recording, __version__).encode()
         else:
-            from gmfbo.recordings.writing.hdf5_group import file_image, write_recording_group
+            from gmfbo.recordings.writing.hdf5_group import (
+                file_image,
+                recording_content,
+                write_content,
+            )
 
             if is_ours(recording):
                 recording = replace(recording, written_by=__version__)
-            content = file_image(lambda root: write_recording_group(root, recording))
+            written = recording_content(recording)
+            content = file_image(lambda root: write_content(root, written))
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
     try:
