@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -94,7 +94,9 @@ def complete(
         {"name": one.name, "statement": one.statement, "probability": one.set_probability}
         for one in found.effects
     )
-    return Completion(augmented, scalars, names, parameters, found.sentence, named)
+    # The study plays runs of its own: no reference is proposed.
+    sentence = replace(found, next_experiment=None).sentence
+    return Completion(augmented, scalars, names, parameters, sentence, named)
 
 
 def _about(twin: FmuTwin, name: str, value: float) -> Scalar:

@@ -70,6 +70,14 @@ def test_the_completed_twin_predicts_a_run_that_nobody_saw(
     assert after < 0.2 * before
 
 
+def test_what_is_told_of_it_proposes_no_reference_as_the_study_plays_its_own(
+    completed: tuple[Completion, list[Recording]],
+) -> None:
+    found, _ = completed
+    assert "friction" in found.sentence
+    assert "next.csv" not in found.sentence
+
+
 def test_its_parameters_can_be_estimated_on(
     completed: tuple[Completion, list[Recording]],
 ) -> None:

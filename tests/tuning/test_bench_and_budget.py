@@ -81,22 +81,24 @@ class SlowTwin(AnalyticAxis):
     """Says that each run takes some seconds."""
 
     each_s: float = 0.0
+    starts_s: float = 0.0
 
     def run(self, gains: Mapping[str, float], reference: Recording) -> Recording:
         run = super().run(gains, reference)
         assert isinstance(run, Trajectory)
-        return replace(run, seconds=self.each_s)
+        taken, self.starts_s = self.each_s + self.starts_s, 0.0
+        return replace(run, seconds=taken)
 
 
 SURVEY = 40
 QUICK = Gmfbo(correction=replace(CORRECTION, survey=SURVEY, closer=2))
 
 
-def tuned(folder: Path, each_s: float) -> tuple[Tuner, list[Progress]]:
+def tuned(folder: Path, each_s: float, starts_s: float = 0.0) -> tuple[Tuner, list[Progress]]:
     """A study of six real runs and at most 1,500 s of the twin, run to its end."""
     study = write_study(folder, budget="is1_runs = 6\nis2_seconds = 1500.0")
     told: list[Progress] = []
-    twin = SlowTwin(inertia=0.16, each_s=each_s)
+    twin = SlowTwin(inertia=0.16, each_s=each_s, starts_s=starts_s)
     with Tuner(study, is1=AnalyticAxis(), is2=twin, method=QUICK) as tuner:
         tuner.run(told.append)
     return tuner, told
@@ -108,7 +110,7 @@ def test_a_slow_twin_is_told_before_its_first_runs_and_ends_with_its_time(tmp_pa
     assert first.phase == "news"
     # 10 initial ones, the survey, and 1 + 4 + 2 * 4 a real run.
     count = 10 + SURVEY + 13 * 6
-    assert f"a twin run takes 100 s: about {count} runs, {count * 100 / 60:.0f} min" in first.note
+    assert f"a twin run takes 100 s: {count} runs or more, {count * 100 / 60:.0f} min" in first.note
     assert "is2_seconds (now 1500)" in first.note
     assert len(tuner.history.of("IS2")) == 15
     assert len(tuner.history.of("IS1")) == 6
@@ -118,6 +120,6 @@ def test_a_slow_twin_is_told_before_its_first_runs_and_ends_with_its_time(tmp_pa
 
 
 def test_a_quick_twin_is_not_worth_a_line_and_has_its_survey(tmp_path: Path) -> None:
-    tuner, told = tuned(tmp_path, each_s=0.01)
+    tuner, told = tuned(tmp_path, each_s=0.01, starts_s=20.0)
     assert not [one for one in told if one.phase == "news"]
     assert len(tuner.history.of("IS2")) > 10 + SURVEY

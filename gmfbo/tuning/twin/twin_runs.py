@@ -71,8 +71,8 @@ class TwinRuns:
         runs = list(history.trials)
         for number, point in enumerate(points[done:], start=done + 1):
             runs.append(self._run(history.gains_at(point), number=number, with_margins=True))
-            if number == 1:
-                self._tell_plan(runs[0])
+            if number == min(2, count):  # the first also starts the twin's process
+                self._tell_plan(min(run.seconds for run in runs))
         history.normalise(runs)
         constants, first = history.objective, runs[0].recording
         history.store.log(
@@ -85,19 +85,22 @@ class TwinRuns:
         for run in runs[done:]:
             self.announce("initial", history.write(history.priced(run)))
 
-    def _tell_plan(self, first: Trial) -> None:
-        """Say beforehand how long a slow twin takes, and what to choose instead."""
+    def _tell_plan(self, each: float) -> None:
+        """Say beforehand how long a twin takes of which each run takes so long [s].
+
+        Versions of the twin that the study may make are not foreseen: they repeat runs.
+        """
         history, options = self.history, self.correction
         budget = history.study.budget
         looks = 2 * len(history.gains.space) * options.closer if options else 0
-        each = 1 + budget.is3_per_run + looks if options else 0
+        beside = 1 + budget.is3_per_run + looks if options else 0
         real = budget.is1_runs or budget.initial_is1 + budget.most_queries
-        count = budget.initial_is2 + history.survey + each * real
-        seconds = first.seconds * count
+        count = budget.initial_is2 + history.survey + beside * real
+        seconds = each * count
         if seconds > WORTH_A_LINE_S:
-            took = f"{first.seconds:.2g}" if first.seconds < 9.5 else f"{first.seconds:.0f}"
+            took = f"{each:.2g}" if each < 9.5 else f"{each:.0f}"
             self.say(
-                f"a twin run takes {took} s: about {count} runs, "
+                f"a twin run takes {took} s: {count} runs or more, "
                 f"{seconds / 60.0:.0f} min; [budget] is2_runs or is2_seconds "
                 f"(now {budget.is2_seconds:g}) end them earlier, and method 'bo_ei' makes "
                 f"{budget.initial_is2} of them"
