@@ -144,10 +144,11 @@ def _check_found(signals: Signals, log: LogColumns) -> None:
             f"{lacking[0].variable.name}; say which with --set {name}=COLUMN"
         )
     if not any(signal.name in found for signal in signals.known.values() if not signal.driven):
-        wanted = [s.name for s in signals.known.values() if not s.driven and s.usual]
+        outputs = [s for s in signals.known.values() if not s.driven]
+        wanted = [s.name for s in outputs if s.usual] or [s.name for s in outputs[:8]]
         raise InputError(
             f"{label}: none of the columns {names} looks like an output of the FMU "
-            f"({', '.join(wanted) or 'position'}); say which with --set NAME=COLUMN"
+            f"({', '.join(wanted) or 'it has none'}); say which with --set NAME=COLUMN"
         )
 
 

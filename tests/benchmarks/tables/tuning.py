@@ -14,9 +14,9 @@ DESCRIBED = {
     "twin_once": "best gains of the twin",
 }
 SHORT = {
-    "noise_50": "wrong motor map",
-    "missing_physics": "missing physics",
-    "friction_doubling": "friction doubles",
+    "noise_50": "twin's motor table wrong",
+    "missing_physics": "twin lacks physics",
+    "friction_doubling": "friction doubles midway",
 }
 """Studies that README tells, and what it calls them."""
 
