@@ -153,7 +153,7 @@ def test_matlab_and_mdf4_logs_in_degrees(
     [
         ({"Time_ms": "tick"}, (), "no clock among the columns tick, SetPos_deg, ActPos_deg"),
         ({"SetPos_deg": "a"}, (), "looks like reference, which drives the FMU's input ctl.phiRef"),
-        ({"ActPos_deg": "b", "ActTorque_Nm": "c"}, (), "an output of the FMU (position, torque_command)"),
+        ({"ActPos_deg": "b", "ActTorque_Nm": "c"}, (), "an output of the FMU (position, velocity, "),
         ({"ActTorque_Nm": "enc_deg"}, (), "ActPos_deg and enc_deg may both be position (enc.phi)"),
         ({}, ("--set", "position=ActPoss_deg"), "no column 'ActPoss_deg' for 'position'; did you"),
         ({}, ("--set", "postion=ActPos_deg"), "no signal 'postion'; did you mean 'position'?"),
@@ -178,6 +178,14 @@ def test_what_it_cannot_guess_is_one_line_with_the_flag_that_tells_it(
     assert message in said
     assert said.count("\n") == 1
     assert not (tmp_path / "axis").exists()
+
+
+def test_an_fmu_that_has_no_usual_output_is_told_by_its_own(
+    bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    controller = models_folder() / "cascade_p_pi.fmu"
+    assert run("init", controller, "run0.csv", "--out", tmp_path / "axis") == 2
+    assert "an output of the FMU (u, velocity_reference)" in capsys.readouterr().err
 
 
 def test_files_that_are_there_are_kept(
