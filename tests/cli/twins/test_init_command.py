@@ -184,7 +184,8 @@ def test_an_fmu_that_has_no_usual_output_is_told_by_its_own(
     bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     controller = models_folder() / "cascade_p_pi.fmu"
-    assert run("init", controller, "run0.csv", "--out", tmp_path / "axis") == 2
+    flags = ("--set", "reference=SetPos_deg", "--out", tmp_path / "axis")
+    assert run("init", controller, "run0.csv", *flags) == 2
     assert "an output of the FMU (u, velocity_reference)" in capsys.readouterr().err
 
 
