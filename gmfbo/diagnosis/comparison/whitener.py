@@ -47,14 +47,21 @@ class Spread:
 
     def take_out(self, white: Array) -> None:
         """Whiten these rows of whitened columns, shape (..., m, n), in place."""
-        count, size, _ = self.directions.shape
-        length = self.rows.shape[1]
-        own = white.reshape(-1, white.shape[-1]).take(self.rows, axis=1)
-        flat = own.swapaxes(0, 1).reshape(count, -1, size)
-        change = ((flat @ self.directions) * self.lost) @ self.directions.swapaxes(1, 2)
-        back = change.reshape(count, -1, length).swapaxes(0, 1)[:, self.inside]
+        count, length = self.rows.shape
+        signals, n = white.shape[-2:]
+        own = white.reshape(-1, n).take(self.rows, axis=1).reshape(-1, signals, count, length)
+        # Signal by signal: all of them in one product are a copy of everything more.
+        directions = self.directions.reshape(count, signals, length, -1).swapaxes(0, 1)
+        amounts = sum(
+            own[:, i].swapaxes(0, 1) @ directions[i] for i in range(signals)
+        )  # (n_stretches, columns, k)
+        amounts = amounts * self.lost
+        places = np.flatnonzero(self.inside)
         first, behind = self.rows[0, 0], self.rows[-1][self.inside[-1]][-1] + 1
-        white[..., first:behind] -= back.reshape(*white.shape[:-1], behind - first)
+        for i in range(signals):
+            change = (amounts @ directions[i].swapaxes(1, 2)).swapaxes(0, 1)
+            kept = change.reshape(-1, count * length).take(places, axis=1)
+            white[..., i, first:behind] -= kept.reshape(*white.shape[:-2], behind - first)
 
 
 @dataclass(frozen=True, eq=False)

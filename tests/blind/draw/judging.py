@@ -242,6 +242,19 @@ def _outcome(stratum: str, truth: frozenset[str], claims: tuple[Claim, ...], ver
     return "set" if any(claim.judged == "set" for claim in claims) else "right"
 
 
+def _of_the_twin(answer: Mapping[str, Any]) -> dict[str, float]:
+    """True values of the twin's parameters, as its augmented twin holds them.
+
+    The plant tells a motor from its load; the twin's inertia is of both, and the law says how much
+    of it is the load's.
+    """
+    loads = sum(effect.get("values", {}).get("load_inertia", 0.0) for effect in answer["effects"])
+    return {
+        name: entry["true"] + (loads if same_statement(PARAMETER + name) == "load_inertia" else 0.0)
+        for name, entry in answer["parameters"].items()
+    }
+
+
 def _intervals(
     answer: Mapping[str, Any], diagnosis: Mapping[str, Any], outcome: str
 ) -> tuple[Interval, ...]:
@@ -255,7 +268,7 @@ def _intervals(
     if outcome in ("right", "told") and answer["kind"] != "outside" and not is_silent_of_fixed:
         told = diagnosis.get("parameters") or {}
         fixed = answer["details"].get("fixed")
-        true = {name: entry["true"] for name, entry in answer["parameters"].items()}
+        true = _of_the_twin(answer)
         true |= {fixed["name"]: fixed["true"]} if fixed else {}
         pairs += [
             (name, told[name], value)

@@ -163,6 +163,14 @@ def test_intervals_are_held_against_the_truth_where_the_physics_is_right() -> No
     assert missed.intervals == ()
 
 
+def test_a_twins_inertia_is_that_of_motor_and_load() -> None:
+    hidden = answer("backlash")
+    hidden["effects"][0]["values"] = {"load_inertia": 0.004}
+    hidden["parameters"]["inertia"]["true"] = 0.006
+    (held,) = judge(line(hidden, said("backlash"))).intervals
+    assert (held.name, held.holds) == ("inertia", True)
+
+
 def test_a_silent_answer_to_a_wrong_fixed_parameter_owes_no_interval() -> None:
     null = answer(stratum="null", fixed="torque_lag")
     assert judge(line(null, said())).intervals == ()

@@ -79,7 +79,9 @@ def inadequate(
 
     quiet = np.where([name == "port:sensor" for name in free], high, low)
     own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
-    starts = [min(_pushed(quiet, free, len(ports)), key=lambda x: nll(x)[0]), quiet + own]
+    pushed = np.array(list(_pushed(quiet, free, len(ports))))
+    deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
+    starts = [pushed[np.argmin(deviances)], quiet + own]
     if near is not None:
         starts.append(np.log(np.clip([near.of(name) for name in free], np.exp(low), np.exp(high))))
     bounds = list(zip(low, high, strict=True))
@@ -188,6 +190,13 @@ class _Shares:
         paths = kernels.of(group.record)
         own = split(levels, free, paths, group.names, group.frequencies, group.square_rates)
         return cls(group, *own)
+
+    def deviances(self, variances: Array) -> Array:
+        """Whittle's deviance at many variances, shape (k, places)."""
+        s = self.constant + np.tensordot(variances, self.units, 1)
+        squares = np.einsum("kfij,fji->kf", np.linalg.inv(s), self.group.powers).real
+        found: Array = (squares + np.linalg.slogdet(s)[1]) @ self.group.counts
+        return found
 
     def deviance(self, variances: Array) -> tuple[float, Array]:
         """Whittle's deviance and its slopes over the logarithms of the levels."""
