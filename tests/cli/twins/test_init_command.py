@@ -153,7 +153,7 @@ def test_matlab_and_mdf4_logs_in_degrees(
     [
         ({"Time_ms": "tick"}, (), "no clock among the columns tick, SetPos_deg, ActPos_deg"),
         ({"SetPos_deg": "a"}, (), "looks like reference, which drives the FMU's input ctl.phiRef"),
-        ({"ActPos_deg": "b", "ActTorque_Nm": "c"}, (), "an output of the FMU (position, velocity, "),
+        ({"ActPos_deg": "b", "ActTorque_Nm": "c"}, (), "of the FMU (position, velocity, "),
         ({"ActTorque_Nm": "enc_deg"}, (), "ActPos_deg and enc_deg may both be position (enc.phi)"),
         ({}, ("--set", "position=ActPoss_deg"), "no column 'ActPoss_deg' for 'position'; did you"),
         ({}, ("--set", "postion=ActPos_deg"), "no signal 'postion'; did you mean 'position'?"),
