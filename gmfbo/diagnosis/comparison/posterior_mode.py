@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
-from gmfbo.diagnosis.comparison.numbers import AT_THE_END, FAR_BEHIND, HOPED_STEPS, SAME, SETTLED
+from gmfbo.diagnosis.comparison.numbers import (
+    AT_THE_END,
+    FAR_BEHIND,
+    HOPED_STEPS,
+    MOST,
+    SAME,
+    SETTLED,
+)
 from gmfbo.diagnosis.comparison.own_parts import (
     Eliminated,
     by_recording,
@@ -158,11 +165,13 @@ class ModeSearch:
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
-            moved = self._moved(at, step, damping)
+            moved, missed = self._moved(at, step, damping), np.inf
             after = np.inf if moved is None else self.cost(moved)
             while after >= cost and damping < _MOST_DAMPING:
+                before, missed = missed, gain + after - cost
                 step, gain, damping = self._shorter(at, columns, gain, damping)
-                if gain < settled:  # where friction makes the cost rough
+                # Of a smooth cost a shorter step tells more. Friction makes it rough.
+                if gain < settled or missed > MOST * before:
                     return self._ended(at, columns, promised < FAR_BEHIND)
                 moved = self._moved(at, step, damping)
                 after = np.inf if moved is None else self.cost(moved)

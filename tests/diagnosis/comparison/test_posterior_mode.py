@@ -108,3 +108,39 @@ def test_a_step_like_one_that_failed_is_not_tried() -> None:
     assert ended.converged
     assert 4 <= len(promised) <= 8
     assert all(after <= 0.5 * before for before, after in pairwise(promised))
+
+
+class Tried(Parabola):
+    """A search that promises half as much at each shorter step, and loses as is given."""
+
+    def __init__(self, lost: list[float]) -> None:
+        super().__init__(np.eye(2), np.zeros(2))
+        self.lost, self.tried = lost, 0
+
+    def cost(self, at: Any) -> float:
+        return 100.0 if at is None else float(at)
+
+    def _step(self, at: Any, columns: Any, damping: float) -> tuple[NDArray[np.float64], float]:
+        return np.zeros(2), 8.0 / (1.0 + damping)
+
+    def _moved(self, at: Any, step: Any, damping: float) -> Any:
+        self.tried += 1
+        return 100.0 + self.lost[self.tried - 1]
+
+    def _columns(self, at: Any) -> list[NDArray[np.float64]]:
+        return []
+
+    def _ended(self, at: Any, columns: Any, converged: bool) -> Any:
+        return SimpleNamespace(cost=self.cost(at), converged=converged)
+
+
+def test_where_shorter_steps_lose_as_much_the_cost_is_rough_and_the_search_ends() -> None:
+    search = Tried([500.0, 400.0, -50.0])
+    ended: Any = search._searched(cast(Any, None), [], 10, 0.1, np.inf)
+    assert (search.tried, ended.cost, ended.converged) == (2, 100.0, True)
+
+
+def test_where_shorter_steps_lose_less_the_search_goes_on() -> None:
+    search = Tried([500.0, 100.0, 20.0, -1.0, *[200.0, 150.0]])
+    ended: Any = search._searched(cast(Any, None), [], 10, 0.1, np.inf)
+    assert (search.tried, ended.cost) == (6, 99.0)
