@@ -42,19 +42,23 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     assert f"**{ours.median:g} in place of {theirs.median:g}**" in FRONT
     assert f"median of {min(ours.seeds, theirs.seeds)} tunings" in FRONT
     assert f"of {last.cases} simulated axes" in FRONT
-    assert f"{last.counted['outside: false names']} unknown" in FRONT
     never = compared("wrong_structure")["gmfbo_physics"]
     arrived = round((1.0 - never.never / 100.0) * never.seeds)
     assert f"in {arrived} of {never.seeds} studies" in FRONT
     newest = max(MADE["tuning"][study][-11:-1] for study in SHORT)
     assert f"Version 0.1, {newest}:" in FRONT
     assert f"Version 0.1, {last.made['committed'][-11:-1]};" in FRONT
-    draw = (RESULTS / "diagnosis_draw/development_seed_34_8e58e02.txt").read_text("utf-8")
+    draw = (RESULTS / "diagnosis_draw/development_seed_34_74c25ff_and_c07b5a3.txt").read_text(
+        "utf-8"
+    )
     (claimed,) = re.findall(r"^all .*?(\d+ of \d+) ", draw, re.MULTILINE)
-    assert f"was wrong on {claimed} that" in FRONT
+    assert f"was wrong on {claimed} axes" in FRONT
     (named,) = re.findall(r"^owed, right  .*?(\d+ of \d+) ", draw, re.MULTILINE)
     (outside,) = re.findall(r"^verdict .*?(\d+ of \d+) ", draw, re.MULTILINE)
-    assert f"named {named} effects, and recognised {outside} unknown laws" in FRONT
+    assert f"named {named} effects, recognised {outside} unknown laws" in FRONT
+    intervals = re.findall(r"^(?:laws|twin's parameters) +(\d+) of (\d+) ", draw, re.MULTILINE)
+    held, told = (sum(map(int, column)) for column in zip(*intervals, strict=True))
+    assert f"{100.0 * (1.0 - held / told):.0f} % of intervals missed" in FRONT
     axis = (RESULTS / "emps_diagnosis/emps_diagnosis.txt").read_text("utf-8")
     said = re.search(r"^force error: ([\d.]+)% with .*, ([\d.]+)% with", axis, re.MULTILINE)
     assert said is not None
