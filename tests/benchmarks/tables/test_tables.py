@@ -13,7 +13,7 @@ from tests.benchmarks.tables.results import MADE, RESULTS, commands, compared, r
 from tests.benchmarks.tables.tuning import SHORT
 from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
 
-FRONT = (ROOT / README).read_text(encoding="utf-8")
+FRONT = re.sub(r"\s+", " ", (ROOT / README).read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(("document", "table"), TABLES)
