@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 TWIN, STUDY, OVERLAY = "twin.toml", "study.toml", "overlay.html"
 
+_MOST_NAMES = 12  # of columns or outputs, in one message
+
 MANUAL = Manual(
     files={
         "DIR/twin.toml": "the twin file, with [columns] of the logger; lines with 'guess' are for "
@@ -123,7 +125,7 @@ def _check_folder(out: Path) -> None:
 def _check_found(signals: Signals, log: LogColumns) -> None:
     """Raise for what only the user knows: a clock, an input's column, one of two columns."""
     label, found = log.file.label, log.mapping.columns
-    names = ", ".join(column.name for column in log.file.columns[:12])
+    names = ", ".join(column.name for column in log.file.columns[:_MOST_NAMES])
     if "time" not in found:
         raise InputError(
             f"{label}: no clock among the columns {names}; say which with "
@@ -145,10 +147,16 @@ def _check_found(signals: Signals, log: LogColumns) -> None:
         )
     if not any(signal.name in found for signal in signals.known.values() if not signal.driven):
         outputs = [s for s in signals.known.values() if not s.driven]
-        wanted = [s.name for s in outputs if s.usual] or [s.name for s in outputs[:8]]
+        if not outputs:
+            raise InputError(
+                f"{signals.report.path.name}: it has no output that {label} could be held against; "
+                "give an FMU with outputs"
+            )
+        wanted = [s.name for s in outputs if s.usual] or [s.name for s in outputs]
+        told = ", ".join(wanted[:_MOST_NAMES]) + (", ..." if len(wanted) > _MOST_NAMES else "")
         raise InputError(
             f"{label}: none of the columns {names} looks like an output of the FMU "
-            f"({', '.join(wanted) or 'it has none'}); say which with --set NAME=COLUMN"
+            f"({told}); say which with --set NAME=COLUMN"
         )
 
 

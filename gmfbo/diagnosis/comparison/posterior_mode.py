@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
 _POLISHED = 6  # steps of the nuisances alone
+_ALIKE = 2  # steps in a row that miss as much as longer ones did
 LONGEST_STEP = 1.0
 """[1] Of a logarithm, or a filter's coordinate, in one iteration."""
 
@@ -165,13 +166,14 @@ class ModeSearch:
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
-            moved, missed = self._moved(at, step, damping), np.inf
+            moved, missed, alike = self._moved(at, step, damping), np.inf, 0
             after = np.inf if moved is None else self.cost(moved)
             while after >= cost and damping < _MOST_DAMPING:
                 before, missed = missed, gain + after - cost
+                alike = alike + 1 if missed > MOST * before else 0
                 step, gain, damping = self._shorter(at, columns, gain, damping)
-                # Of a smooth cost a shorter step tells more. Friction makes it rough.
-                if gain < settled or missed > MOST * before:
+                # Where a cost is smooth a shorter step misses less. Friction makes it rough.
+                if gain < settled or alike == _ALIKE:
                     return self._ended(at, columns, promised < FAR_BEHIND)
                 moved = self._moved(at, step, damping)
                 after = np.inf if moved is None else self.cost(moved)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 def group_content(
     group: Any, attributes: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Read a group of `gmfbo.recordings.writing.hdf5_group.recording_content`.
+    """Read a group that holds `gmfbo.recordings.writing.hdf5_group.recording_content`.
 
     Parameters
     ----------

@@ -40,17 +40,33 @@ def file_image(fill: Callable[[Any], None]) -> bytes:
         return bytes(file.id.get_file_image())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Dataset:
-    """Values of one dataset, None for a group, and its attributes."""
+    """A dataset of a group, or a group in it.
+
+    Attributes
+    ----------
+    values : ndarray or None
+        None for a group.
+    attributes : mapping of str to any
+        As h5py takes them.
+    """
 
     values: NDArray[Any] | None
     attributes: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GroupContent:
-    """All that an HDF5 group holds: its attributes, and datasets by their path in it."""
+    """All that an HDF5 group holds.
+
+    Attributes
+    ----------
+    attributes : dict of str to any
+        Of the group, as h5py takes them.
+    datasets : dict of str to Dataset
+        By their path in the group.
+    """
 
     attributes: dict[str, Any] = field(default_factory=dict)
     datasets: dict[str, Dataset] = field(default_factory=dict)
@@ -74,8 +90,21 @@ class GroupContent:
         self.datasets[name] = Dataset(np.ascontiguousarray(values, dtype=np.float64), attributes)
 
     def add_values(self, prefix: str, values: Mapping[str, float]) -> None:
-        """Add each value as the attribute `<prefix>.<name>`."""
-        self.attributes.update({f"{prefix}.{name}": float(one) for name, one in values.items()})
+        """Add each value as the attribute `<prefix>.<name>`.
+
+        Raises
+        ------
+        RecordingError
+            A value is no number.
+        """
+        for name, value in values.items():
+            try:
+                number = float(np.asarray(value, dtype=np.float64).reshape(()))
+            except (TypeError, ValueError) as error:
+                raise RecordingError(
+                    f"{prefix} '{name}': cannot be stored, expected a number, got {value!r}"
+                ) from error
+            self.attributes[f"{prefix}.{name}"] = number
 
 
 def texts(given: Iterable[str]) -> NDArray[Any]:
@@ -135,7 +164,7 @@ def write_content(group: Any, content: GroupContent) -> None:
     Raises
     ------
     RecordingError
-        HDF5 cannot hold a name.
+        HDF5 cannot hold a name of a dataset or an attribute.
     """
     # Before the columns: a file that is cut off loses its end.
     _write_attributes(group, content.attributes)
@@ -154,6 +183,10 @@ def write_content(group: Any, content: GroupContent) -> None:
 def _write_attributes(item: Any, attributes: Mapping[str, Any]) -> None:
     """As `item.attrs` would, in a third of its time: a trial has a hundred attributes."""
     for name, value in attributes.items():
+        if "\0" in name or not _is_text(name):
+            raise RecordingError(
+                f"{name!a}: cannot be stored in HDF5, which ends it or cannot read it"
+            )
         if not isinstance(value, str | float):
             item.attrs[name] = value
             continue
@@ -162,8 +195,12 @@ def _write_attributes(item: Any, attributes: Mapping[str, Any]) -> None:
             if isinstance(value, str)
             else (_NUMBER, np.array(value, dtype=np.float64))
         )
-        key = name.encode("utf-8", "surrogateescape")
-        h5py.h5a.create(item.id, key, kind, _SCALAR).write(array)
+        h5py.h5a.create(item.id, name.encode(), kind, _SCALAR).write(array)
+
+
+def _is_text(name: str) -> bool:
+    """Whether a name has no half of a surrogate pair, which comes of bytes that are no text."""
+    return name.isascii() or not any("\ud800" <= one <= "\udfff" for one in name)
 
 
 def content_of(group: Any) -> GroupContent:

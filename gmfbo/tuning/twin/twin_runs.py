@@ -71,8 +71,9 @@ class TwinRuns:
         runs = list(history.trials)
         for number, point in enumerate(points[done:], start=done + 1):
             runs.append(self._run(history.gains_at(point), number=number, with_margins=True))
-            if number == min(2, count):  # the first also starts the twin's process
-                self._tell_plan(min(run.seconds for run in runs))
+            done_in = [run.seconds for run in runs if run.status == "ok"]
+            if len(done_in) == 2 and runs[-1].status == "ok":
+                self._tell_plan(min(done_in))  # the first also started the twin's process
         history.normalise(runs)
         constants, first = history.objective, runs[0].recording
         history.store.log(

@@ -135,12 +135,12 @@ class Tried(Parabola):
 
 
 def test_where_shorter_steps_lose_as_much_the_cost_is_rough_and_the_search_ends() -> None:
-    search = Tried([500.0, 400.0, -50.0])
+    search = Tried([500.0, 400.0, 300.0, -50.0])
     ended: Any = search._searched(cast(Any, None), [], 10, 0.1, np.inf)
-    assert (search.tried, ended.cost, ended.converged) == (2, 100.0, True)
+    assert (search.tried, ended.cost, ended.converged) == (3, 100.0, True)
 
 
 def test_where_shorter_steps_lose_less_the_search_goes_on() -> None:
-    search = Tried([500.0, 100.0, 20.0, -1.0, *[200.0, 150.0]])
+    search = Tried([500.0, 400.0, 20.0, -1.0, 200.0, 150.0, 140.0])
     ended: Any = search._searched(cast(Any, None), [], 10, 0.1, np.inf)
-    assert (search.tried, ended.cost) == (6, 99.0)
+    assert (search.tried, ended.cost) == (7, 99.0)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.noise.high_band import estimated
 from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of
-from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
+from gmfbo.diagnosis.comparison.noise.whole_band import _Binned, _Shares, inadequate
 from gmfbo.diagnosis.comparison.numbers import TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
@@ -124,3 +124,14 @@ def test_of_a_command_that_answers_nothing_most_is_astray() -> None:
         found = inadequate(KERNELS, own, residuals, still, levels, CARED, near)
         assert found.astray["torque"] > 5.0 * found.ports["torque"]
         assert found.own["position"] < 2e-5
+
+
+def test_deviances_of_many_levels_are_those_of_each() -> None:
+    rng = np.random.default_rng(3)
+    made = rng.standard_normal((4, 5, 2, 2)) + 1j * rng.standard_normal((4, 5, 2, 2))
+    whole = made @ made.conj().swapaxes(-1, -2)
+    binned = _Binned(NAMES, np.arange(5.0), np.arange(1.0, 6.0), whole[0], np.zeros(2), 0)
+    shares = _Shares(binned, whole[1], whole[2:])
+    levels = rng.uniform(0.1, 3.0, (6, 2))
+    each = [shares.deviance(one)[0] for one in levels]
+    np.testing.assert_allclose(shares.deviances(levels), each, rtol=1e-12)

@@ -63,3 +63,38 @@ def test_two_columns_of_one_name_are_refused() -> None:
     content.add_column("a", np.zeros(2), "signal", None)
     with pytest.raises(RecordingError, match="'a': cannot be stored in HDF5, there are two"):
         content.add_column("a", np.ones(2), "schedule", None)
+
+
+def test_the_digest_of_studies_that_were_stored_stays() -> None:
+    """The number is of the code before contents were made (c07b5a3b), read back from HDF5."""
+    content = GroupContent(
+        {
+            "number": 7,
+            "accepted": True,
+            "objective": -0.25,
+            "status": "ok",
+            "use": np.array((0.1, 0.2)),
+            "std": texts([]),
+            "signals": texts(["é", "b/c"]),
+        }
+    )
+    content.add_values("metric", {"rise_time": np.nan})
+    content.add_column("b/c", np.array([1.0, -0.0]), "signal", "rad")
+    content.add_column("é", np.array([2.0]), "signal", None)
+    assert content_digest(content) == "58c251768f9b3da7875b5be1fcba54d5"
+
+
+@pytest.mark.parametrize("name", ["a\0b", "a\udc80"])
+def test_a_name_that_hdf5_would_not_give_back_is_refused(name: str) -> None:
+    content = GroupContent()
+    content.add_values("parameter", {name: 1.0})
+    with pytest.raises(RecordingError, match=r"'parameter\.a.*cannot be stored in HDF5"):
+        file_image(lambda root: write_content(root, content))
+
+
+def test_a_value_is_a_number_or_an_array_of_one() -> None:
+    content = GroupContent()
+    content.add_values("parameter", {"kp": np.array([60.0])})  # type: ignore[dict-item]
+    assert content.attributes == {"parameter.kp": 60.0}
+    with pytest.raises(RecordingError, match=r"parameter 'kd': .* expected a number, got 'high'"):
+        content.add_values("parameter", {"kd": "high"})  # type: ignore[dict-item]
