@@ -288,8 +288,8 @@ class ModeSearch:
             moves.append(self._noisy(u, at.own) if hears[i] else self._point(u, at.own))
             widths.append(u[i] - at.u[i])
         found = []
-        moved_runs = problem.simulations.run(moves)
-        for runs, width, hears_it in zip(moved_runs, widths, hears, strict=True):
+        played = problem.simulations.run(moves)
+        for runs, width, hears_it in zip(played, widths, hears, strict=True):
             values = problem.values(runs)
             if all(run.finite for run in runs) and not problem.has_run_away(values):
                 change = zip(values, noisy if hears_it else still, strict=True)
@@ -315,14 +315,12 @@ class ModeSearch:
         a, g = self._normal(at, columns)
         free = np.ones(g.size, dtype=bool)
         ends = bounds_of(self._priors)
-        p = at.u.size
-        near = 1e-5 * (ends[:, 1] - ends[:, 0])
+        p, near = at.u.size, 1e-5 * (ends[:, 1] - ends[:, 0])
         free[:p] &= ~((at.u <= ends[:, 0] + near) & (g[:p] < 0.0))
         free[:p] &= ~((at.u >= ends[:, 1] - near) & (g[:p] > 0.0))
         free[p:] &= ~(at.at_zero & (g[p:] < 0.0))
         step = np.zeros(g.size)
-        lowest = np.full(g.size, -np.inf)
-        highest = np.full(g.size, np.inf)
+        lowest, highest = np.full(g.size, -np.inf), np.full(g.size, np.inf)
         lowest[:p], highest[:p] = self._inside(ends[:, 0]) - at.u, self._inside(ends[:, 1]) - at.u
         lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
         bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
@@ -365,10 +363,8 @@ class ModeSearch:
         return self._normals
 
     def _moved(self, at: Fitted, step: Array, damping: float) -> Fitted | None:
-        p = at.u.size
-        own = at.own
+        p, own = at.u.size, at.own.copy()
         if self._parts is not None:
-            own = own.copy()
             own[:, self._places] = self._parts.moved(own[:, self._places], step, damping)
         nuisances = at.nuisances + step[p:]
         one_sided = self._problem.logging.one_sided
