@@ -35,7 +35,6 @@ Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
 _POLISHED = 6  # steps of the nuisances alone
-_ALIKE = 2  # steps in a row that miss as much as longer ones did
 LONGEST_STEP = 1.0
 """[1] Of a logarithm, or a filter's coordinate, in one iteration."""
 
@@ -166,14 +165,14 @@ class ModeSearch:
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
-            moved, missed, alike = self._moved(at, step, damping), np.inf, 0
+            moved, missed, alike = self._moved(at, step, damping), np.inf, False
             after = np.inf if moved is None else self.cost(moved)
             while after >= cost and damping < _MOST_DAMPING:
                 before, missed = missed, gain + after - cost
-                alike = alike + 1 if missed > MOST * before else 0
+                once, alike = alike, bool(missed > MOST * before)
                 step, gain, damping = self._shorter(at, columns, gain, damping)
                 # Where a cost is smooth a shorter step misses less. Friction makes it rough.
-                if gain < settled or alike == _ALIKE:
+                if gain < settled or (once and alike):
                     return self._ended(at, columns, promised < FAR_BEHIND)
                 moved = self._moved(at, step, damping)
                 after = np.inf if moved is None else self.cost(moved)

@@ -183,10 +183,12 @@ def write_content(group: Any, content: GroupContent) -> None:
 def _write_attributes(item: Any, attributes: Mapping[str, Any]) -> None:
     """As `item.attrs` would, in a third of its time: a trial has a hundred attributes."""
     for name, value in attributes.items():
-        if "\0" in name or not _is_text(name):
-            raise RecordingError(
-                f"{name!a}: cannot be stored in HDF5, which ends it or cannot read it"
-            )
+        try:
+            key = name.encode()
+        except UnicodeEncodeError as error:  # of bytes that are no text
+            raise _refused_name(name) from error
+        if b"\0" in key:
+            raise _refused_name(name)
         if not isinstance(value, str | float):
             item.attrs[name] = value
             continue
@@ -195,12 +197,13 @@ def _write_attributes(item: Any, attributes: Mapping[str, Any]) -> None:
             if isinstance(value, str)
             else (_NUMBER, np.array(value, dtype=np.float64))
         )
-        h5py.h5a.create(item.id, name.encode(), kind, _SCALAR).write(array)
+        h5py.h5a.create(item.id, key, kind, _SCALAR).write(array)
 
 
-def _is_text(name: str) -> bool:
-    """Whether a name has no half of a surrogate pair, which comes of bytes that are no text."""
-    return name.isascii() or not any("\ud800" <= one <= "\udfff" for one in name)
+def _refused_name(name: str) -> RecordingError:
+    return RecordingError(
+        f"{name!a}: cannot be stored in HDF5, which would not give this name back; rename it"
+    )
 
 
 def content_of(group: Any) -> GroupContent:
