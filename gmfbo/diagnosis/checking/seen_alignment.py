@@ -153,7 +153,7 @@ def _with_gains(
     measured = twin.recorded(k)
     culprits = list(view.culprits)
     for name in case.twin.file.gains:
-        value = float(in_force.get(name, case.twin.binding.nominal(name)))
+        value = float(in_force.get(name, case.twin.nominal(name)))
         if not value:
             continue
         changed = replace(point, parameters={**point.parameters, name: (1.0 + _SMALL) * value})

@@ -98,7 +98,7 @@ def find_shown_gain(
     sizes = np.array([size for _, size in found])
     if np.ptp(sizes) > _ALIKE or name in twin.parameters or name in _scheduled(recordings):
         return None
-    return ShownGain(name, twin.binding.nominal(name), 1.0 + float(np.median(sizes)))
+    return ShownGain(name, twin.nominal(name), 1.0 + float(np.median(sizes)))
 
 
 def _scheduled(recordings: Sequence[Recording]) -> set[str]:

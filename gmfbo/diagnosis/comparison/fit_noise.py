@@ -74,16 +74,24 @@ class FitNoise:
         if any(r.any() for r in rates):
             free.append("jitter")
         blocks = blocks_of(problem.segments, fitted.residual, rates, kernels)
-        return estimated(kernels, blocks, self.least, free, near)
+        return estimated(kernels, blocks, self._least(kernels), free, near)
+
+    def _least(self, kernels: PortKernels) -> Levels:
+        """Levels below which none is looked for, with the rounding of an encoder in the twin.
+
+        Where it goes to the next count depends on less than anybody knows of an axis: a run of
+        the same axis rounds otherwise, and the controller answers.
+        """
+        ports = {p: max(level, kernels.rounding) for p, level in self.least.ports.items()}
+        return replace(self.least, ports=ports)
 
     def _with_inadequacy(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, near: Levels | None = None
     ) -> Levels:
         problem = self.problem
         rates = problem.rates(fitted.values)
-        return inadequate(
-            kernels, problem.segments, fitted.residual, rates, levels, self.cared, near
-        )
+        least = {**self.cared, "sensor": kernels.rounding}
+        return inadequate(kernels, problem.segments, fitted.residual, rates, levels, least, near)
 
     def errors(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels | None

@@ -37,6 +37,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.sources.binding.name_patterns import matching
+from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import Uncertain
 
 _MOST_STRETCHES = 200
@@ -273,17 +274,17 @@ def _elements(
     excitation = case.setting.excitation
     found = [*candidates(effects, excitation), *(c for c in passing if c.effect in effects)]
     added = [Element(candidate=c.with_nuisances(excitation)) for c in found]
-    return (*added, *(Element(freed=u) for u in _fixed_parameters(case, held)))
+    return (*added, *(Element(freed=u) for u in _fixed_parameters(case.twin, held)))
 
 
-def _fixed_parameters(case: Case, held: Collection[str]) -> list[Uncertain]:
+def _fixed_parameters(twin: FmuTwin, held: Collection[str]) -> list[Uncertain]:
     """Real parameters that the twin file holds fixed, and that a small factor may change."""
-    file, binding = case.twin.file, case.twin.binding
+    file, binding = twin.file, twin.binding
     certain = [n for p in file.fixed.names for n in matching(p, binding.parameters)]
     stated = {*file.uncertain, *file.initial, *file.gains, *certain, *held}
     found = []
     for name, bound in binding.parameters.items():
-        variable, value = bound.variable, binding.nominal(name)
+        variable, value = bound.variable, twin.nominal(name)  # as the twin runs, not its FMU
         is_scalar = variable.type == "Real" and value != 0.0
         if name in stated or not is_scalar or variable.variability == "fixed":
             continue

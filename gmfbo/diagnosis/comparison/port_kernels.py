@@ -60,6 +60,9 @@ class PortKernels:
         makes of a push of its reading, where that stands for a sensor port.
     pushed : Pushed or None
         What a push of the torque makes.
+    rounding : float
+        [FMU's unit] Standard deviation of what an encoder in the twin rounds away: 0 where its
+        position comes in no counts.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
@@ -68,11 +71,22 @@ class PortKernels:
     others: Mapping[int, PortKernels] = field(default_factory=dict)
     controller: Array | None = None
     pushed: Pushed | None = None
+    rounding: float = 0.0
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
 
     def of(self, record: int) -> PortKernels:
         """Those of a recording, by its index."""
         return self.others.get(record, self)
+
+    def beyond_rounding(self, level: float) -> float:
+        """[FMU's unit] Noise of the reading that a simulation without noise has not: its rounding.
+
+        Parameters
+        ----------
+        level : float
+            [FMU's unit] Standard deviation of all noise of the reading.
+        """
+        return float(np.sqrt(max(level**2 - self.rounding**2, 0.0)))
 
     def sensed(self, noise: Array) -> dict[str, Array]:
         """[FMU's unit] What plays noise of the sensor, by port, shape (rows,).
@@ -215,7 +229,8 @@ def _in_recording(
         # What the controller commands otherwise is in the log as well.
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
-    return PortKernels(kernels, step, simulated, pushed=pushed)
+    rounding = quantum / (np.sqrt(12.0) * to_si)
+    return PortKernels(kernels, step, simulated, pushed=pushed, rounding=rounding)
 
 
 def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:

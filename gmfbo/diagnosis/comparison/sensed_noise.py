@@ -40,7 +40,8 @@ def sensed_noise(
     tuple of PlayedNoise
         By recording; none where its rows are not those of the controller's reading.
     """
-    simulations, level = problem.simulations, levels.ports["sensor"]
+    simulations = problem.simulations
+    level = kernels.beyond_rounding(levels.ports["sensor"])
     columns = [np.zeros(record.plan.grid.size) for record in simulations.records]
     rates = problem.rates(fitted.values)
     for segment, residual, rate in zip(problem.segments, fitted.residual, rates, strict=True):

@@ -141,6 +141,7 @@ def errors_of(
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     """
     runs = simulations.run([point])[0]
+    level = kernels.beyond_rounding(level)
     constant = [simulations.input_errors(point, runs), *_averaging(simulations, runs)]
     found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:

@@ -222,7 +222,7 @@ class SafePlayer:
             return _TRIED_SHARE * self.limits.torque
         role = self.twin.file.roles.get("inertia")
         if role is not None:
-            return _TRIED_SHARE * self.limits.acceleration * self.twin.binding.nominal(role)
+            return _TRIED_SHARE * self.limits.acceleration * self.twin.nominal(role)
         return _UNIT_TRIED
 
     def _peaks(self, response: Response, motion: Column, column: Column) -> Peaks:

@@ -14,6 +14,7 @@ from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 STEP = 2e-3
+COUNTS = 4096.0  # a turn of the drive's joint encoder
 
 
 @pytest.mark.parametrize(
@@ -35,8 +36,8 @@ def test_a_response_is_the_fourier_sum_of_its_taps(frequencies: np.ndarray) -> N
     np.testing.assert_allclose(found, taps @ turn, atol=1e-9)
 
 
-def drive(counts: float) -> np.ndarray:
-    """Answer of the drive's torque command to its encoder, with so many counts a turn."""
+def drive(counts: float) -> PortKernels:
+    """Paths of the drive, whose encoder has so many counts a turn of the motor."""
     path = models_folder() / "drive_twin.toml"
     twin = FmuTwin(path, parameters={"enc.motor_resolution": counts}, isolated=False)
     time = 1e-3 * np.arange(600, dtype=np.float64)
@@ -50,14 +51,23 @@ def drive(counts: float) -> np.ndarray:
     with AugmentedTwin(twin, substeps=5, isolated=False) as simulator:
         record = scored_record(recording, simulator.plan(recording, {}), names, 0.0)
     with Simulations(lambda: AugmentedTwin(twin, substeps=5), [record], 1) as simulations:
-        found = port_kernels(
+        return port_kernels(
             simulations, Point(), {"sensor": 0.6}, "position", 1.0, "torque_command"
         )
-    return np.asarray(found.kernels["sensor"]["torque_command"])
 
 
 def test_a_coarse_encoder_answers_noise_as_a_fine_one() -> None:
     """One count of rounding, over a push of a hundredth of it, was 24 times the largest tap."""
-    coarse, fine = drive(4096.0), drive(2.0**24)
+    coarse, fine = (drive(n).kernels["sensor"]["torque_command"] for n in (4096.0, 2.0**24))
     assert np.abs(fine).max() > 1.0
     assert np.abs(coarse - fine).max() < 0.05 * np.abs(fine).max()
+
+
+def test_rounding_of_the_twins_encoder_is_that_of_a_count_of_the_joint() -> None:
+    assert drive(4096.0).rounding == pytest.approx(2.0 * np.pi / COUNTS / np.sqrt(12.0), rel=1e-6)
+
+
+def test_noise_is_played_beyond_what_the_twin_rounds() -> None:
+    kernels = PortKernels({}, STEP, rounding=3e-5)
+    assert kernels.beyond_rounding(5e-5) == pytest.approx(4e-5)
+    assert kernels.beyond_rounding(2e-5) == 0.0

@@ -135,3 +135,14 @@ def test_deviances_of_many_levels_are_those_of_each() -> None:
     levels = rng.uniform(0.1, 3.0, (6, 2))
     each = [shares.deviance(one)[0] for one in levels]
     np.testing.assert_allclose(shares.deviances(levels), each, rtol=1e-12)
+
+
+def test_what_an_encoder_in_the_twin_rounds_is_no_less_where_nothing_is_left() -> None:
+    time = np.linspace(0.0, STEP * (ROWS - 1), ROWS)
+    own = [Segment(0, NAMES, time, (time, time))]
+    quiet = [np.zeros((2, ROWS))]
+    top = Levels({"sensor": 2e-5}, {"position": 1e-7, "command": 5e-5})
+    found = inadequate(KERNELS, own, quiet, quiet, top, {**CARED, "sensor": 2e-5})
+    assert found.ports["sensor"] == pytest.approx(2e-5)
+    without = inadequate(KERNELS, own, quiet, quiet, top, CARED)
+    assert without.ports["sensor"] < 1e-6

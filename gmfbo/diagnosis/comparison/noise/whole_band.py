@@ -61,16 +61,18 @@ def inadequate(
         Of the white noise at high frequencies: that of the logger is no less, that of the
         controller no more.
     least : mapping of str to float
-        [FMU's unit] By port, the level below which nobody cares.
+        [FMU's unit] By port, the level below which nobody cares; of the sensor that of which an
+        encoder in the twin is unsure.
     near : Levels, optional
         Where the search begins too.
     """
-    ports = [port for port in least if port in kernels.kernels]
+    ports = [port for port in least if port in kernels.kernels and port != "sensor"]
     if not ports:
         return levels  # what is missing would be taken for noise of the logger
     # Of one signal alone nobody tells whether what it shows came by the loop's path.
     apart = any(len(segment.names) > 1 for segment in segments)
-    free, low, high = _ranges(levels, {port: least[port] for port in ports}, apart=apart)
+    cared, rounding = {port: least[port] for port in ports}, least.get("sensor", 0.0)
+    free, low, high = _ranges(levels, cared, rounding, apart=apart)
     whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
     shares = [_Shares.of(group, levels, free, kernels) for group in whole]
 
@@ -113,7 +115,7 @@ def _pushed(quiet: Array, free: Sequence[str], ports: int) -> Iterator[Array]:
 
 
 def _ranges(
-    levels: Levels, least: Mapping[str, float], *, apart: bool
+    levels: Levels, least: Mapping[str, float], rounding: float, *, apart: bool
 ) -> tuple[list[str], Array, Array]:
     """Places of what is free, as `estimated` names them, and the ends of its log levels."""
     free = [f"port:{port}" for port in least] + [f"own:{name}" for name in levels.own]
@@ -128,7 +130,8 @@ def _ranges(
     read = levels.ports.get("sensor", 0.0)
     if read > 0.0:
         free.append("port:sensor")
-        low, high = np.append(low, np.log(TOLERANCE * read)), np.append(high, np.log(read))
+        low = np.append(low, np.log(min(max(TOLERANCE * read, rounding), read)))
+        high = np.append(high, np.log(read))
     return free, low, high
 
 
