@@ -28,6 +28,8 @@ from gmfbo.diagnosis.comparison.own_parts import (
 from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.bounded_step import bounded_step
+from gmfbo.diagnosis.fitting.difference_steps import bent_shares, with_judged_steps
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.runs.simulated import Point
 
@@ -113,6 +115,7 @@ class ModeSearch:
         self, at: Fitted, iterations: int = 10, settled: float = SETTLED, rival: float = np.inf
     ) -> Fitted:
         """Search from there, with the other arguments of `fitted`."""
+        at = self._with_clear_steps(at)
         return self._searched(at, self._columns(at), iterations, settled, rival)
 
     def again(
@@ -262,6 +265,21 @@ class ModeSearch:
         own = at.own[:, self._places] / self._spread[self._places]
         return 0.5 * (self._whitening.square(at.residual) + float(np.sum(own**2))) - at.log_prior
 
+    def _with_clear_steps(self, at: Fitted) -> Fitted:
+        """The same, with difference steps that an encoder's counts in the twin do not drown."""
+        if not self._hypothesis.setting.is_rough:
+            return at
+        x, problem = at.x, self._problem
+
+        def judged(moves: Array) -> list[float | None]:
+            u = [[p.to_u(v) for p, v in zip(self._priors, x + m, strict=True)] for m in moves]
+            played = problem.simulations.run([self._point(np.array(v), at.own) for v in u])
+            seen = [problem.values(r) if all(q.finite for q in r) else None for r in played]
+            return bent_shares(seen, self._whitening.square)
+
+        self._hypothesis = with_judged_steps(self._hypothesis, x, judged)
+        return replace(at, hypothesis=self._hypothesis.at(x))
+
     def _columns(self, at: Fitted) -> list[Array]:
         """Differences: those of laws that meet noise about its point, all others without it.
 
@@ -278,12 +296,9 @@ class ModeSearch:
             if not all(run.finite for run in about[1]):
                 hears = [False] * len(hears)
         for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
-            moved = x.copy()
-            moved[i] += size
-            if prior.logarithmic and moved[i] <= 0.0:
-                moved[i] = x[i] - size
+            back = prior.logarithmic and x[i] + size <= 0.0
             u = at.u.copy()
-            u[i] = prior.to_u(moved[i])
+            u[i] = prior.to_u(x[i] - size if back else x[i] + size)
             moves.append(self._noisy(u, at.own) if hears[i] else self._point(u, at.own))
             widths.append(u[i] - at.u[i])
         found = []
@@ -318,27 +333,14 @@ class ModeSearch:
         free[:p] &= ~((at.u <= ends[:, 0] + near) & (g[:p] < 0.0))
         free[:p] &= ~((at.u >= ends[:, 1] - near) & (g[:p] > 0.0))
         free[p:] &= ~(at.at_zero & (g[p:] < 0.0))
-        step = np.zeros(g.size)
-        lowest, highest = np.full(g.size, -np.inf), np.full(g.size, np.inf)
-        lowest[:p], highest[:p] = self._inside(ends[:, 0]) - at.u, self._inside(ends[:, 1]) - at.u
+        lowest, highest = np.full((2, g.size), np.inf) * [[-1.0], [1.0]]
+        lowest[:p], highest[:p] = (self._inside(end) - at.u for end in ends.T)
         lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
         bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
         lowest = np.where(bent, np.maximum(lowest, -LONGEST_STEP), lowest)
         highest = np.where(bent, np.minimum(highest, LONGEST_STEP), highest)
         damped = a + damping * np.diag(np.diag(a))
-        for _ in range(g.size):
-            rest = g[free] - damped[np.ix_(free, ~free)] @ step[~free]
-            way = np.zeros(g.size)
-            way[free] = np.linalg.solve(damped[np.ix_(free, free)], rest) - step[free]
-            room, ahead = np.full(g.size, np.inf), np.where(way > 0.0, highest, lowest) - step
-            with np.errstate(over="ignore"):  # of a way that is next to nothing
-                np.divide(ahead, way, room, where=way != 0.0)
-            # Up to the first bound: what meets it stops there, and the others make the best of it.
-            step += way * min(1.0, room.min())
-            if room.min() >= 1.0:
-                break
-            free &= room > room.min()
-        step = np.clip(step, lowest, highest)
+        step = bounded_step(damped, g, free, lowest, highest)
         gain = float(g @ step - 0.5 * step @ a @ step)
         if self._parts is not None:
             gain += self._parts.gain(at.own[:, self._places], damping)
@@ -362,11 +364,10 @@ class ModeSearch:
         return self._normals
 
     def _moved(self, at: Fitted, step: Array, damping: float) -> Fitted | None:
-        p, own = at.u.size, at.own.copy()
+        p, own, one_sided = at.u.size, at.own.copy(), self._problem.logging.one_sided
         if self._parts is not None:
             own[:, self._places] = self._parts.moved(own[:, self._places], step, damping)
         nuisances = at.nuisances + step[p:]
-        one_sided = self._problem.logging.one_sided
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
         moved = self._at(self._inside(at.u + step[:p]), nuisances, own)
         return None if moved is None else self._polished(moved)

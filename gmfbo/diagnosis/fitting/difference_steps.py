@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.hypothesis import DIFFERENCE_STEP, Hypothesis
 from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
+
+Array = NDArray[np.float64]
+Judge = Callable[[Array], Sequence[float | None]]
+"""Roughness of responses to pairs of moves, as `with_judged_steps` asks for it."""
 
 _WIDER = (0.08, 0.32, 1.28)
 _SMOOTH = 0.1  # roughness below which no other step is tried
@@ -41,14 +45,42 @@ def with_clear_steps(
     Hypothesis
         The hypothesis with a step for each free parameter in its setting.
     """
-    x, known = hypothesis.start(parameters), hypothesis.setting.difference_steps
+    x = hypothesis.start(parameters)
+
+    def judged(moves: Array) -> list[float | None]:
+        base, *runs = misfit.run_moved(hypothesis, x, moves, parallel=parallel)
+        changes = [
+            misfit.change(run, base) if all(one.finite for one in run) else None for run in runs
+        ]
+        nothing = [0.0 * own for own in next((c for c in changes if c is not None), ())]
+        return bent_shares([nothing, *changes], lambda own: chi2(tuple(own)))
+
+    return with_judged_steps(hypothesis, x, judged)
+
+
+def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypothesis:
+    """Choose the step of each free parameter that has none yet by how rough its response is.
+
+    Parameters
+    ----------
+    hypothesis : Hypothesis
+        Its free parameters.
+    x : ndarray, shape (n,)
+        [FMU's unit] Values about which they are moved.
+    judged : callable (moves)
+        Moves of shape (1 + 2 k, n): of nothing, and of one and two steps of each of k parameters.
+        Of each of the k the square of the second difference of its responses over that of the
+        first, None where it can't be told. It is far below one for a smooth response and three
+        for noise; for a bent response it grows with the square of the step.
+    """
+    known = hypothesis.setting.difference_steps
     steps = {name: DIFFERENCE_STEP for name in hypothesis.names if name not in known}
     if not steps:
         return hypothesis
-    least = _roughness(misfit, hypothesis, x, steps, parallel)
+    least = _roughness(hypothesis, x, steps, judged)
     rough = [name for name, seen in least.items() if seen > _SMOOTH]
     for step in _WIDER if rough else ():
-        seen = _roughness(misfit, hypothesis, x, dict.fromkeys(rough, step), parallel)
+        seen = _roughness(hypothesis, x, dict.fromkeys(rough, step), judged)
         better = {name for name in seen if seen[name] < least[name]}
         steps |= dict.fromkeys(better, step)
         least |= {name: seen[name] for name in better}
@@ -56,33 +88,40 @@ def with_clear_steps(
     return replace(hypothesis, setting=setting)
 
 
-def _roughness(
-    misfit: Misfit,
-    hypothesis: Hypothesis,
-    x: NDArray[np.float64],
-    steps: Mapping[str, float],
-    parallel: bool,
-) -> dict[str, float]:
-    """Square of the second difference over that of the first, where the range holds both.
+def bent_shares(
+    responses: Sequence[Sequence[Array] | None], square: Callable[[Sequence[Array]], float]
+) -> list[float | None]:
+    """Square of second differences over that of first ones, as `with_judged_steps` asks for it.
 
-    The ratio is far below one for a smooth response and three for noise; for a bent response it
-    grows with the square of the step.
+    Parameters
+    ----------
+    responses : sequence
+        Of nothing, and of one and two steps of each parameter; None where they are not finite.
+    square : callable (sequence of ndarray)
+        Of a change of a response.
     """
-    names, moves = _moves_in_range(hypothesis, x, steps)
-    base, *runs = misfit.run_moved(hypothesis, x, moves, parallel=parallel)
-    found = {}
-    for name, once, twice in zip(names, runs[::2], runs[1::2], strict=True):
-        if not all(run.finite for run in (*once, *twice)):
+    base, found = responses[0], list[float | None]()
+    for once, twice in zip(responses[1::2], responses[2::2], strict=True):
+        if base is None or once is None or twice is None:
+            found.append(None)
             continue
-        first, second = misfit.change(once, base), misfit.change(twice, once)
-        bent = chi2(tuple(b - a for a, b in zip(first, second, strict=True)))
-        found[name] = bent / max(chi2(first), 1e-300)
+        first = [a - b for a, b in zip(once, base, strict=True)]
+        bent = [c - 2.0 * a + b for a, b, c in zip(once, base, twice, strict=True)]
+        found.append(square(bent) / max(square(first), 1e-300))
     return found
 
 
+def _roughness(
+    hypothesis: Hypothesis, x: Array, steps: Mapping[str, float], judged: Judge
+) -> dict[str, float]:
+    names, moves = _moves_in_range(hypothesis, x, steps)
+    ratios = zip(names, judged(moves), strict=True)
+    return {name: ratio for name, ratio in ratios if ratio is not None}
+
+
 def _moves_in_range(
-    hypothesis: Hypothesis, x: NDArray[np.float64], steps: Mapping[str, float]
-) -> tuple[list[str], NDArray[np.float64]]:
+    hypothesis: Hypothesis, x: Array, steps: Mapping[str, float]
+) -> tuple[list[str], Array]:
     """Parameters whose range holds two steps, and moves of zero, one and two steps of each."""
     low, high = hypothesis.bounds
     magnitudes = dict(zip(hypothesis.names, hypothesis.magnitudes(x), strict=True))
