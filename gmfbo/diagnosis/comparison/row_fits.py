@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
@@ -40,14 +40,28 @@ class RowFits:
         Under which rows are fitted.
     rival : float
         [nats] Cost of the best row: what stays far behind it is not searched on.
+    known : iterable of Fitted
+        Rows that know how far their quantities have to be moved.
     """
 
-    def __init__(self, problem: Problem, noise: HeardNoise | None, rival: float = np.inf) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        noise: HeardNoise | None,
+        rival: float = np.inf,
+        known: Iterable[Fitted] = (),
+    ) -> None:
         self._problem, self._noise, self._rival = problem, noise, rival
+        self._steps: dict[str, float] = {}
+        for row in known:
+            self._steps = {**row.hypothesis.setting.difference_steps, **self._steps}
 
     def _search(
         self, whitening: Whitening, hypothesis: Hypothesis, freed: Sequence[str]
     ) -> ModeSearch:
+        setting = hypothesis.setting
+        steps = {**self._steps, **setting.difference_steps}
+        hypothesis = replace(hypothesis, setting=replace(setting, difference_steps=steps))
         return ModeSearch(self._problem, whitening, hypothesis, freed, self._noise)
 
     def with_moves(

@@ -89,7 +89,7 @@ class Search:
     def _fits(self, ledger: Ledger) -> RowFits:
         rows = (row for row in ledger.rows.values() if row.heard is ledger.noise)
         best = min((cost(row, ledger.whitening) for row in rows), default=np.inf)
-        return RowFits(self.problem, ledger.noise, best)
+        return RowFits(self.problem, ledger.noise, best, ledger.rows.values())
 
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
