@@ -267,9 +267,9 @@ class ModeSearch:
 
     def _with_clear_steps(self, at: Fitted) -> Fitted:
         """The same, with difference steps that an encoder's counts in the twin do not drown."""
-        if not self._hypothesis.setting.is_rough:
-            return at
         x, problem = at.x, self._problem
+        if not (problem.is_counted or self._hypothesis.setting.is_rough):
+            return at
 
         def judged(moves: Array) -> list[float | None]:
             u = [[p.to_u(v) for p, v in zip(self._priors, x + m, strict=True)] for m in moves]

@@ -42,6 +42,8 @@ class Problem:
         position, at the sensor port, leaves in the residual of each signal.
     held_inertia : (str, float), or None
         Parameter and value for which that loop was designed.
+    is_counted : bool
+        Whether the twin reads its position in counts, which small changes shuffle.
     """
 
     simulations: Simulations
@@ -51,6 +53,7 @@ class Problem:
     stretch_rows: int
     followed: PortKernels | None = None
     held_inertia: tuple[str, float] | None = None
+    is_counted: bool = False
 
     @property
     def ranges(self) -> Mapping[str, float]:

@@ -72,5 +72,5 @@ def test_friction_holds_a_loop_short_of_its_reference() -> None:
     reference = np.where(np.arange(4000) >= 20, 0.5, 0.0)[None, :]
     y, _ = simulate(law, plant, gains, reference, np.zeros((2, 1)), STEP)
     error = 0.5 - y[0, -1]
-    assert 0.0 < abs(error) <= level / (0.3 * KP)
+    assert 0.0 < abs(error) <= level / (0.3 * KP) * (1.0 + 1e-9)  # at its end, up to rounding
     assert y[0, -1] == y[0, -100]  # it rests
