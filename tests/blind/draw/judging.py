@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tests.blind.draw.equivalents import PARAMETER, same_statement
+from tests.blind.draw.measures import error_left
 from tests.blind.score import OWED, case_gain, family
 
 PHYSICS_CLAIMED = ("named", "outside")
@@ -87,6 +88,9 @@ class Judged:
         Names.
     intervals : tuple of Interval
         Of values whose truth is known, where the physics is right.
+    error_left : float or None
+        Share of the explainable error that is left on recordings never fitted; None where there
+        is hardly any (`measures.error_left`).
     simulations, seconds, cpu_seconds : float
         Cost as told, wall clock, and time of all processes; NaN where that was not counted.
     note : str
@@ -105,6 +109,7 @@ class Judged:
     is_owed: bool = False
     hidden: tuple[str, ...] = ()
     intervals: tuple[Interval, ...] = ()
+    error_left: float | None = None
     simulations: float = 0.0
     seconds: float = 0.0
     cpu_seconds: float = float("nan")
@@ -159,6 +164,7 @@ def judge(line: Mapping[str, Any]) -> Judged:
         claims=claims,
         verdict=verdict,
         intervals=_intervals(answer, diagnosis, outcome),
+        error_left=error_left(diagnosis),
         simulations=float((diagnosis.get("cost") or {}).get("simulations") or 0.0),
     )
 

@@ -16,6 +16,7 @@ import numpy as np
 from tests.blind.bars import clopper_pearson
 from tests.blind.draw.cases import SIZES
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Interval, Judged, judge
+from tests.blind.draw.measures import NORMAL, clustered_share, recalibration
 from tests.blind.draw.nulls import VARIANTS
 from tests.blind.draw.outcomes import read_outcomes
 
@@ -36,6 +37,7 @@ def table(judged: Sequence[Judged]) -> str:
         _outside([j for j in judged if j.stratum == "outside"]),
         _statements(judged),
         _intervals(judged),
+        _error_left([j for j in judged if j.stratum == "owed" and j.is_owed]),
         _cost(judged),
         _failures(judged),
     ]
@@ -133,28 +135,62 @@ def _statements(judged: Sequence[Judged]) -> str:
         lines.append(f"{'members of a statement, median':<34}{np.median(sets):.0f}")
     stated = [c for c in claims if not math.isnan(c.probability)]
     if stated:
-        p = np.array([c.probability for c in stated])
-        right = np.array([c.judged == "right" for c in stated], dtype=float)
-        lines.append(
-            f"{'probability, mean; right; Brier':<34}{p.mean():.3f}; {right.mean():.3f}; "
-            f"{np.mean((p - right) ** 2):.3f} on {len(stated)}"
+        lines += _probabilities(
+            [c.probability for c in stated], [c.judged == "right" for c in stated]
         )
     return "\n".join(lines)
 
 
+def _probabilities(stated: Sequence[float], right: Sequence[bool]) -> list[str]:
+    """Whether what was stated came true as often as it was stated."""
+    p, y = np.array(stated), np.array(right, dtype=float)
+    lines = [
+        f"{'probability, mean; right; Brier':<34}{p.mean():.3f}; {y.mean():.3f}; "
+        f"{np.mean((p - y) ** 2):.3f} on {len(p)}"
+    ]
+    fitted = recalibration(stated, right)
+    if fitted:
+        cells = [
+            f"{value:.2f} [{value - NORMAL * error:.2f}, {value + NORMAL * error:.2f}]"
+            for value, error in zip(*fitted, strict=True)
+        ]
+        lines.append(f"{'recalibration: intercept; slope':<34}{'; '.join(cells)}")
+    return lines
+
+
 def _intervals(judged: Sequence[Judged]) -> str:
-    lines = ["Intervals of 95 % that hold the truth; half width over the value, median"]
-    groups: dict[str, list[Interval]] = {"laws": [], "twin's parameters": []}
+    """How many hold, with the exact interval, and the one that takes clusters for trials."""
+    lines = [
+        "Intervals of 95 % that hold the truth; clustered by machine and law; half width over the "
+        "value, median"
+    ]
+    groups: dict[str, list[tuple[Interval, tuple[object, ...]]]] = {
+        "laws": [],
+        "twin's parameters": [],
+    }
     for j in judged:
         effects = {f"{name}." for name in j.hidden}
         for interval in j.intervals:
             is_law = any(interval.name.startswith(effect) for effect in effects)
-            groups["laws" if is_law else "twin's parameters"].append(interval)
-    for title, own in groups.items():
-        held = sum(interval.holds for interval in own)
-        width = f"; {np.median([i.width for i in own]):.3f}" if own else ""
-        lines.append(f"{title:<34}{_share(held, len(own))}{width}")
+            kind = "laws" if is_law else "twin's parameters"
+            groups[kind].append((interval, (j.machine, j.hidden)))
+    for title, own in (*groups.items(), ("both", [one for g in groups.values() for one in g])):
+        held = [interval.holds for interval, _ in own]
+        low, high = (100.0 * b for b in clustered_share(held, [cluster for _, cluster in own]))
+        tail = f"; [{low:.1f}, {high:.1f}] %; {np.median([i.width for i, _ in own]):.3f}"
+        lines.append(f"{title:<34}{_share(sum(held), len(own))}{tail if own else ''}")
     return "\n".join(lines)
+
+
+def _error_left(owed: Sequence[Judged]) -> str:
+    left = [j.error_left for j in owed if j.error_left is not None]
+    if not left:
+        return ""
+    median, most = np.quantile(left, [0.5, 0.9])
+    return (
+        f"{'owed, explainable error left':<34}median {median:.2f}, 90 % {most:.2f} "
+        f"on {len(left)} of {len(owed)}"
+    )
 
 
 def _cost(judged: Sequence[Judged]) -> str:
