@@ -197,7 +197,7 @@ class Conclusion:
             told = None
             if rivals is not None:
                 fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
-                told = propose(case, fits, TOLD_APART, Path(folder))
+                told = propose(case, fits, Path(folder))
             elif self._sufficiency == "insufficient":
                 silent = [n for n, why in self.reasons.items() if why.startswith("not excited")]
                 told = propose_for(case, case.base, silent, Path(folder))

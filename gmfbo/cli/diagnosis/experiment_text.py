@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from gmfbo.plain_words import WIDTH, number, percent, quantity, words, wrapped
@@ -12,6 +12,7 @@ from gmfbo.plain_words import WIDTH, number, percent, quantity, words, wrapped
 if TYPE_CHECKING:
     from gmfbo.diagnosis.experiment.observed import Confirmation
     from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
+    from gmfbo.diagnosis.experiment.separation import Separation
 
 INDENT = 13
 _EFFECTS = 6  # effects listed with their sizes
@@ -68,20 +69,34 @@ def _limit_lines(proposed: ProposedExperiment) -> list[str]:
 
 
 def _purpose(proposed: ProposedExperiment) -> list[str]:
-    if len(proposed.rivals) > 1:
-        names = " and ".join(_said(name) for name in proposed.rivals)
-        apart = proposed.distance >= proposed.threshold
-        does = "tells apart" if apart else "does not tell apart, but comes nearest to it,"
-        need = "is enough" if apart else "would be"
-        return _entry(
-            "why",
-            f"it {does} {names}: at least {number(proposed.distance)} apart after each is "
-            f"refitted, {number(proposed.threshold)} {need}",
-        )
+    if proposed.separation is not None:
+        return _entry("why", _separation(proposed.separation))
     if proposed.wanted:
         names = ", ".join(words(name) for name in proposed.wanted)
         return _entry("why", f"it shows best what was not excited: {names}")
     return _entry("why", "of the menu it shows most effects at the smallest sizes")
+
+
+def _separation(separation: Separation) -> str:
+    """Which rivals it tells apart, how surely, and which not."""
+    from gmfbo.diagnosis.experiment.separation import ENOUGH
+
+    def listed(pairs: Iterable[tuple[str, str]]) -> str:
+        return "; ".join(f"{_said(a)} from {_said(b)}" for a, b in pairs)
+
+    apart = separation.told_apart()
+    together = [pair for pair in separation.log_odds if pair not in apart]
+    if not apart:
+        largest = number(max(separation.log_odds.values()))
+        return (
+            f"it comes nearest to telling {listed(together)}: log odds of {largest} nats are "
+            f"expected, {number(ENOUGH)} would be enough"
+        )
+    told = (
+        f"it tells {listed(apart)}: log odds of at least {number(min(apart.values()))} nats are "
+        f"expected for the true one, {number(ENOUGH)} are enough"
+    )
+    return f"{told}; it does not tell {listed(together)}" if together else told
 
 
 def _sizes(proposed: ProposedExperiment) -> str:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +11,13 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.experiment.menu_runs import (
     Menu,
-    Played,
-    distance,
     make_menu,
     play,
     playing,
     reference_input,
-    whitener_of,
 )
 from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
+from gmfbo.diagnosis.experiment.separation import ENOUGH, Separation, separations
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.naming.open_explanations import name_of
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
@@ -33,7 +30,7 @@ FILE_NAME = "next.csv"
 
 
 def propose(
-    case: Case, rivals: Sequence[Fitted], threshold: float, folder: Path | None = None
+    case: Case, rivals: Sequence[Fitted], folder: Path | None = None, enough: float = ENOUGH
 ) -> NextExperiment | None:
     """Choose the reference on which refitted rivals differ most.
 
@@ -43,10 +40,10 @@ def propose(
         Twin and recordings.
     rivals : sequence of Fitted
         Hypotheses that the recordings cannot tell apart, likeliest first.
-    threshold : float
-        Distance above which two rivals are told apart.
     folder : Path or None
         Where `next.csv` is written; None writes nothing.
+    enough : float
+        [nats] Log odds from which two rivals are told apart.
 
     Returns
     -------
@@ -63,13 +60,15 @@ def propose(
         runs = {n: p for n, p in zip(names, played, strict=False) if p is not None}
         if len(runs) < 2:
             return None
-        distances = [_distances(case, menu, entry, runs) for entry in range(len(menu.entries))]
-        best = max(range(len(distances)), key=lambda e: _worth(distances[e], threshold))
+        plays = [(entry,) for entry in range(len(menu.entries))]
+        best = max(separations(case, menu, runs, plays), key=lambda one: one.worth(enough))
+        (entry,) = best.plays
         told = {
-            name: predicted_outcome(case, menu.records[best], name, best, runs) for name in runs
+            name: predicted_outcome(case, menu.records[entry], name, entry, runs) for name in runs
         }
-    choice = _Choice(menu, best, distances[best], threshold, folder)
-    return choice.telling_apart(told) if choice.apart else choice.in_vain(told)
+    if not best.told_apart(enough):
+        return _in_vain(menu, best, enough, told)
+    return _telling_apart(menu, best, enough, told, _write(menu, entry, folder))
 
 
 def propose_for(
@@ -137,27 +136,6 @@ def rival_names(rivals: Sequence[Fitted], uncertain: Collection[str]) -> list[st
     return names
 
 
-def _distances(
-    case: Case, menu: Menu, entry: int, runs: Mapping[str, Played]
-) -> dict[tuple[str, str], float]:
-    """Smaller of the two distances of each pair, since either rival may be true."""
-    first = next(iter(runs.values()))
-    whitener = whitener_of(case, menu, entry, first.simulated[entry])
-    return {
-        (a, b): min(
-            distance(whitener, runs[a], runs[b], entry),
-            distance(whitener, runs[b], runs[a], entry),
-        )
-        for a, b in combinations(runs, 2)
-    }
-
-
-def _worth(distances: Mapping[tuple[str, str], float], threshold: float) -> tuple[int, float]:
-    """Sort key: number of pairs told apart, then their smallest margin, or the largest of all."""
-    enough = [d for d in distances.values() if d >= threshold]
-    return len(enough), min(enough) if enough else max(distances.values())
-
-
 def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Excitation:
     """Excitation by the recordings and one entry of the menu together."""
     if not finite:
@@ -174,39 +152,29 @@ def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Exci
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Choice:
-    """The best entry of a menu, and the distances of the rivals on it."""
+def _telling_apart(
+    menu: Menu, best: Separation, enough: float, told: Mapping[str, str], file: str
+) -> NextExperiment:
+    apart = best.told_apart(enough)
+    names = tuple(n for n in told if any(n in pair for pair in apart))
+    why = (
+        f"{menu.entries[best.plays[0]].words}, played twice, is where they differ most on the menu"
+    )
+    together = [f"{a} and {b}" for a, b in best.log_odds if (a, b) not in apart]
+    if together:
+        why += f"; it does not tell apart {words('; '.join(together))}"
+    return NextExperiment(file, names, min(apart.values()), enough, told, why)
 
-    menu: Menu
-    entry: int
-    distances: Mapping[tuple[str, str], float]
-    threshold: float
-    folder: Path | None
 
-    @property
-    def apart(self) -> dict[tuple[str, str], float]:
-        return {pair: d for pair, d in self.distances.items() if d >= self.threshold}
-
-    def telling_apart(self, told: Mapping[str, str]) -> NextExperiment:
-        names = tuple(n for n in told if any(n in pair for pair in self.apart))
-        entry = self.menu.entries[self.entry]
-        why = f"{entry.words}, played twice, is where they differ most on the menu"
-        together = [f"{a} and {b}" for a, b in self.distances if (a, b) not in self.apart]
-        if together:
-            why += f"; it does not tell apart {words('; '.join(together))}"
-        nearest = min(self.apart.values())
-        file = _write(self.menu, self.entry, self.folder)
-        return NextExperiment(file, names, nearest, self.threshold, told, why)
-
-    def in_vain(self, told: Mapping[str, str]) -> NextExperiment:
-        largest = max(self.distances.values())
-        entry = self.menu.entries[self.entry]
-        why = (
-            "no experiment on the menu separates them: the largest predicted distance is "
-            f"{largest:.3g} with {entry.words}, {self.threshold:.3g} would be needed"
-        )
-        return NextExperiment("", (), largest, self.threshold, told, why)
+def _in_vain(
+    menu: Menu, best: Separation, enough: float, told: Mapping[str, str]
+) -> NextExperiment:
+    largest = max(best.log_odds.values())
+    why = (
+        "no experiment on the menu separates them: the largest predicted log odds are "
+        f"{largest:.3g} with {menu.entries[best.plays[0]].words}, {enough:.3g} would be needed"
+    )
+    return NextExperiment("", (), largest, enough, told, why)
 
 
 def _write(menu: Menu, entry: int, folder: Path | None) -> str:

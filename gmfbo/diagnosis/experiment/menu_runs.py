@@ -223,31 +223,3 @@ def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whi
     covariance = covariance + tolerance_covariance(window, seen, case.rig.positions)
     own = record_directions(record, simulated, case.rig.alignments)
     return Whitener(window, covariance).without(own)
-
-
-def distance(whitener: Whitener, true: Played, other: Played, entry: int) -> float:
-    """chi2 that remains when another rival is refitted to one that is taken for true.
-
-    Parameters
-    ----------
-    whitener : Whitener
-        Of the entry.
-    true, other : Played
-        The rival taken for true, and the rival fitted to it.
-    entry : int
-        Which reference.
-    """
-    apart = [
-        a - b
-        for a, b in zip(true.simulated[entry].signals, other.simulated[entry].signals, strict=True)
-    ]
-    target = whitener.whiten(apart)
-    if not other.columns:
-        return float(target @ target)
-    own = [np.stack(list(s)) for s in zip(*(c[entry] for c in other.columns), strict=True)]
-    matrix = np.nan_to_num(whitener.whiten(own)).T
-    size = np.linalg.norm(matrix, axis=0)
-    matrix = matrix[:, size > 0.0] / size[size > 0.0]
-    best = np.linalg.lstsq(matrix, target, rcond=1e-8)[0]
-    left = target - matrix @ best
-    return float(left @ left)

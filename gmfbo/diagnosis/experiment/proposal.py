@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from gmfbo.diagnosis.experiment.play_limits import PlayLimits
 from gmfbo.diagnosis.experiment.safe_player import Peaks
+from gmfbo.diagnosis.experiment.separation import Separation
 from gmfbo.diagnosis.result.named_effect import DetectableSize, NotTestable
 from gmfbo.recordings.recording import Recording
 
@@ -33,8 +34,8 @@ class ProposedExperiment:
         Effects for which it was chosen; empty where it was chosen for all.
     rivals : tuple of str
         Explanations that it was chosen to tell apart; fewer than two where there are none.
-    distance, threshold : float
-        Least predicted chi2 between two refitted rivals, and the chi2 that tells them apart.
+    separation : Separation or None
+        How surely it would tell these apart; None where there are none.
     predicted : mapping of str to str
         Predicted observation under each explanation.
     """
@@ -47,6 +48,5 @@ class ProposedExperiment:
     hidden: tuple[NotTestable, ...]
     wanted: tuple[str, ...]
     rivals: tuple[str, ...]
-    distance: float
-    threshold: float
+    separation: Separation | None
     predicted: Mapping[str, str]

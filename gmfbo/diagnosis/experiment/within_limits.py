@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
 from gmfbo.diagnosis.checking.showable_sizes import Excited, showable_sizes
-from gmfbo.diagnosis.comparison.numbers import TOLD_APART
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.explained_twin import fitted_as_saved, points_of
-from gmfbo.diagnosis.experiment.menu_runs import Menu, Played, play, playing, whitener_of
+from gmfbo.diagnosis.experiment.menu_runs import Menu, Played, play, playing
 from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
 from gmfbo.diagnosis.experiment.play_limits import PlayLimits
 from gmfbo.diagnosis.experiment.play_patterns import play_patterns
@@ -24,11 +23,11 @@ from gmfbo.diagnosis.experiment.played_input import played_input
 from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
 from gmfbo.diagnosis.experiment.reference_menu import MenuEntry
 from gmfbo.diagnosis.experiment.safe_player import Peaks, SafePlayer
+from gmfbo.diagnosis.experiment.separation import Plays, Separation, separations
 from gmfbo.diagnosis.result.named_effect import DetectableSize
 from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation
 from gmfbo.diagnosis.runs.scored_record import scored_record
 from gmfbo.diagnosis.runs.simulated import Point
-from gmfbo.diagnosis.scoring.whitening import Whitener
 from gmfbo.errors import InputError, SimulationError
 from gmfbo.plain_words import NOT_EXCITED
 from gmfbo.recordings.recording import Recording
@@ -37,7 +36,6 @@ from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.version import __version__
 
 Progress = Callable[[str, float], None]
-Pair = tuple[int, int]
 Pattern = tuple[MenuEntry, NDArray[np.float64]]
 
 POSITION_NOISE, OTHER_NOISE = 1e-4, 2e-3
@@ -199,19 +197,16 @@ class _Choice:
         self.progress = progress
         named = [e for e in explanations if e.name != PARAMETERS_ONLY]
         self.rivals = tuple(named) if len(named) > 1 else ()
-        self.threshold = TOLD_APART
-        if diagnosis is not None and diagnosis.predictions is not None:
-            self.threshold = max(self.threshold, diagnosis.predictions.threshold)
         self.excited = showable_sizes(
             case, lambda share: progress("screening the library", 0.2 + 0.6 * share)
         )
         self.wanted = _wanted(diagnosis, self.excited)
-        self.distances: dict[Pair, float] = {}
+        self.separation: Separation | None = None
         pairs = list(combinations_with_replacement(range(len(self.entries)), 2))
         if self.rivals:
             progress("playing the rivals", 0.82)
-            self.distances = self._distances(pairs)
-            self.best = max(pairs, key=lambda pair: self.distances[pair])
+            self.separation = max(self._separations(pairs), key=lambda one: one.worth())
+            self.best: Plays = self.separation.plays
         else:
             self.best = min(pairs, key=self._badness)
 
@@ -240,14 +235,13 @@ class _Choice:
             hidden=self.excited.not_testable,
             wanted=tuple(name for name in self.wanted if name in shows),
             rivals=tuple(e.name for e in self.rivals),
-            distance=self.distances.get(self.best, math.nan),
-            threshold=self.threshold,
+            separation=self.separation,
             predicted=self._predicted(recording),
         )
 
     # ---- what it shows -----------------------------------------------------------------------
 
-    def _size(self, name: str, pair: Pair) -> float:
+    def _size(self, name: str, pair: Plays) -> float:
         """Smallest size that two patterns show: what each tells adds up."""
         seen = self.excited.showable[name]
         records = self.case.simulations.records
@@ -255,7 +249,7 @@ class _Choice:
         told = sum(size**-2.0 for size in alone if math.isfinite(size) and size > 0.0)
         return max(told**-0.5, seen.floor) if told > 0.0 else math.inf
 
-    def _badness(self, pair: Pair) -> float:
+    def _badness(self, pair: Plays) -> float:
         """Mean logarithm of the sizes, each relative to the smallest that any two would show."""
         names = self.wanted or tuple(self.excited.showable)
         total = 0.0
@@ -271,8 +265,8 @@ class _Choice:
 
     # ---- what tells rivals apart -------------------------------------------------------------
 
-    def _distances(self, pairs: Sequence[Pair]) -> dict[Pair, float]:
-        """Least distance between two rivals on each two patterns, each refitted to the other."""
+    def _separations(self, pairs: Sequence[Plays]) -> list[Separation]:
+        """What each two patterns tell of the rivals."""
         case = self.case
         runs = {}
         for rival in self.rivals:
@@ -283,19 +277,7 @@ class _Choice:
             raise SimulationError(
                 f"{case.twin.name}: the twin cannot follow the patterns under the rivals"
             )
-        menu = Menu(self.entries, (), case.simulations.records)
-        first = next(iter(runs.values()))
-        whiteners = [
-            whitener_of(case, menu, k, first.simulated[k]) for k in range(len(self.entries))
-        ]
-        return {
-            pair: min(
-                _apart(whiteners, true, other, pair)
-                for a, b in combinations(runs.values(), 2)
-                for true, other in ((a, b), (b, a))
-            )
-            for pair in pairs
-        }
+        return separations(case, Menu(self.entries, (), case.simulations.records), runs, pairs)
 
     def _predicted(self, recording: Recording) -> dict[str, str]:
         """Predicted outcome under each explanation; empty where there is only one."""
@@ -332,25 +314,3 @@ def _wanted(diagnosis: Diagnosis | None, excited: Excited) -> tuple[str, ...]:
         if entry.why.startswith((NOT_EXCITED, "changes nothing"))
     }
     return tuple(name for name in excited.showable if name in silent)
-
-
-def _apart(whiteners: Sequence[Whitener], true: Played, other: Played, pair: Pair) -> float:
-    """Square of what one rival cannot follow of another on two patterns together."""
-    targets, rows = [], []
-    for k in pair:
-        apart = [
-            a - b
-            for a, b in zip(true.simulated[k].signals, other.simulated[k].signals, strict=True)
-        ]
-        targets.append(whiteners[k].whiten(apart))
-        if other.columns:
-            own = [np.stack(list(s)) for s in zip(*(c[k] for c in other.columns), strict=True)]
-            rows.append(np.nan_to_num(whiteners[k].whiten(own)))
-    target = np.concatenate(targets)
-    if not rows:
-        return float(target @ target)
-    matrix = np.concatenate(rows, axis=1).T
-    size = np.linalg.norm(matrix, axis=0)
-    matrix = matrix[:, size > 0.0] / size[size > 0.0]
-    left = target - matrix @ np.linalg.lstsq(matrix, target, rcond=1e-8)[0]
-    return float(left @ left)

@@ -101,8 +101,8 @@ def _next(diagnosis: Findings) -> list[str]:
         distance = marked_number(("next_experiment", "distance"), planned.distance)
         threshold = marked_number(("next_experiment", "threshold"), planned.threshold)
         told += (
-            f"<p>It tells {escape(apart)}: predicted distance {distance}, threshold {threshold}, "
-            f"{enough} to decide.</p>"
+            f"<p>It tells {escape(apart)}: log odds of {distance} nats are expected for the true "
+            f"one; {threshold} would do, so it is {enough} to decide.</p>"
         )
     rows = [[escape(words(name)), escape(what)] for name, what in planned.predicted.items()]
     return [told, table(["if it is", "then"], rows)]

@@ -17,9 +17,10 @@ class NextExperiment:
     separates : tuple of str
         Effects that it tells apart.
     distance : float
-        Predicted chi2 between the rivals after refitting each, dimensionless.
+        [nats] Least expected log odds of the true one against another of these, refitted; the
+        largest where none are told apart.
     threshold : float
-        Distance above which they are told apart.
+        [nats] Log odds from which they are told apart.
     predicted : mapping of str to str
         Predicted observation by rival, in plain words.
     why : str

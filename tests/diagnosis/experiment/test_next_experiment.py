@@ -16,7 +16,6 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for, rival_names
 from gmfbo.diagnosis.experiment.menu_runs import (
     Played,
-    distance,
     make_menu,
     play,
     playing,
@@ -25,6 +24,7 @@ from gmfbo.diagnosis.experiment.menu_runs import (
     whitener_of,
 )
 from gmfbo.diagnosis.experiment.reference_menu import RecordedLimits, reference_menu
+from gmfbo.diagnosis.experiment.separation import Separation, log_odds, separations
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.recordings.recording import Recording
@@ -145,7 +145,7 @@ def test_rivals_are_told_apart_by_a_file_that_reads_back(
 ) -> None:
     case, rivals = delayed
     recorded = case.simulations.records
-    planned = propose(case, rivals, 10.0, tmp_path)
+    planned = propose(case, rivals, tmp_path)
     assert case.simulations.records is recorded
     assert planned is not None
     assert planned.reference == "next.csv"
@@ -165,7 +165,7 @@ def test_rivals_are_told_apart_by_a_file_that_reads_back(
 def test_rivals_below_the_threshold_are_said_to_stay_together(
     delayed: tuple[Case, list[Fitted]], tmp_path: Path
 ) -> None:
-    planned = propose(*delayed, 1e9, tmp_path)
+    planned = propose(*delayed, tmp_path, enough=1e9)
     assert planned is not None
     assert planned.separates == ()
     assert planned.reference == ""
@@ -174,7 +174,7 @@ def test_rivals_below_the_threshold_are_said_to_stay_together(
 
 
 def test_one_hypothesis_needs_no_experiment(right_case: Case) -> None:
-    assert propose(right_case, [right_case.base], 10.0) is None
+    assert propose(right_case, [right_case.base]) is None
     assert propose_for(right_case, right_case.base, []) is None
 
 
@@ -188,12 +188,56 @@ def test_what_parameters_can_follow_is_no_distance(right_case: Case) -> None:
         x = right_case.base.x * np.array([1.01, 1.1])
         moved = right_case.simulations.run([right_case.base.hypothesis.point(x)])[0]
         other = Played(moved, base.columns)
-        for entry in range(len(menu.entries)):
-            whitener = whitener_of(right_case, menu, entry, base.simulated[entry])
+        every = range(len(menu.entries))
+        whiteners = [whitener_of(right_case, menu, k, base.simulated[k]) for k in every]
+        for entry in every:
             unfitted = Played(base.simulated, [])
-            raw = distance(whitener, other, unfitted, entry)
-            assert distance(whitener, base, base, entry) == 0.0
-            assert distance(whitener, other, base, entry) < 0.02 * raw
+            raw = log_odds(whiteners, other, unfitted, [entry])
+            assert log_odds(whiteners, base, base, [entry]) == 0.0
+            assert log_odds(whiteners, other, base, [entry]) < 0.02 * raw
+            # Twice the same run: twice as sure.
+            assert log_odds(whiteners, other, unfitted, [entry] * 2) == pytest.approx(2.0 * raw)
+
+
+def test_log_odds_are_the_mean_of_what_noise_makes_of_them(right_case: Case) -> None:
+    """Of the likelihood ratio of two predictions, over recordings drawn from the first."""
+    reference = reference_input(right_case)
+    assert reference is not None
+    menu = make_menu(right_case, right_case.base, reference)
+    with playing(right_case, menu):
+        one, two = (
+            right_case.simulations.run([right_case.base.hypothesis.point(x)])[0]
+            for x in (right_case.base.x, right_case.base.x * np.array([1.001, 1.01]))
+        )
+    whitener = whitener_of(right_case, menu, 0, one[0])
+    apart = whitener.whiten([a - b for a, b in zip(one[0].signals, two[0].signals, strict=True)])
+    noise = np.random.default_rng(1).standard_normal((4000, apart.size))
+    ratios = 0.5 * (np.sum((noise + apart) ** 2, axis=1) - np.sum(noise**2, axis=1))
+    told = log_odds([whitener], Played([one[0]], []), Played([two[0]], []), [0])
+    assert told == pytest.approx(ratios.mean(), abs=4.0 * ratios.std() / np.sqrt(4000.0))
+
+
+def test_the_best_run_tells_most_pairs_apart_then_all_of_them_by_most() -> None:
+    def of(ab: float, ac: float, bc: float) -> Separation:
+        return Separation((0,), {("a", "b"): ab, ("a", "c"): ac, ("b", "c"): bc})
+
+    ranked = [of(20.0, 30.0, 16.0), of(90.0, 80.0, 1.0), of(90.0, 70.0, 2.0), of(14.0, 1.0, 1.0)]
+    assert sorted(ranked, key=lambda one: one.worth(), reverse=True) == ranked
+    assert ranked[1].told_apart() == {("a", "b"): 90.0, ("a", "c"): 80.0}
+
+
+def test_a_pair_is_as_far_apart_as_the_nearer_of_its_two_ways(
+    delayed: tuple[Case, list[Fitted]],
+) -> None:
+    case, rivals = delayed
+    menu = make_menu(case, rivals[0], "reference")
+    with playing(case, menu):
+        played = [play(case, rival) for rival in rivals]
+        a, b = (one for one in played if one is not None)
+        whiteners = [whitener_of(case, menu, k, a.simulated[k]) for k in range(len(menu.entries))]
+        (both,) = separations(case, menu, {"a": a, "b": b}, [(0, 1)])
+    ways = log_odds(whiteners, a, b, (0, 1)), log_odds(whiteners, b, a, (0, 1))
+    assert both.log_odds == {("a", "b"): min(ways)}
 
 
 def test_effects_that_were_not_excited_get_a_reference_with_reversals(tmp_path: Path) -> None:
@@ -229,7 +273,7 @@ def test_open_loop_twin_has_no_reference_to_play() -> None:
     recording = Recording(time=time, signals=signals, name="bench.csv", written_by="test")
     with ending(opened_with(twin, [recording])) as case:
         assert reference_input(case) is None
-        assert propose(case, [case.base, case.base], 1.0) is None
+        assert propose(case, [case.base, case.base]) is None
         assert propose_for(case, case.base, ["coulomb_friction"]) is None
 
 
