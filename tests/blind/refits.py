@@ -6,6 +6,7 @@ Both get the package's own alignment, noise model and simulators: what they lack
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,10 @@ from gmfbo import FmuTwin, Recording
 from gmfbo.diagnosis.case.case import Case, dof
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
-from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.fitting.misfit import chi2
 from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
+from gmfbo.physics import CATALOGUE
 from tests.blind.truth import SAMPLE
 
 Vector = NDArray[np.float64]
@@ -26,6 +28,28 @@ Vector = NDArray[np.float64]
 _POINTS = 300
 _SCALES = (0.3, 1.0, 3.0)
 _NOISES = (0.03, 0.1, 0.3, 1.0)
+_MOST_LAWS = 4
+_FITTED = 5
+_ITERATIONS = 10
+
+
+@dataclass(frozen=True)
+class Errors:
+    """RMS errors of one signal on the recording held out, over its range.
+
+    Attributes
+    ----------
+    parameters_only : float
+        Of the refitted twin.
+    augmented : float
+        Of the method's model.
+    noise_floor : float
+        Of a perfect one.
+    """
+
+    parameters_only: float
+    augmented: float
+    noise_floor: float
 
 
 class Refits:
@@ -71,32 +95,91 @@ class Refits:
 
         Geometric mean over the signals. The process sees position, velocity and acceleration.
         """
+        ratios = [
+            one.augmented / max(one.parameters_only, 1e-300) for one in self.process().values()
+        ]
+        return float(np.exp(np.mean(np.log(ratios))))
+
+    def process(self) -> dict[str, Errors]:
+        """Held-out errors with a Gaussian process on the residuals, by signal."""
         seen = [_states(record) for record in self.case.simulations.records]
         new = _states(self.unseen.simulations.records[0])
         mean, size = np.mean(np.vstack(seen), axis=0), np.std(np.vstack(seen), axis=0) + 1e-12
-        ratios = []
+        left = []
         for i in range(len(self.unseen.simulations.records[0].signals)):
-            left = [residual[i] for residual in _residuals(self.case)]
+            own = [residual[i] for residual in _residuals(self.case)]
             rows = [_thinned(len(x)) for x in seen]
             x = np.vstack([(s[k] - mean) / size for s, k in zip(seen, rows, strict=True)])
-            y = np.concatenate([r[k] for r, k in zip(left, rows, strict=True)])
+            y = np.concatenate([r[k] for r, k in zip(own, rows, strict=True)])
             pick = np.linspace(0, len(y) - 1, min(_POINTS, len(y))).astype(int)
             target = _residuals(self.unseen)[0][i]
-            predicted = _predicted(x[pick], y[pick], (new - mean) / size)
-            ratios.append(_rms(target - predicted) / max(_rms(target), 1e-300))
-        return float(np.exp(np.mean(np.log(ratios))))
+            left.append(target - _predicted(x[pick], y[pick], (new - mean) / size))
+        return self._errors(left)
 
-    def brute_force(self) -> tuple[str, ...]:
-        """The effect whose fit has the best held-out BIC, if it beats the parameters alone."""
-        reasons = untestable(
+    def stepwise(self) -> tuple[tuple[str, ...], dict[str, Errors]]:
+        """Laws that are added one by one while BIC falls (Schwarz 1978), and held-out errors.
+
+        Each step takes one Gauss-Newton step with every law that can be tested beside those that
+        are there, fits the `_FITTED` best of these to the end, and keeps the best.
+        """
+        best = self.case.base.measured_by(self.case.plain)
+        bic = self._seen_bic(best)
+        testable = [name for name in CATALOGUE if name not in self._reasons]
+        while len(best.hypothesis.effects) < _MOST_LAWS:
+            there = {one.effect for one in best.hypothesis.effects}
+            tried = [
+                self._beside(best, candidate, iterations=1)
+                for candidate in candidates(testable, self.case.setting.excitation)
+                if candidate.effect not in there
+            ]
+            ranked = sorted(filter(None, tried), key=self._seen_bic)[:_FITTED]
+            fits = [self._beside(best, one.hypothesis.effects[-1]) for one in ranked]
+            found = min(filter(None, fits), key=self._seen_bic, default=None)
+            if found is None or self._seen_bic(found) >= bic:
+                break
+            best, bic = found, self._seen_bic(found)
+        run = self.unseen.simulations.run_here(best.hypothesis.point(best.x))[0]
+        signals = self.unseen.simulations.records[0].signals
+        if run.finite:
+            left = [np.nan_to_num(s.values - v) for s, v in zip(signals, run.signals, strict=True)]
+        else:
+            left = _residuals(self.unseen)[0]
+        return tuple(one.effect for one in best.hypothesis.effects), self._errors(left)
+
+    def _beside(
+        self, best: Fitted, candidate: Candidate, iterations: int = _ITERATIONS
+    ) -> Fitted | None:
+        hypothesis = Hypothesis(self.case.setting, (*best.hypothesis.effects, candidate))
+        return fit(self.case.misfit, hypothesis, best.parameters, near=best, iterations=iterations)
+
+    def _errors(self, left: Sequence[Vector]) -> dict[str, Errors]:
+        """Of the refitted twin and of a model that leaves these residuals, over the range."""
+        found = {}
+        for i, signal in enumerate(self.unseen.simulations.records[0].signals):
+            extent = float(np.ptp(signal.values)) or 1.0
+            found[signal.name] = Errors(
+                _rms(_residuals(self.unseen)[0][i]) / extent,
+                _rms(left[i]) / extent,
+                self.case.noise[signal.name].total / extent,
+            )
+        return found
+
+    def _seen_bic(self, fitted: Fitted) -> float:
+        return float(fitted.chi2 + len(fitted.x) * np.log(dof(self.case.misfit)))
+
+    @property
+    def _reasons(self) -> dict[str, str]:
+        """Why laws cannot be tested."""
+        return untestable(
             self._twin.file,
             self.case.setting.excitation,
             has_inertia=self.case.setting.inertia is not None,
             is_open=self.case.simulations.tracking is not None,
         )
-        from gmfbo.physics import CATALOGUE
 
-        testable = [name for name in CATALOGUE if name not in reasons]
+    def brute_force(self) -> tuple[str, ...]:
+        """The effect whose fit has the best held-out BIC, if it beats the parameters alone."""
+        testable = [name for name in CATALOGUE if name not in self._reasons]
         best, name = self._bic(self.case.base), ""
         for candidate in candidates(testable, self.case.setting.excitation):
             hypothesis = Hypothesis(self.case.setting, (candidate,))

@@ -8,6 +8,7 @@ import pytest
 
 from tests.blind.draw.equivalents import same_statement, statements_of_parameter
 from tests.blind.draw.judging import judge
+from tests.blind.draw.methods import methods
 from tests.blind.draw.table import table
 
 
@@ -199,3 +200,15 @@ def test_the_table_counts_each_stratum() -> None:
     assert "more than 300 s" in text
     assert f"{'seconds, wall clock':<34}median 10, 90 % 10, most 10" in text
     assert "all processes" not in text  # these lines did not count them
+
+
+def test_methods_are_counted_on_the_cases_that_all_of_them_ran() -> None:
+    owed = answer("backlash")
+    told = [
+        judge(line(owed, said("backlash"))),
+        judge(line(answer(stratum="null"), said("coulomb_friction")) | {"case": "001"}),
+    ]
+    silent = [judge(line(owed, said()))]
+    first, second = methods({"loud": told, "silent": silent}).splitlines()[2:]
+    assert first.split()[:10] == ["loud", *["0", "of", "0", "1", "of", "1", "1", "of", "1"]]
+    assert second.split()[:10] == ["silent", *["0", "of", "0", "0", "of", "1", "0", "of", "1"]]
