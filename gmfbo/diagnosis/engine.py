@@ -19,6 +19,7 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.result.whereabouts import TimeWindow
 from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
+from gmfbo.diagnosis.runs.moving_stretches import moving_stretches
 from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.stage_times import Progress, StageTimes
 from gmfbo.diagnosis.steps import Search
@@ -79,13 +80,16 @@ def diagnose(
     started, told = time.perf_counter(), StageTimes(progress or _silent, "reading")
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     ruled_out = _checked(opened, assume, exclude)
-    read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
+    given = [as_recording(one, opened, most_rows=None) for one in recordings]
+    stretches = moving_stretches(given, list(opened.file.outputs), opened.step)
+    read, later = on_fmu_clock(stretches.recordings, opened)
     unseen, more = on_fmu_clock([as_recording(one, opened) for one in validate or ()], opened)
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
             closing.enter_context(opened)
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
+        cases.seen.notes.extend([stretches.note] if stretches.note else [])
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, cases.unseen)
     found = replace(found, cost=replace(found.cost, stages=told.seconds))

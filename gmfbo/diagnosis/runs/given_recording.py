@@ -15,7 +15,9 @@ MOST_ROWS = 1_000_000
 """Rows of one recording; each takes about 1.5 kB while its runs are compared."""
 
 
-def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
+def as_recording(
+    recording: Recording | str | Path, twin: FmuTwin, *, most_rows: int | None = MOST_ROWS
+) -> Recording:
     """Read a recording that is given as a file.
 
     Parameters
@@ -24,6 +26,8 @@ def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
         The recording, or its file.
     twin : FmuTwin
         Its file tells the meaning of the columns.
+    most_rows : int or None
+        More are refused; None takes all, where only stretches of them are compared.
 
     Raises
     ------
@@ -36,9 +40,9 @@ def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
             f"{read.name or 'recording'}: expected at least {LEAST_ROWS} rows to compare with the "
             f"twin, got {len(read)}; record longer"
         )
-    if len(read) > MOST_ROWS:
+    if most_rows is not None and len(read) > most_rows:
         raise RecordingError(
-            f"{read.name or 'recording'}: expected at most {MOST_ROWS} rows, got {len(read)}, "
+            f"{read.name or 'recording'}: expected at most {most_rows} rows, got {len(read)}, "
             "which would take gigabytes of memory; cut out minutes in which the axis moves"
         )
     return read
