@@ -47,12 +47,12 @@ class Stretches:
     ----------
     recordings : tuple of Recording
         Recordings, or stretches of them under names that tell the times.
-    note : str
-        What was taken, for the reader; empty where all is.
+    notes : tuple of str
+        What was taken, for the reader; none where all is.
     """
 
     recordings: tuple[Recording, ...]
-    note: str = ""
+    notes: tuple[str, ...] = ()
 
 
 def moving_stretches(
@@ -86,7 +86,7 @@ def moving_stretches(
         f"compared that show most: {listed([one.name for one in taken])}. To compare others, give "
         "them as files of their own"
     )
-    return Stretches(taken, note)
+    return Stretches(taken, (note,))
 
 
 def _size(recording: Recording, step: float) -> float:

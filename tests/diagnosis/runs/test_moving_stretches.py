@@ -37,7 +37,7 @@ def test_what_is_short_is_compared_whole() -> None:
     one = logged(moving(LIMIT / 2, 0.0, 100.0))
     told = moving_stretches([one, one], ["position"], STEP)
     assert told.recordings == (one, one)
-    assert not told.note
+    assert not told.notes
 
 
 @settings(deadline=None, max_examples=15)
@@ -102,7 +102,7 @@ def test_a_stretch_is_named_by_its_times() -> None:
         first, last = one.name.removeprefix("log.csv [").removesuffix("] s").split(", ")
         assert float(first) == pytest.approx(one.time[0], abs=0.6)
         assert float(last) == pytest.approx(one.time[-1], abs=0.6)
-        assert one.name in told.note
+        assert one.name in told.notes[0]
 
 
 def test_it_is_cut_where_the_axis_rests() -> None:
