@@ -281,6 +281,7 @@ def read_scores(out: Path) -> list[Scored]:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line: python -m tests.blind.score."""
     from tests.blind.baseline_table import baseline_table
+    from tests.blind.draw.outcomes import tell
     from tests.blind.placebo import placebo_table
     from tests.blind.tables import report
 
@@ -294,10 +295,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     more += [placebo_table(given.placebos)] if given.placebos else []
     benchmark = json.loads((given.out / "benchmark.json").read_text(encoding="utf-8"))
     text = report(scores, benchmark, more)
-    if given.text:
-        given.text.parent.mkdir(parents=True, exist_ok=True)
-        given.text.write_text(text, encoding="utf-8")
-    print(text)
+    tell(text, given.text)
 
 
 if __name__ == "__main__":

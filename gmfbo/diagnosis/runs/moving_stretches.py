@@ -118,6 +118,7 @@ def _pieces(recording: Recording, signals: Sequence[str], count: int) -> list[Re
             signals={key: column[rows] for key, column in recording.signals.items()},
             schedules={key: column[rows] for key, column in recording.schedules.items()},
             name=name,
+            start_time=recording.start_time if first == 0 else "",
         )
         use = recording.use
         if use is None or (use[0] <= part.time[-1] and use[1] >= part.time[0]):

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Judged, judge
-from tests.blind.draw.outcomes import read_outcomes
+from tests.blind.draw.outcomes import read_outcomes, tell
 
 COLUMNS: Mapping[str, tuple[int, Callable[[Sequence[Judged]], str]]] = {
     "nulls claimed": (15, lambda own: _count(_nulls(own), lambda j: j.outcome in PHYSICS_CLAIMED)),
@@ -85,10 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     text = methods(
         {name: [judge(line) for line in read_outcomes(Path(file))] for name, file in named.items()}
     )
-    if given.text:
-        given.text.parent.mkdir(parents=True, exist_ok=True)
-        given.text.write_text(text, encoding="utf-8")
-    print(text)
+    tell(text, given.text)
 
 
 if __name__ == "__main__":

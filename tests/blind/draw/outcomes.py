@@ -38,3 +38,19 @@ def read_outcomes(path: Path) -> list[dict[str, Any]]:
             break
         outcomes[outcome["case"]] = outcome
     return list(outcomes.values())
+
+
+def tell(text: str, file: Path | None) -> None:
+    """Print a table, and write it where a file is given.
+
+    Parameters
+    ----------
+    text : str
+        The table.
+    file : Path or None
+        Its folder is made.
+    """
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    print(text)

@@ -18,7 +18,7 @@ from tests.blind.draw.cases import SIZES
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Interval, Judged, judge
 from tests.blind.draw.measures import NORMAL, clustered_share, recalibration
 from tests.blind.draw.nulls import VARIANTS
-from tests.blind.draw.outcomes import read_outcomes
+from tests.blind.draw.outcomes import read_outcomes, tell
 
 
 def table(judged: Sequence[Judged]) -> str:
@@ -230,10 +230,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     lines = [line for path in given.outcomes for line in read_outcomes(path)]
     text = table([judge(line) for line in lines])
-    if given.text:
-        given.text.parent.mkdir(parents=True, exist_ok=True)
-        given.text.write_text(text, encoding="utf-8")
-    print(text)
+    tell(text, given.text)
 
 
 if __name__ == "__main__":
