@@ -260,6 +260,7 @@ class Search:
         """
         row, kernels = ledger.rows[leading], self.kernels_at(ledger.rows[leading])
         for _ in range(_LEVELS):
+            self.log(f"levels about {sorted(leading)}")
             before = ledger.levels
             levels = self.noise.levels(row, kernels, before, ledger.errors)
             errors = self.noise.errors(row, kernels, levels)
@@ -299,6 +300,7 @@ class Search:
         problem = self.problem
         for _ in range(_HEARINGS):
             best = ledger.rows[scored.best]
+            self.log(f"noise heard about {sorted(best.elements)}")
             kernels = self.kernels_at(best)
             left = ledger.errors.taken_out(problem, best, kernels, ledger.levels)
             played = sensed_noise(problem, left, kernels, ledger.levels)

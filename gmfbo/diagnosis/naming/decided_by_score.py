@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,8 @@ from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import number, words
 
 Array = NDArray[np.float64]
+
+_COMPARED, _TO_GO, _EACH = 0.85, 0.65, 0.85  # shares of a diagnosis, and of what is left by a line
 
 _NOTHING = "changes nothing in these recordings"
 
@@ -62,8 +65,8 @@ def decide(
     held : collection of str
         Parameters of the twin that nobody may doubt.
     """
-    progress("comparing explanations", 0.2)
-    comparison = comparison_of(case, [*testable, *silent], passing, held=held)
+    log = _moving_on(progress)
+    comparison = comparison_of(case, [*testable, *silent], passing, held=held, log=log)
     ledger, scored = comparison.run()
     compared = Compared(comparison.search, ledger, scored)
     above = _above_floors(compared)
@@ -95,6 +98,17 @@ def decide(
         unknown=unknown,
         notes=(*notes, *_notes_of(rounds)),
     )
+
+
+def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:
+    """Move progress on with each line that a search tells; how many come is not known before."""
+    shares = iter(_TO_GO * _EACH**k for k in count())
+
+    def told(line: str) -> None:
+        progress("comparing explanations", _COMPARED - next(shares))
+
+    told("begun")
+    return told
 
 
 def _said(
