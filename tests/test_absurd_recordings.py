@@ -61,8 +61,9 @@ def test_check_gives_a_result_or_one_line(
     assert re.search(expected, said)
 
 
+@pytest.mark.parametrize("command", ["check", "diagnose"])
 def test_ten_million_samples_are_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "long.h5"
     rows = 10_000_000
@@ -70,7 +71,9 @@ def test_ten_million_samples_are_refused_in_one_line(
         file["time"] = 1e-3 * np.arange(rows)
         file.create_dataset("reference", shape=rows, dtype="f8", chunks=(100_000,))
         file.create_dataset("position", shape=rows, dtype="f8", chunks=(100_000,))
-    status, said = outcome(["check", AXIS, str(path)], capsys)
+    arguments = [command, AXIS, str(path)]
+    arguments += ["--out", str(tmp_path / "out")] if command == "diagnose" else []
+    status, said = outcome(arguments, capsys)
     assert status == 2
     assert "expected at most 1000000 rows, got 10000000" in said
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,7 +19,6 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.result.whereabouts import TimeWindow
 from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
-from gmfbo.diagnosis.runs.moving_stretches import moving_stretches
 from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.stage_times import Progress, StageTimes
 from gmfbo.diagnosis.steps import Search
@@ -80,29 +79,17 @@ def diagnose(
     started, told = time.perf_counter(), StageTimes(progress or _silent, "reading")
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     ruled_out = _checked(opened, assume, exclude)
-    read, later, notes = _compared(opened, recordings)
+    read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
     unseen, more = on_fmu_clock([as_recording(one, opened) for one in validate or ()], opened)
     told("running the twin", 0.0)
     with ExitStack() as closing:
-        closing.enter_context(nullcontext() if opened is twin else opened)
+        if opened is not twin:
+            closing.enter_context(opened)
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
-        cases.seen.notes.extend(notes)
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, cases.unseen)
     found = replace(found, cost=replace(found.cost, stages=told.seconds))
     return _by_own_clocks(replace(found, not_compared=cases.not_compared), {**later, **more})
-
-
-def _compared(
-    twin: FmuTwin, recordings: Sequence[Recording | str | Path]
-) -> tuple[list[Recording], dict[str, float], tuple[str, ...]]:
-    """The recordings, or where these are long the stretches that show most, on the FMU's clock.
-
-    With what is added to times of each for its own clock [s], and what to tell of the choice.
-    """
-    given = [as_recording(one, twin, most_rows=None) for one in recordings]
-    chosen = moving_stretches(given, list(twin.file.outputs), twin.step)
-    return *on_fmu_clock(chosen.recordings, twin), chosen.notes
 
 
 def _by_own_clocks(found: Diagnosis, later: Mapping[str, float]) -> Diagnosis:

@@ -87,10 +87,10 @@ def _separation(separation: Separation) -> str:
     apart = separation.told_apart()
     together = [pair for pair in separation.log_odds if pair not in apart]
     if not apart:
-        largest = number(max(separation.log_odds.values()))
+        pair, largest = max(separation.log_odds.items(), key=lambda one: one[1])
         return (
-            f"it comes nearest to telling {listed(together)}: log odds of {largest} nats are "
-            f"expected, {number(ENOUGH)} would be enough"
+            f"it tells no two apart, {listed([pair])} most nearly: log odds of {number(largest)} "
+            f"nats are expected, {number(ENOUGH)} would be enough"
         )
     told = (
         f"it tells {listed(apart)}: log odds of at least {number(min(apart.values()))} nats are "

@@ -36,6 +36,11 @@ class Separation:
     plays: Plays
     log_odds: Mapping[Names, float]
 
+    @property
+    def rivals(self) -> tuple[str, ...]:
+        """Names of those that could be played, each once."""
+        return tuple(dict.fromkeys(name for pair in self.log_odds for name in pair))
+
     def told_apart(self, enough: float = ENOUGH) -> dict[Names, float]:
         """Pairs of rivals that it decides between, with their log odds [nats].
 

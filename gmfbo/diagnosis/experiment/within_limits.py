@@ -234,7 +234,7 @@ class _Choice:
             shows=shows,
             hidden=self.excited.not_testable,
             wanted=tuple(name for name in self.wanted if name in shows),
-            rivals=tuple(e.name for e in self.rivals),
+            rivals=() if self.separation is None else self.separation.rivals,
             separation=self.separation,
             predicted=self._predicted(recording),
         )

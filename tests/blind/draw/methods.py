@@ -17,8 +17,11 @@ from tests.blind.draw.outcomes import read_outcomes, tell
 
 COLUMNS: Mapping[str, tuple[int, Callable[[Sequence[Judged]], str]]] = {
     "nulls claimed": (15, lambda own: _count(_nulls(own), lambda j: j.outcome in PHYSICS_CLAIMED)),
-    "owed right": (14, lambda own: _count(_owed(own), lambda j: j.outcome == "right")),
-    "or a set": (12, lambda own: _count(_owed(own), lambda j: j.outcome in ("right", "set"))),
+    "owed right": (14, lambda own: _count(_owed(own), lambda j: j.outcome == "right", ended=False)),
+    "or a set": (
+        12,
+        lambda own: _count(_owed(own), lambda j: j.outcome in ("right", "set"), ended=False),
+    ),
     "false name": (14, lambda own: _count(own, lambda j: bool(j.false_names))),
     "outside": (11, lambda own: _count(_outside(own), lambda j: j.verdict == "outside_library")),
     "failed": (10, lambda own: _count(own, lambda j: j.outcome == "failed", ended=False)),

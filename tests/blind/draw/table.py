@@ -173,7 +173,7 @@ def _intervals(judged: Sequence[Judged]) -> str:
         for interval in j.intervals:
             is_law = any(interval.name.startswith(effect) for effect in effects)
             kind = "laws" if is_law else "twin's parameters"
-            groups[kind].append((interval, (j.machine, j.hidden)))
+            groups[kind].append((interval, (j.machine, frozenset(j.hidden))))
     for title, own in (*groups.items(), ("both", [one for g in groups.values() for one in g])):
         held = [interval.holds for interval, _ in own]
         low, high = (100.0 * b for b in clustered_share(held, [cluster for _, cluster in own]))

@@ -50,6 +50,9 @@ def test_trials_that_are_clusters_of_their_own_have_the_interval_of_a_share() ->
     low, high = clustered_share(held, range(100))
     assert (low, high) == pytest.approx(clopper_pearson(90, 100), abs=0.03)
     assert clustered_share([], []) == (0.0, 1.0)
+    # Nothing scatters where all are alike: the exact interval of as many trials as clusters.
+    assert clustered_share([True] * 40, [k // 2 for k in range(40)]) == clopper_pearson(20, 20)
+    assert clustered_share([True, True], [0, 0]) == clopper_pearson(1, 1)
 
 
 def test_trials_that_fail_together_are_fewer_than_they_seem() -> None:
