@@ -105,14 +105,12 @@ class Refits:
         seen = [_states(record) for record in self.case.simulations.records]
         new = _states(self.unseen.simulations.records[0])
         mean, size = np.mean(np.vstack(seen), axis=0), np.std(np.vstack(seen), axis=0) + 1e-12
-        left = []
-        for i in range(len(self.unseen.simulations.records[0].signals)):
-            own = [residual[i] for residual in _residuals(self.case)]
-            rows = [_thinned(len(x)) for x in seen]
-            x = np.vstack([(s[k] - mean) / size for s, k in zip(seen, rows, strict=True)])
-            y = np.concatenate([r[k] for r, k in zip(own, rows, strict=True)])
-            pick = np.linspace(0, len(y) - 1, min(_POINTS, len(y))).astype(int)
-            target = _residuals(self.unseen)[0][i]
+        rows = [_thinned(len(x)) for x in seen]
+        x = np.vstack([(s[k] - mean) / size for s, k in zip(seen, rows, strict=True)])
+        pick = np.linspace(0, len(x) - 1, min(_POINTS, len(x))).astype(int)
+        known, left = _residuals(self.case), []
+        for i, target in enumerate(_residuals(self.unseen)[0]):
+            y = np.concatenate([own[i][k] for own, k in zip(known, rows, strict=True)])
             left.append(target - _predicted(x[pick], y[pick], (new - mean) / size))
         return self._errors(left)
 
@@ -150,22 +148,23 @@ class Refits:
         self, best: Fitted, candidate: Candidate, iterations: int = _ITERATIONS
     ) -> Fitted | None:
         hypothesis = Hypothesis(self.case.setting, (*best.hypothesis.effects, candidate))
-        return fit(self.case.misfit, hypothesis, best.parameters, near=best, iterations=iterations)
+        # By the same measure as the parameters alone: an inadequate base widens `case.misfit`.
+        return fit(self.case.plain, hypothesis, best.parameters, near=best, iterations=iterations)
 
     def _errors(self, left: Sequence[Vector]) -> dict[str, Errors]:
         """Of the refitted twin and of a model that leaves these residuals, over the range."""
-        found = {}
-        for i, signal in enumerate(self.unseen.simulations.records[0].signals):
+        found, signals = {}, self.unseen.simulations.records[0].signals
+        for signal, before, after in zip(signals, _residuals(self.unseen)[0], left, strict=True):
             extent = float(np.ptp(signal.values)) or 1.0
             found[signal.name] = Errors(
-                _rms(_residuals(self.unseen)[0][i]) / extent,
-                _rms(left[i]) / extent,
+                _rms(before) / extent,
+                _rms(after) / extent,
                 self.case.noise[signal.name].total / extent,
             )
         return found
 
     def _seen_bic(self, fitted: Fitted) -> float:
-        return float(fitted.chi2 + len(fitted.x) * np.log(dof(self.case.misfit)))
+        return float(fitted.chi2 + len(fitted.x) * np.log(dof(self.case.plain)))
 
     @property
     def _reasons(self) -> dict[str, str]:

@@ -66,9 +66,10 @@ def propose(
         told = {
             name: predicted_outcome(case, menu.records[entry], name, entry, runs) for name in runs
         }
+    motion = menu.entries[entry].words
     if not best.told_apart(enough):
-        return _in_vain(menu, best, enough, told)
-    return _telling_apart(menu, best, enough, told, _write(menu, entry, folder))
+        return _in_vain(motion, best, enough, told)
+    return _telling_apart(motion, best, enough, told, _write(menu, entry, folder))
 
 
 def propose_for(
@@ -153,13 +154,11 @@ def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Exci
 
 
 def _telling_apart(
-    menu: Menu, best: Separation, enough: float, told: Mapping[str, str], file: str
+    motion: str, best: Separation, enough: float, told: Mapping[str, str], file: str
 ) -> NextExperiment:
     apart = best.told_apart(enough)
     names = tuple(n for n in told if any(n in pair for pair in apart))
-    why = (
-        f"{menu.entries[best.plays[0]].words}, played twice, is where they differ most on the menu"
-    )
+    why = f"{motion}, played twice, is where they differ most on the menu"
     together = [f"{a} and {b}" for a, b in best.log_odds if (a, b) not in apart]
     if together:
         why += f"; it does not tell apart {words('; '.join(together))}"
@@ -167,12 +166,12 @@ def _telling_apart(
 
 
 def _in_vain(
-    menu: Menu, best: Separation, enough: float, told: Mapping[str, str]
+    motion: str, best: Separation, enough: float, told: Mapping[str, str]
 ) -> NextExperiment:
     largest = max(best.log_odds.values())
     why = (
         "no experiment on the menu separates them: the largest predicted log odds are "
-        f"{largest:.3g} with {menu.entries[best.plays[0]].words}, {enough:.3g} would be needed"
+        f"{largest:.3g} with {motion}, {enough:.3g} would be needed"
     )
     return NextExperiment("", (), largest, enough, told, why)
 

@@ -32,10 +32,8 @@ class ProposedExperiment:
         Effects that it does not show, and why.
     wanted : tuple of str
         Effects for which it was chosen; empty where it was chosen for all.
-    rivals : tuple of str
-        Explanations that it was chosen to tell apart; fewer than two where there are none.
     separation : Separation or None
-        How surely it would tell these apart; None where there are none.
+        How surely it would tell rivals apart; None where it was not chosen for that.
     predicted : mapping of str to str
         Predicted observation under each explanation.
     """
@@ -47,6 +45,10 @@ class ProposedExperiment:
     shows: Mapping[str, DetectableSize]
     hidden: tuple[NotTestable, ...]
     wanted: tuple[str, ...]
-    rivals: tuple[str, ...]
     separation: Separation | None
     predicted: Mapping[str, str]
+
+    @property
+    def rivals(self) -> tuple[str, ...]:
+        """Explanations that it was chosen to tell apart; none without rivals."""
+        return () if self.separation is None else self.separation.rivals

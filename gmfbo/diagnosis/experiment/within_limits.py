@@ -234,7 +234,6 @@ class _Choice:
             shows=shows,
             hidden=self.excited.not_testable,
             wanted=tuple(name for name in self.wanted if name in shows),
-            rivals=() if self.separation is None else self.separation.rivals,
             separation=self.separation,
             predicted=self._predicted(recording),
         )

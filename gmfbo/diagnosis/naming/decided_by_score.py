@@ -102,7 +102,7 @@ def decide(
 
 def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:
     """Move progress on with each line that a search tells; how many come is not known before."""
-    shares = iter(_TO_GO * _EACH**k for k in count())
+    shares = (_TO_GO * _EACH**k for k in count())
 
     def told(line: str) -> None:
         progress("comparing explanations", _COMPARED - next(shares))
