@@ -22,11 +22,12 @@ from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
 from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
 from gmfbo.diagnosis.runs.logging_convention import logged_new
 from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges, probe_torque
-from gmfbo.diagnosis.runs.probing_torque import moving_torque, torque_guess
+from gmfbo.diagnosis.runs.probing_torque import command_range, moving_torque, torque_guess
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, require_run
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.runs.twin_steps import reads_back, steps_finely
+from gmfbo.diagnosis.scoring.long_rests import leave_out_long_rests
 from gmfbo.diagnosis.scoring.noise_levels import NoiseLevel, noise_levels
 from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig
 from gmfbo.diagnosis.scoring.whitening import Window
@@ -197,6 +198,7 @@ class _Opening:
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         noise = noise_levels(simulations.records, nominal)
         excitation = like.setting.excitation
+        leave_out_long_rests(simulations, nominal, like.rig.position, excitation.loop_time)
         windows = windows_of(simulations.records, excitation.loop_time)
         misfit = without_loop_noise(simulations, windows, like.rig, noise)
         hypothesis = Hypothesis(like.setting)
@@ -272,6 +274,7 @@ class _Opening:
         loop_time = self._loop_time(stiffness)
         excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
         setting = self._setting(excitation)
+        self.notes += leave_out_long_rests(simulations, nominal, rig.position, loop_time)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         base = self._first_fit(simulations, windows, rig, noise, setting)
         answered = leave_out_noise(simulations, rig, base)
@@ -347,12 +350,8 @@ class _Opening:
         loop_time: float,
         substeps: int,
     ) -> Excitation:
-        commands = [
-            np.abs(r.response.states["command"]).max()
-            for r in nominal
-            if "command" in r.response.states
-        ]
-        torque = ratio * float(max(commands)) if commands else 0.0
+        command = command_range(self.twin, simulations, nominal)
+        torque = ratio * command
         if simulations.tracking is not None or torque <= 0.0:
             torque = moving_torque(self.twin, simulations, nominal, self._inertia())
         resolution = position_noise(simulations, rig, noise) or 0.0
@@ -360,6 +359,7 @@ class _Opening:
             simulations.records,
             nominal,
             torque=torque,
+            command=command,
             step=self.twin.step / substeps,
             loop_time=loop_time,
             resolution=resolution,

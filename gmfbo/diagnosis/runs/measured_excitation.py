@@ -13,8 +13,13 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
+REST_SHARE = 0.01
+"""Of the fastest motion: slower is standstill."""
+
+FASTEST = 0.995
+"""Quantile of the speed that counts as its largest."""
+
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
-_REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _AT_REST = 0.02  # of the motion caused by a push: a smaller distance counts as rest
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range: wanted answer to a probing torque
 
@@ -27,14 +32,14 @@ def states_of(simulated: Simulated, record: Record) -> States:
     if velocity is None:
         velocity = np.gradient(position, grid)
     command = states.get("command", states.get("current", np.zeros(grid.size)))
-    speed = float(np.quantile(np.abs(velocity), 0.995))
+    speed = float(np.quantile(np.abs(velocity), FASTEST))
     return States(
         time=grid,
         position=position,
         velocity=velocity,
         command=command,
         current=states.get("current", command),
-        rest=_REST_SHARE * speed,
+        rest=REST_SHARE * speed,
         load_torque=states.get("load_torque"),
     )
 
@@ -180,6 +185,7 @@ def measure_ranges(
     base: Sequence[Simulated],
     *,
     torque: float,
+    command: float,
     step: float,
     loop_time: float,
     resolution: float,
@@ -196,6 +202,8 @@ def measure_ranges(
         The recordings simulated.
     torque : float
         Torque at the port that corresponds to the command's range.
+    command : float
+        [FMU's unit] Range of the command, as `probing_torque.command_range` measures it.
     step : float
         [s] At which effects are stepped.
     loop_time : float
@@ -209,16 +217,18 @@ def measure_ranges(
     """
     states = [states_of(run, record) for run, record in zip(base, records, strict=True)]
     durations = [float(record.plan.grid[-1] - record.plan.grid[0]) for record in records]
-    command = np.concatenate([s.command for s in states])
-    current = np.concatenate([s.current for s in states])
+    simulated = _positive(np.abs(np.concatenate([s.command for s in states])).max())
+    command = max(simulated, command)
+    larger = command / simulated  # currents go with the command
+    current = larger * np.concatenate([s.current for s in states])
     rates = np.concatenate([np.abs(np.diff(s.command)) / s.step for s in states])
     sample = float(np.median([s.spacing for r in records for s in r.signals]))
-    speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), 0.995))
+    speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), FASTEST))
     stroke = _positive(np.ptp(np.concatenate([s.position for s in states])))
     loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
     return Excitation(
         torque=_positive(torque),
-        command=_positive(np.abs(command).max()),
+        command=command,
         command_rate=_positive(rates.max()),
         current=_positive(np.abs(current).max()),
         speed=speed,

@@ -10,6 +10,8 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.sources.twin.twin import FmuTwin
 
+_MOST_ROWS = 0.995
+
 
 def torque_guess(nominal: Sequence[Simulated], inertia: float | None) -> float:
     """First torque for probing the axis [FMU's unit].
@@ -27,6 +29,39 @@ def torque_guess(nominal: Sequence[Simulated], inertia: float | None) -> float:
     if inertia is not None and "position" in states:
         return max(10.0 * inertia * float(np.ptp(states["position"])), 1e-9)
     return 1.0
+
+
+def command_range(twin: FmuTwin, simulations: Simulations, nominal: Sequence[Simulated]) -> float:
+    """[FMU's unit] Range of the command; 0 where none is simulated.
+
+    A force that the twin lacks may ask for a larger command than all that the twin makes, so the
+    recorded one counts as well, but for its rarest rows, which may be faults of a logger.
+
+    Parameters
+    ----------
+    twin : FmuTwin
+        The user's twin.
+    simulations : Simulations
+        Of the recordings.
+    nominal : sequence of Simulated
+        The recordings simulated.
+    """
+    made = [run.response.states["command"] for run in nominal if "command" in run.response.states]
+    if not made:
+        return 0.0
+    state = twin.file.states.get("command")
+    factors = {
+        name: twin.binding.variables[entry.variable].variable.to_si
+        for name, entry in twin.file.outputs.items()
+        if entry.variable == state
+    }
+    recorded = [
+        float(np.quantile(np.abs(s.values), _MOST_ROWS)) / abs(factors[s.name])
+        for record in simulations.records
+        for s in record.signals
+        if s.name in factors
+    ]
+    return max([*recorded, *(float(np.abs(command).max()) for command in made)])
 
 
 def moving_torque(

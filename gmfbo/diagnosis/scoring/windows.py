@@ -16,7 +16,9 @@ _WINDOW_S = 1.2
 _MOST_WINDOWS = 4
 _LEAST_WINDOWS = 4  # in all, where the loop is fast enough for it
 _LOOP_TIMES = 5.0
-_SETTLING = 10.0  # loop times after which e^-10 of an initial error remains
+SETTLING = 10.0
+"""Loop times after which e^-10 of an initial error remains."""
+
 _FIRST_ROWS = 5
 _ROWS_OF_SLOPE = 8  # a third of a usual second difference is then one deviation of the slope
 _ELSEWHERE = 0.02  # of a signal's range: a larger difference at the start is another state
@@ -54,14 +56,14 @@ def windows_of(
         elsewhere = bool(nominal) and _starts_elsewhere(record, nominal[k], positions, loop_time)
         found = [
             window
-            for stretch in record.stretches(_SETTLING * loop_time, starts_elsewhere=elsewhere)
+            for stretch in record.stretches(SETTLING * loop_time, starts_elsewhere=elsewhere)
             for window in _windows_within(k, record, stretch, width)
         ]
         windows += found
     if not windows:
         raise RecordingError(
             f"expected at least {LEAST_ROWS} rows in a row after the start has been forgotten, "
-            f"{_SETTLING * loop_time:.2g} s; got none; record longer, or without gaps"
+            f"{SETTLING * loop_time:.2g} s; got none; record longer, or without gaps"
         )
     return tuple(windows)
 

@@ -157,6 +157,7 @@ def setting_of(axis: Simulations, nominal: list[Simulated], known: tuple[str, ..
         axis.records,
         nominal,
         torque=4.0,
+        command=0.0,
         step=1e-4,
         loop_time=0.03,
         resolution=1e-6,
