@@ -84,7 +84,8 @@ class _Motion:
         """Long rests, without their first and last loop times; none where nothing moves."""
         spacing = float(self.time[1] - self.time[0])
         kept = max(LEAST_ROWS, round(SETTLING * loop_time / spacing))
-        at_rest = (self.recorded <= slowest) & (self.simulated <= slowest)
+        # A twin has no noise, so that its slowest motion is seen.
+        at_rest = (self.recorded <= slowest) & (self.simulated <= REST_SHARE * slowest)
         if at_rest.all():
             return []
         edges = np.flatnonzero(np.diff(np.concatenate([[0], at_rest.astype(int), [0]])))

@@ -31,7 +31,7 @@ def point_to_point(t: Array) -> Array:
 
 
 def recorded() -> list[Recording]:
-    return SERVO.recordings(LOAD, (point_to_point,), seconds=6.2)
+    return SERVO.recordings(LOAD, (point_to_point,), seconds=6.8)
 
 
 def compared(case: Case, record: int = 0) -> list[tuple[float, float]]:
@@ -46,7 +46,7 @@ def test_moves_are_compared_with_what_comes_just_before_and_after() -> None:
         for (begin, _, within), (start, end) in zip(MOVED, stretches, strict=True):
             assert begin - 0.3 < start < begin
             assert begin + within < end < begin + within + 0.3
-        left_out = 6.2 - sum(end - start for start, end in stretches)
+        left_out = 6.8 - sum(end - start for start, end in stretches)
         assert any(f"{left_out:.3g} s at rest" in note for note in case.notes)
 
 
@@ -57,6 +57,19 @@ def test_an_axis_that_is_moved_while_its_twin_rests_is_compared() -> None:
     signals = {**made.signals, "position": made.signals["position"] + wave}
     with closing((case := open_small(SERVO.twin(), [replace(made, signals=signals)])).simulations):
         assert any(start < 4.0 and end > 4.5 for start, end in compared(case))
+
+
+def test_a_slow_motion_is_no_rest() -> None:
+    def crept(t: Array) -> Array:
+        slow: Array = 1e-3 * np.maximum(t - 3.0, 0.0)
+        return point_to_point(np.minimum(t, 2.0)) + slow
+
+    made = SERVO.recordings(LOAD, (crept,), seconds=6.0)
+    with closing((case := open_small(SERVO.twin(), made)).simulations):
+        (_, first), (second, end) = compared(case)
+        assert 1.4 < first < 1.8
+        assert 2.7 < second < 3.0
+        assert end == pytest.approx(5.999)
 
 
 def test_a_recording_without_long_rests_and_one_without_motion_stay_whole() -> None:
