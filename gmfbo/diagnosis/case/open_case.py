@@ -12,6 +12,7 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_noise
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
+from gmfbo.diagnosis.case.probed_loop import begun_at_rest, probed_loop
 from gmfbo.diagnosis.case.tracking import track_recordings
 from gmfbo.diagnosis.case.wider_ranges import WiderRanges, stated_ranges
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
@@ -21,13 +22,13 @@ from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
 from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
 from gmfbo.diagnosis.runs.logging_convention import logged_new
-from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges, probe_torque
-from gmfbo.diagnosis.runs.probing_torque import command_range, moving_torque, torque_guess
+from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges
+from gmfbo.diagnosis.runs.probing_torque import command_range, moving_torque
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, require_run
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.runs.twin_steps import reads_back, steps_finely
-from gmfbo.diagnosis.scoring.long_rests import leave_out_long_rests
+from gmfbo.diagnosis.scoring.long_rests import mark_long_rests
 from gmfbo.diagnosis.scoring.noise_levels import NoiseLevel, noise_levels
 from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig
 from gmfbo.diagnosis.scoring.whitening import Window
@@ -45,7 +46,6 @@ FINEST_STEP_S = 2e-4
 
 _MOST_SUBSTEPS = 10
 _USUAL_LOOP_TIME_S = 0.05
-_RESTING = 1.5  # times the time to 2 %: an exponential is down to 0.3 %
 
 
 def open_case(
@@ -196,9 +196,11 @@ class _Opening:
         simulations.rest = like.simulations.rest
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
-        noise = noise_levels(simulations.records, nominal)
         excitation = like.setting.excitation
-        leave_out_long_rests(simulations, nominal, like.rig.position, excitation.loop_time)
+        if simulations.tracking is None:
+            nominal, _ = begun_at_rest(simulations, nominal, like.rig, excitation.loop_time)
+        noise = noise_levels(simulations.records, nominal)
+        mark_long_rests(simulations, nominal, like.rig.position, excitation.loop_time)
         windows = windows_of(simulations.records, excitation.loop_time)
         misfit = without_loop_noise(simulations, windows, like.rig, noise)
         hypothesis = Hypothesis(like.setting)
@@ -251,16 +253,12 @@ class _Opening:
         simulations.reading = self._reading(rig)
         if rig.position is not None:
             simulations.encoder = Reading(rig.position, rig.position_to_si)
-        stiffness = None
-        if "torque" in nominal[0].response.ports:
-            guess = torque_guess(nominal, self._inertia())
-            stiffness = probe_torque(simulations, Point(), nominal, guess)
-            if np.isfinite(stiffness.rest_time):
-                simulations.rest = int(np.ceil(_RESTING * stiffness.rest_time / self.twin.step))
-            if stiffness.is_open and rig.position is not None:
-                self._track(simulations, rig, stiffness.inertia)
-                nominal = simulations.run([Point()])[0]
-                require_run(nominal, f"{self.twin.name}: the twin cannot be held on its recordings")
+        stiffness, nominal, notes = probed_loop(simulations, nominal, rig, self._inertia())
+        self.notes += notes
+        if stiffness is not None and stiffness.is_open and rig.position is not None:
+            self._track(simulations, rig, stiffness.inertia)
+            nominal = simulations.run([Point()])[0]
+            require_run(nominal, f"{self.twin.name}: the twin cannot be held on its recordings")
         simulations.new_rows = (
             logged_new(self.twin, self.recordings, simulations, nominal)
             if self.new_rows is None
@@ -274,7 +272,8 @@ class _Opening:
         loop_time = self._loop_time(stiffness)
         excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
         setting = self._setting(excitation)
-        self.notes += leave_out_long_rests(simulations, nominal, rig.position, loop_time)
+        if stiffness is not None:
+            self.notes += mark_long_rests(simulations, nominal, rig.position, loop_time)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         base = self._first_fit(simulations, windows, rig, noise, setting)
         answered = leave_out_noise(simulations, rig, base)

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.noise.high_band import estimated
 from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of
 from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
+from gmfbo.diagnosis.comparison.numbers import SIZE_SHARE, TOLERANCE
 from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -109,7 +110,8 @@ class FitNoise:
         """
         point = self.problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        return errors_of(self.problem.simulations, point, kernels, level)
+        held = SIZE_SHARE / TOLERANCE * self.cared.get("torque", 0.0)
+        return errors_of(self.problem.simulations, point, kernels, level, held)
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

@@ -12,7 +12,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
-from gmfbo.diagnosis.comparison.numbers import AT_THE_END
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SIZE_SHARE
 from gmfbo.diagnosis.comparison.opened_comparison import kernels_of, problem_on
 from gmfbo.diagnosis.comparison.own_parts import beside_own_parts_on
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
@@ -102,7 +102,8 @@ def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
     kernels = kernels_of(unseen, problem)(row)
     level = ledger.levels.ports.get("sensor", 0.0)
     point = problem.point(row.hypothesis, row.x)
-    errors = errors_of(unseen.simulations, point, kernels, level)
+    held = SIZE_SHARE * unseen.setting.excitation.torque
+    errors = errors_of(unseen.simulations, point, kernels, level, held)
     return replace(ledger, kernels=kernels, errors=replace(errors, spreads=ledger.errors.spreads))
 
 

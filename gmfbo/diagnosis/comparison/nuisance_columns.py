@@ -127,9 +127,9 @@ class Logging:
         return slope
 
     def _offset(self, name: str) -> float:
-        """A position's zero is the twin's own, but for how its counts are rounded."""
+        """Zeros of positions and commands are the twin's own, but for how counts are rounded."""
         stated = self.alignments[name].offset
-        if name in self.positions:
+        if name in self.positions or stated == 0.0:
             return max(0.5 * self.resolutions[name], stated)
         return max(OFFSET_PRIOR * self.ranges[name], stated * self.ranges[name])
 
@@ -153,8 +153,7 @@ def logging_of(
     found: list[tuple[str, str]] = []
     for name in dict.fromkeys(name for s in segments for name in s.names):
         found += [("shift", name), ("filter", name), ("scale", name)]
-        has_zero = alignments[name].offset > OFFSET_PRIOR or resolutions[name] > 0.0
-        if name not in positions or has_zero:
+        if alignments[name].offset > 0.0 or resolutions[name] > 0.0:
             found.append(("offset", name))
     return Logging((*found, ("clock", "")), ranges, resolutions, positions, alignments)
 

@@ -35,6 +35,7 @@ from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.segments import segments_of
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.scoring.whitening import Window
+from gmfbo.diagnosis.scoring.windows import SETTLING
 from gmfbo.diagnosis.screening.testable_effects import candidates
 from gmfbo.sources.binding.name_patterns import matching
 from gmfbo.sources.twin.twin import FmuTwin
@@ -212,7 +213,7 @@ def problem_on(case: Case, windows: Sequence[Window]) -> Problem:
         In order.
     """
     records, rig = case.simulations.records, case.rig
-    segments = segments_of(records, windows)
+    segments = segments_of(records, windows, SETTLING * case.setting.excitation.loop_time)
     recorded = tuple(s.read([q.values for q in records[s.record].signals]) for s in segments)
     ranges: dict[str, float] = {}
     for segment, values in zip(segments, recorded, strict=True):

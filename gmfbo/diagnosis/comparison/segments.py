@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record
 from gmfbo.diagnosis.scoring.whitening import Window
 
 Array = NDArray[np.float64]
@@ -51,7 +51,9 @@ class Segment:
         return np.stack([_on(self.time, t, c) for t, c in zip(self.times, columns, strict=True)])
 
 
-def segments_of(records: Sequence[Record], windows: Sequence[Window]) -> tuple[Segment, ...]:
+def segments_of(
+    records: Sequence[Record], windows: Sequence[Window], settled: float
+) -> tuple[Segment, ...]:
     """Join the windows of each recording that follow one another.
 
     Parameters
@@ -60,6 +62,8 @@ def segments_of(records: Sequence[Record], windows: Sequence[Window]) -> tuple[S
         Recordings that are compared.
     windows : sequence of Window
         Stretches that can be compared, in order.
+    settled : float
+        [s] After which a motion is over, in a long rest that is not compared.
     """
     found: list[Segment] = []
     joined: list[tuple[int, list[slice]]] = []
@@ -74,8 +78,29 @@ def segments_of(records: Sequence[Record], windows: Sequence[Window]) -> tuple[S
         slowest = int(np.argmax([s.spacing for s in signals]))
         time = signals[slowest].time[rows[slowest]]
         names = tuple(s.name for s in signals)
-        found.append(Segment(k, names, time, tuple(s.time for s in signals)))
+        whole = Segment(k, names, time, tuple(s.time for s in signals))
+        found += _without_rests(whole, records[k].rests, settled)
     return tuple(found)
+
+
+def _without_rests(
+    whole: Segment, rests: Sequence[tuple[float, float]], settled: float
+) -> list[Segment]:
+    """What is left of a segment without long rests, which keep what settles after a motion.
+
+    Where friction holds an axis, noise goes other ways than round the loop, and lets it creep by
+    what contacts of micrometres allow. Pieces too short for the filters are left out too, unless
+    nothing else is left.
+    """
+    time, inside = whole.time, np.ones(whole.time.size, dtype=bool)
+    for start, end in rests:
+        # What settles at the start comes of where the twin began.
+        kept = start + settled if start > time[0] + settled else time[0]
+        inside &= (time < kept) | (time > end)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(int), [0]])))
+    pieces = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    long = [piece for piece in pieces if piece.stop - piece.start >= LEAST_ROWS]
+    return [replace(whole, time=time[piece]) for piece in long] or [whole]
 
 
 def _follows(before: Sequence[slice], after: Sequence[slice]) -> bool:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.noise.places import Levels
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
-from gmfbo.diagnosis.comparison.port_kernels import PortKernels
+from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.whitener import segment_whitener
@@ -122,6 +122,7 @@ def errors_of(
     point: Point,
     kernels: PortKernels,
     level: float,
+    held: float = 0.0,
 ) -> SimulationErrors:
     """Measure what a finer step changes, and what noise makes beyond its linear answer.
 
@@ -139,10 +140,16 @@ def errors_of(
         Paths of noise.
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
+    held : float
+        [FMU's unit] Torque that friction may hold at rest.
     """
     runs = simulations.run([point])[0]
     level = kernels.beyond_rounding(level)
-    constant = [simulations.input_errors(point, runs), *_averaging(simulations, runs)]
+    constant = [
+        simulations.input_errors(point, runs),
+        *_averaging(simulations, runs),
+        *_held(simulations, kernels, held),
+    ]
     found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
@@ -197,6 +204,39 @@ def _averaging(
             own.append(tuple((m - v) * (s.name == name) for s, m, v in signals))
         found.append(own)
     return found
+
+
+def _held(
+    simulations: Simulations, kernels: PortKernels, torque: float
+) -> list[list[tuple[Array, ...] | None]]:
+    """What a torque that friction holds in a long rest makes of the signals, for each by itself.
+
+    It goes as the motion begins. How it came depends on a past that nobody recorded.
+    """
+    if "torque" not in kernels.simulated or torque <= 0.0:
+        return []
+    most = max(len(record.rests) for record in simulations.records)
+    return [
+        [
+            _of_rest(simulations, kernels, k, j, torque) if j < len(record.rests) else None
+            for k, record in enumerate(simulations.records)
+        ]
+        for j in range(most)
+    ]
+
+
+def _of_rest(
+    simulations: Simulations, kernels: PortKernels, k: int, j: int, torque: float
+) -> tuple[Array, ...]:
+    record, paths = simulations.records[k], kernels.of(k).simulated["torque"]
+    grid, (start, end) = record.plan.grid, record.rests[j]
+    taps = next(iter(paths.values())).size
+    acts = np.concatenate([np.zeros(taps), torque * ((grid >= start) & (grid <= end))])
+    acts[:taps] = acts[taps]  # before the recording began, too
+    return tuple(
+        np.interp(signal.time, grid, through(acts, paths[signal.name])[taps:])
+        for signal in record.signals
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,13 +13,8 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
-REST_SHARE = 0.01
-"""Of the fastest motion: slower is standstill."""
-
-FASTEST = 0.995
-"""Quantile of the speed that counts as its largest."""
-
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
+_REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _AT_REST = 0.02  # of the motion caused by a push: a smaller distance counts as rest
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range: wanted answer to a probing torque
 
@@ -32,14 +27,14 @@ def states_of(simulated: Simulated, record: Record) -> States:
     if velocity is None:
         velocity = np.gradient(position, grid)
     command = states.get("command", states.get("current", np.zeros(grid.size)))
-    speed = float(np.quantile(np.abs(velocity), FASTEST))
+    speed = float(np.quantile(np.abs(velocity), 0.995))
     return States(
         time=grid,
         position=position,
         velocity=velocity,
         command=command,
         current=states.get("current", command),
-        rest=REST_SHARE * speed,
+        rest=_REST_SHARE * speed,
         load_torque=states.get("load_torque"),
     )
 
@@ -112,6 +107,8 @@ def _probe_torque_along(
     push = guess
     for _ in range(6):
         column = np.where(np.arange(grid.size) < half, push, 0.0)
+        if simulations.records[k].plan.lead:
+            column[0] = 0.0  # the first row is held before the recording begins
         run = simulations.run_one(point, k, excitation={"torque": column})
         if not run.finite:
             push *= 0.01
@@ -223,7 +220,7 @@ def measure_ranges(
     current = larger * np.concatenate([s.current for s in states])
     rates = np.concatenate([np.abs(np.diff(s.command)) / s.step for s in states])
     sample = float(np.median([s.spacing for r in records for s in r.signals]))
-    speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), FASTEST))
+    speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), 0.995))
     stroke = _positive(np.ptp(np.concatenate([s.position for s in states])))
     loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
     return Excitation(

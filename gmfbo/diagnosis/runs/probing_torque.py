@@ -50,17 +50,17 @@ def command_range(twin: FmuTwin, simulations: Simulations, nominal: Sequence[Sim
     if not made:
         return 0.0
     state = twin.file.states.get("command")
-    factors = {
-        name: twin.binding.variables[entry.variable].variable.to_si
-        for name, entry in twin.file.outputs.items()
-        if entry.variable == state
-    }
-    recorded = [
-        float(np.quantile(np.abs(s.values), _MOST_ROWS)) / abs(factors[s.name])
-        for record in simulations.records
-        for s in record.signals
-        if s.name in factors
-    ]
+    outputs = {n: entry for n, entry in twin.file.outputs.items() if entry.variable == state}
+    recorded = []
+    for record in simulations.records:
+        for signal in record.signals:
+            if signal.name not in outputs:
+                continue
+            to_si = twin.binding.variables[outputs[signal.name].variable].variable.to_si
+            # A zero that nobody knows is no force.
+            zero = signal.values.mean() if outputs[signal.name].offset == "fit" else 0.0
+            amount = np.abs(signal.values - zero) / abs(to_si)
+            recorded.append(float(np.quantile(amount, _MOST_ROWS, method="lower")))
     return max([*recorded, *(float(np.abs(command).max()) for command in made)])
 
 

@@ -82,6 +82,8 @@ class Record:
         [s] Times between which all signals are scored.
     gaps : tuple of Gap
         Stretches with missing values.
+    rests : tuple of (float, float)
+        [s] Long rests, in which friction may hold the axis anywhere.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Record:
     start: float
     end: float
     gaps: tuple[Gap, ...] = ()
+    rests: tuple[tuple[float, float], ...] = ()
 
     def stretches(self, settling: float, *, starts_elsewhere: bool) -> list[tuple[float, float]]:
         """[s] Begin and end of each stretch that can be scored.

@@ -95,7 +95,7 @@ class Simulations:
         self._lock = threading.Lock()
         rows = max(record.plan.grid.size for record in self.records)
         self._remembered = lru_cache(REMEMBERED // (8 * _COLUMNS * rows))(self._simulate)
-        self._after_rest = cache(_after_rest)
+        self._after_rest = cache(RunPlan.led_by)
         self.runs = 0
         self.unstated = inputs_unstated(self._all[0].twin)
         self.finer: Callable[[], Simulations] | None = None
@@ -112,9 +112,9 @@ class Simulations:
             finer.rest, finer.begins_at_rest = self.rest, self.begins_at_rest
             finer.new_rows, finer.tracking = self.new_rows, self.tracking
             finer.encoder, finer.reading = self.encoder, self.reading
-            plans = [record.plan for record in finer.records]
+            both = zip(self.records, (record.plan for record in finer.records), strict=True)
             finer.replace_records(
-                [replace(own, plan=plan) for own, plan in zip(self.records, plans, strict=True)]
+                [replace(own, plan=plan.led_by(own.plan.lead)) for own, plan in both]
             )
         return self._half_step
 
@@ -394,7 +394,3 @@ class Simulations:
         with self._lock:
             self.runs += 1
         self.on_run()
-
-
-def _after_rest(plan: RunPlan, rest: int) -> RunPlan:
-    return RunPlan.after(plan.recording, plan.experiment, rest, plan.substeps)

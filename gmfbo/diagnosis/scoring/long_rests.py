@@ -1,9 +1,4 @@
-"""Long rests, which are left out of the comparison but for their beginnings and ends.
-
-An axis that friction holds tells little of its motion, and misleads where it is long held: noise
-that its controller reads lets it creep, as far as contacts of micrometres allow (Armstrong-Helouvry
-et al. 1994, section 2.1), and goes other ways through a loop that does not move.
-"""
+"""Long rests: where friction may hold an axis anywhere, and noise lets it creep."""
 
 from __future__ import annotations
 
@@ -13,53 +8,58 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.runs.measured_excitation import FASTEST, REST_SHARE
-from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Gap, Record, ScoredSignal
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record, ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.scoring.windows import SETTLING
 
 Array = NDArray[np.float64]
 
+_SLOWEST = 1e-4  # of the fastest motion of a twin, which has no noise
+_DEVIATIONS = 5.0  # of noise: one in a million
+_WHITE = 0.6745 * np.sqrt(6.0)  # median amount of a second difference of white noise
 
-def leave_out_long_rests(
+Intervals = tuple[tuple[float, float], ...]
+
+
+def mark_long_rests(
     simulations: Simulations, simulated: Sequence[Simulated], position: str | None, loop_time: float
 ) -> list[str]:
-    """Leave out what twin and recordings rest for, but for the first and last loop times.
+    """Mark in each record where it rests for long, as recorded and as its twin runs.
 
     Parameters
     ----------
     simulations : Simulations
-        Its records get a gap in each long rest.
+        Whose records are marked.
     simulated : sequence of Simulated
         The recordings, as the twin runs.
     position : str or None
-        Signal whose motion counts; without one nothing is left out.
+        Signal whose motion counts; without one nothing is marked.
     loop_time : float
         [s] Time constant of the closed loop.
 
     Returns
     -------
     list of str
-        A note, where something was left out.
+        A note, where there is such a rest.
     """
     if simulations.tracking is not None:
-        return []  # noise goes round no loop
-    found, left_out = [], 0.0
+        return []  # what holds the twin is no controller, and noise goes round no loop
     pairs = list(zip(simulations.records, simulated, strict=True))
     moving = [_moving(record, run, position, loop_time) for record, run in pairs]
-    speeds = [motion.simulated for motion in moving if motion is not None]
-    slowest = REST_SHARE * float(np.quantile(np.concatenate(speeds), FASTEST)) if speeds else 0.0
-    for (record, _), motion in zip(pairs, moving, strict=True):
-        gaps = [] if motion is None else motion.rests(slowest, loop_time)
-        left_out += sum(gap.end - gap.start for gap in gaps)
-        found.append(replace(record, gaps=(*record.gaps, *gaps)))
-    simulations.records = tuple(found)
-    if left_out == 0.0:
+    fastest = max((m.simulated.max() for m in moving if m is not None), default=0.0)
+    simulations.replace_records(
+        [
+            replace(record, rests=() if motion is None else motion.rests(fastest, loop_time))
+            for (record, _), motion in zip(pairs, moving, strict=True)
+        ]
+    )
+    seconds = sum(end - start for record in simulations.records for start, end in record.rests)
+    if seconds == 0.0:
         return []
     return [
-        f"{left_out:.3g} s at rest were not compared: an axis that friction holds tells little "
-        "there, and creeps as noise shakes it"
+        f"long rests, {seconds:.3g} s, are compared while they settle: friction may hold an axis "
+        "anywhere, and noise lets it creep"
     ]
 
 
@@ -72,6 +72,8 @@ class _Motion:
         [s]
     recorded, simulated : ndarray, shape (n,)
         [SI/s] Amounts, of the mean over a loop time.
+    noise : float
+        [SI/s] Largest amount that noise or a count make of the recorded one.
     """
 
     def __init__(self, signal: ScoredSignal, values: Array, loop_time: float) -> None:
@@ -79,23 +81,25 @@ class _Motion:
         self.time = signal.time
         self.recorded = _speed(signal.values, rows, signal.spacing)
         self.simulated = _speed(values, rows, signal.spacing)
+        white = float(np.median(np.abs(np.diff(signal.values, 2)))) / _WHITE
+        largest = max(_DEVIATIONS * white * np.sqrt(2.0 / rows), signal.resolution)
+        self.noise = largest / ((rows + 1) * signal.spacing)
 
-    def rests(self, slowest: float, loop_time: float) -> list[Gap]:
-        """Long rests, without their first and last loop times; none where nothing moves."""
+    def rests(self, fastest: float, loop_time: float) -> Intervals:
+        """[s] Begin and end of each long rest."""
         spacing = float(self.time[1] - self.time[0])
-        kept = max(LEAST_ROWS, round(SETTLING * loop_time / spacing))
-        # A twin has no noise, so that its slowest motion is seen.
-        at_rest = (self.recorded <= slowest) & (self.simulated <= REST_SHARE * slowest)
-        if at_rest.all():
-            return []
+        least = max(LEAST_ROWS, round(SETTLING * loop_time / spacing))
+        slowest = _SLOWEST * fastest
+        stands = self.recorded <= max(slowest, self.noise)
+        at_rest = stands & (self.simulated <= slowest)
         edges = np.flatnonzero(np.diff(np.concatenate([[0], at_rest.astype(int), [0]])))
         found = []
         for first, behind in zip(edges[::2], edges[1::2], strict=True):
-            start = first + kept if first > 0 else first
-            end = behind - kept if behind < at_rest.size else behind
-            if end - start > 2 * kept:  # most of it
-                found.append(Gap(float(self.time[start]), float(self.time[end - 1]), False))
-        return found
+            # Friction holds the axis for longer than its twin.
+            stuck = np.logical_and.accumulate(stands[behind : behind + least]).sum()
+            if behind - first >= 3 * least:
+                found.append((float(self.time[first]), float(self.time[behind + stuck - 1])))
+        return tuple(found)
 
 
 def _moving(

@@ -57,10 +57,14 @@ class Alignment:
     shift: float | None = None
 
 
-def alignment_of(entry: OutputEntry, *, is_position: bool) -> Alignment:
-    """Priors that the twin file states, or else those of common sensors."""
+def alignment_of(entry: OutputEntry, *, is_position: bool, is_command: bool = False) -> Alignment:
+    """Priors that the twin file states, or else those of common sensors.
+
+    A controller's command is a number in its memory, and no sensor's zero is in it: with one, an
+    integral part that holds a constant force would be taken for a column that is off.
+    """
     scale = POSITION_SCALE if is_position else SCALE
-    offset = 0.0 if is_position else OFFSET
+    offset = 0.0 if is_position or is_command else OFFSET
     shift = None
     if entry.uncertain_scale is not None:
         scale = max(scale, entry.uncertain_scale)

@@ -55,8 +55,12 @@ def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
     else:
         wanted = ""
     positions = frozenset(n for n in present if n in unit and wanted and unit[n] == wanted)
+    command = states.get("command") if "command" in binding.file.ports else None
     alignments = {
-        name: alignment_of(entry, is_position=name in positions) for name, entry in outputs.items()
+        name: alignment_of(
+            entry, is_position=name in positions, is_command=entry.variable == command
+        )
+        for name, entry in outputs.items()
     }
     factor = 1.0
     if "position" in states:

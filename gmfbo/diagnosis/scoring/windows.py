@@ -53,7 +53,7 @@ def windows_of(
     # Few or short recordings are cut finer, so that a window can be left out of a fit.
     width = max(min(_WINDOW_S, total / _LEAST_WINDOWS), _LOOP_TIMES * loop_time)
     for k, record in enumerate(records):
-        elsewhere = bool(nominal) and _starts_elsewhere(record, nominal[k], positions, loop_time)
+        elsewhere = bool(nominal) and starts_elsewhere(record, nominal[k], positions, loop_time)
         found = [
             window
             for stretch in record.stretches(SETTLING * loop_time, starts_elsewhere=elsewhere)
@@ -90,15 +90,26 @@ def _windows_within(
     return windows
 
 
-def _starts_elsewhere(
+def starts_elsewhere(
     record: Record, nominal: Simulated, positions: Collection[str], loop_time: float
 ) -> bool:
     """Whether a recording starts at another position or speed than its twin.
 
     Within the first few rows neither parameters nor physics move anything that was at rest. Told
-    by positions, since a command differs by any load; a wrong speed goes on for `loop_time` [s].
+    by positions, since a command differs by any load; a wrong speed goes on for `loop_time`.
     The speed is the first slope of a parabola, since an axis that is let go accelerates at once,
     and not as its twin does.
+
+    Parameters
+    ----------
+    record : Record
+        As recorded.
+    nominal : Simulated
+        The same, as the twin runs.
+    positions : collection of str
+        Signals that decide.
+    loop_time : float
+        [s] Time constant of the closed loop.
     """
     for signal, values in zip(record.signals, nominal.signals, strict=True):
         if signal.name not in positions:
@@ -121,8 +132,18 @@ def starts_apart(signal: ScoredSignal, values: NDArray[np.float64]) -> bool:
         [SI] The same signal as simulated, or in another recording.
     """
     _, bound = _noise_and_bound(signal)
-    apart = signal.values[:_FIRST_ROWS] - values[:_FIRST_ROWS]
-    return abs(float(np.median(apart))) > bound
+    return abs(first_difference(signal, values)) > bound
+
+
+def first_difference(signal: ScoredSignal, values: NDArray[np.float64]) -> float:
+    """[SI] By which a recorded signal begins above these values.
+
+    Parameters
+    ----------
+    signal, values
+        As of `starts_apart`.
+    """
+    return float(np.median(signal.values[:_FIRST_ROWS] - values[:_FIRST_ROWS]))
 
 
 def _noise_and_bound(signal: ScoredSignal) -> tuple[float, float]:

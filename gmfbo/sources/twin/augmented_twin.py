@@ -66,14 +66,14 @@ class RunPlan:
             Steps of physics and twin within each.
         """
         order = experiment.order(lead)
-        return cls(
-            recording,
-            experiment,
-            lead,
-            substeps,
-            np.repeat(order.u, substeps, axis=0),
-            np.repeat(order.s, substeps, axis=0),
-        )
+        inputs, schedules = (np.repeat(rows, substeps, axis=0) for rows in (order.u, order.s))
+        return cls(recording, experiment, lead, substeps, inputs, schedules)
+
+    def led_by(self, lead: int) -> RunPlan:
+        """The same after so many steps under the first row."""
+        if lead == self.lead:
+            return self
+        return RunPlan.after(self.recording, self.experiment, lead, self.substeps)
 
     def straight(self, names: Collection[str]) -> RunPlan:
         """The same with some inputs drawn straight from row to row at the fine steps.
