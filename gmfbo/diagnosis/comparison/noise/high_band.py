@@ -18,6 +18,7 @@ from gmfbo.diagnosis.comparison.noise.places import (
     summed,
     with_level,
 )
+from gmfbo.diagnosis.comparison.numbers import TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 
 Array = NDArray[np.float64]
@@ -210,7 +211,9 @@ def _largest(name: str, kernels: PortKernels, periodograms: Sequence[Periodogram
         elif kind == "port":
             paths = kernels.of(group.record)
             answer = np.abs(paths.spectra(which, group.names, group.frequencies)) ** 2
-            colour = 1.0 if which == "sensor" else coloured(group.frequencies, paths.step)
+            colour = (
+                1.0 if which == "sensor" else coloured(group.frequencies, paths.step, TORQUE_TIME)
+            )
             unit = np.mean(answer * colour, axis=1)
             found.append(np.sqrt(np.min(power / np.maximum(unit, 1e-300))))
         elif kind == "jitter":

@@ -29,7 +29,7 @@ class Levels:
     ----------
     ports : mapping of str to float
         [FMU's unit] `sensor`: what the controller reads, white; `torque` and `command`: coloured,
-        with the correlation time of the table.
+        with `time`.
     own : mapping of str to float
         [SI] What the logger adds to each signal, white.
     jitter : float
@@ -37,12 +37,15 @@ class Levels:
     astray : mapping of str to float
         [FMU's unit] By port, what reaches each signal by itself, as large as the port's path makes
         it: a loop that saturates or sticks does not send on what a push of it sends.
+    time : float
+        [s] Correlation time of what is not white.
     """
 
     ports: Mapping[str, float]
     own: Mapping[str, float]
     jitter: float = 0.0
     astray: Mapping[str, float] = field(default_factory=dict)
+    time: float = TORQUE_TIME
 
     def with_ports(self, **levels: float) -> Levels:
         """The same with other levels at some ports."""
@@ -93,7 +96,7 @@ def covariance(
         if level <= 0.0 or port not in kernels.kernels:
             continue
         answer = kernels.spectra(port, names, frequencies).T
-        colour = 1.0 if port == "sensor" else coloured(frequencies, kernels.step)
+        colour = 1.0 if port == "sensor" else coloured(frequencies, kernels.step, levels.time)
         outer = answer[:, :, None] * answer[:, None, :].conj()
         total += level**2 * np.reshape(colour * np.ones(frequencies.size), (-1, 1, 1)) * outer
     own = np.array([levels.own[name] ** 2 for name in names]) + levels.jitter**2 * square_rates
@@ -101,14 +104,14 @@ def covariance(
     for port, level in levels.astray.items():
         if level > 0.0 and port in kernels.kernels:
             power = np.abs(kernels.spectra(port, names, frequencies).T) ** 2
-            diagonal += level**2 * coloured(frequencies, kernels.step)[:, None] * power
+            diagonal += level**2 * coloured(frequencies, kernels.step, levels.time)[:, None] * power
     diagonal += FLOOR * diagonal.real + own
     return total
 
 
-def coloured(frequencies: Array, step: float) -> Array:
+def coloured(frequencies: Array, step: float, time: float) -> Array:
     """Spectrum a sample of an exponentially correlated signal of unit variance."""
-    return 2.0 * (TORQUE_TIME / step) / (1.0 + (2.0 * np.pi * frequencies * TORQUE_TIME) ** 2)
+    return 2.0 * (time / step) / (1.0 + (2.0 * np.pi * frequencies * time) ** 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +229,8 @@ def split(
     -------
     tuple of ndarray, shape (n_frequencies, m, m) and (k, n_frequencies, m, m)
     """
-    nothing = Levels(dict.fromkeys(levels.ports, 0.0), dict.fromkeys(levels.own, 0.0))
+    ports, own = (dict.fromkeys(places, 0.0) for places in (levels.ports, levels.own))
+    nothing = Levels(ports, own, time=levels.time)
     at = levels
     for name in free:
         at = with_level(at, name, 0.0)

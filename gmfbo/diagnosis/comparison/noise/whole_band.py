@@ -13,7 +13,8 @@ draw, 072: own noise of the command looked like 2 mN m of torque, in which frict
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -28,7 +29,7 @@ from gmfbo.diagnosis.comparison.noise.places import (
     summed,
     with_level,
 )
-from gmfbo.diagnosis.comparison.numbers import FLOOR, TOLERANCE
+from gmfbo.diagnosis.comparison.numbers import FLOOR, TOLERANCE, TORQUE_TIME
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
 
@@ -36,6 +37,7 @@ Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 _STEP = 2.0  # between starts of a level, in its logarithm
+_TIMES = 2.0 ** np.arange(-2.0, 3.0)  # of the usual correlation time
 
 
 def inadequate(
@@ -74,24 +76,31 @@ def inadequate(
     cared, rounding = {port: least[port] for port in ports}, least.get("sensor", 0.0)
     free, low, high = _ranges(levels, cared, rounding, apart=apart)
     whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
-    shares = [_Shares.of(group, levels, free, kernels) for group in whole]
-
-    def nll(x: Array) -> tuple[float, Array]:
-        return summed([one.deviance(np.exp(2.0 * x)) for one in shares])
-
     quiet = np.where([name == "port:sensor" for name in free], high, low)
     own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
     pushed = np.array(list(_pushed(quiet, free, len(ports))))
-    deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
-    starts = [pushed[np.argmin(deviances)], quiet + own]
-    if near is not None:
-        starts.append(np.log(np.clip([near.of(name) for name in free], np.exp(low), np.exp(high))))
     bounds = list(zip(low, high, strict=True))
-    tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
-    best = min(tried, key=lambda found: float(found.fun))
-    for name, value in zip(free, np.exp(best.x), strict=True):
-        levels = with_level(levels, name, float(value))
-    return levels
+    best, least_nll = levels, np.inf
+    for time in TORQUE_TIME * _TIMES:
+        timed = replace(levels, time=float(time))
+        shares = [_Shares.of(group, timed, free, kernels) for group in whole]
+        deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
+        starts = [pushed[np.argmin(deviances)], quiet + own]
+        if near is not None:
+            known = np.array([near.of(name) for name in free])
+            starts.append(np.log(np.clip(known, np.exp(low), np.exp(high))))
+        nll = partial(_deviance, shares)
+        tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
+        found = min(tried, key=lambda one: float(one.fun))
+        if float(found.fun) < least_nll:
+            best, least_nll = timed, float(found.fun)
+            for name, value in zip(free, np.exp(found.x), strict=True):
+                best = with_level(best, name, float(value))
+    return best
+
+
+def _deviance(shares: Sequence[_Shares], x: Array) -> tuple[float, Array]:
+    return summed([one.deviance(np.exp(2.0 * x)) for one in shares])
 
 
 def _pushed(quiet: Array, free: Sequence[str], ports: int) -> Iterator[Array]:
