@@ -1,4 +1,4 @@
-"""Baselines that refit the twin: a Gaussian process on what is left, and brute force.
+"""Baselines that refit the twin: a Gaussian process on what is left, and stepwise fits.
 
 Both get the package's own alignment, noise model and simulators: what they lack is the decision.
 """
@@ -18,7 +18,6 @@ from gmfbo.diagnosis.case.case import Case, dof
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.fitting.fit import Fitted, fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.fitting.misfit import chi2
 from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
 from gmfbo.physics import CATALOGUE
 from tests.blind.truth import SAMPLE
@@ -175,26 +174,6 @@ class Refits:
             has_inertia=self.case.setting.inertia is not None,
             is_open=self.case.simulations.tracking is not None,
         )
-
-    def brute_force(self) -> tuple[str, ...]:
-        """The effect whose fit has the best held-out BIC, if it beats the parameters alone."""
-        testable = [name for name in CATALOGUE if name not in self._reasons]
-        best, name = self._bic(self.case.base), ""
-        for candidate in candidates(testable, self.case.setting.excitation):
-            hypothesis = Hypothesis(self.case.setting, (candidate,))
-            fitted = fit(self.case.misfit, hypothesis, self.case.base.parameters)
-            score = np.inf if fitted is None else self._bic(fitted)
-            if score < best:
-                best, name = score, candidate.effect
-        return (name,) if name else ()
-
-    def _bic(self, fitted: Fitted) -> float:
-        """Held-out chi2 with ln(n) for each free parameter (Schwarz 1978)."""
-        runs = self.unseen.simulations.run_here(fitted.hypothesis.point(fitted.x))
-        if not all(run.finite for run in runs):
-            return float("inf")
-        price = len(fitted.x) * np.log(dof(self.unseen.misfit))
-        return float(chi2(self.unseen.misfit.residual(runs)) + price)
 
 
 def _residuals(case: Case) -> list[list[Vector]]:

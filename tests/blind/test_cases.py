@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
 from dataclasses import replace
@@ -21,7 +20,6 @@ from tests.blind.oracle import Experiment, Oracle
 from tests.blind.outside import OUTSIDE
 from tests.blind.plan import SHARES, Plan, make_plan
 from tests.blind.references import SHAPES
-from tests.blind.run import run_case
 from tests.blind.truth import TrueRun, simulate
 from tests.blind.windows import windows_of
 
@@ -118,25 +116,6 @@ def test_answers_stay_out_of_the_folders_of_the_cases(tmp_path: Path) -> None:
     answer_path(tmp_path, 1).write_text("{}", encoding="utf-8")
     with pytest.raises(ValueError, match=r"001\.json is not the answer that was hashed"):
         check_hashes(tmp_path)
-
-
-def test_a_command_that_refuses_is_kept_with_its_own_words(tmp_path: Path) -> None:
-    folder = tmp_path / "cases" / "000"
-    folder.mkdir(parents=True)
-    (folder / "twin.toml").write_text("step = 1\n", encoding="utf-8")
-    (folder / "rec0.csv").write_text("time [s],x\n0,1\n", encoding="utf-8")
-    line = run_case(folder, tmp_path, 60.0)
-    outcome = json.loads((tmp_path / "results" / "000" / "outcome.json").read_text())
-    assert outcome["status"] > 0
-    assert outcome["note"].startswith(f"status {outcome['status']}: gmfbo")
-    assert line.startswith("000")
-
-
-def test_a_command_that_takes_too_long_is_ended(tmp_path: Path) -> None:
-    folder = tmp_path / "cases" / "000"
-    folder.mkdir(parents=True)
-    (folder / "twin.toml").write_text("step = 1\n", encoding="utf-8")
-    assert "more than 0.01 s" in run_case(folder, tmp_path, 0.01)
 
 
 @pytest.fixture(scope="module")

@@ -17,9 +17,9 @@ TABLES: tuple[tuple[str, Callable[[], str]], ...] = (
     (_TUNING, tuning.by_noise),
     (_TUNING, tuning.by_initial_runs),
     (_TUNING, tuning.made),
-    (_BLIND, diagnosis.what_was_said),
-    (_BLIND, diagnosis.how_well),
-    (_BLIND, diagnosis.made),
+    (_BLIND, diagnosis.asked),
+    (_BLIND, diagnosis.nulls),
+    (_BLIND, diagnosis.beside_others),
 )
 
 

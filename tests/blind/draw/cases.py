@@ -12,8 +12,8 @@ from tests.blind.cases import Answer, make_case
 from tests.blind.draw.nulls import VARIANTS, draft_null
 from tests.blind.draw.plan import DrawnCase
 from tests.blind.draw.rigs import record_with
+from tests.blind.gains import OWED, case_gain
 from tests.blind.machines import Knowledge, twin_file
-from tests.blind.score import OWED, case_gain
 
 TRIES = 6
 """Times that a case is drawn again whose effect the oracle cannot see."""

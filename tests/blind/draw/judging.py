@@ -16,7 +16,7 @@ from typing import Any
 
 from tests.blind.draw.equivalents import PARAMETER, same_statement
 from tests.blind.draw.measures import error_left
-from tests.blind.score import OWED, case_gain, family
+from tests.blind.gains import OWED, case_gain, family
 
 PHYSICS_CLAIMED = ("named", "outside")
 """Outcomes of a null that are false alarms."""

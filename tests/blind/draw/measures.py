@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, logit
-
-from tests.blind.bars import clopper_pearson
+from scipy.stats import beta
 
 LAST_DIGIT = 0.005
 """Half of the last digit that is printed of a probability: 1.00 is anything from 0.995."""
@@ -69,6 +68,24 @@ def recalibration(stated: Sequence[float], right: Sequence[bool]) -> tuple[Vecto
 
 def _loss(a: Vector, y: Vector, x: Vector) -> float:
     return float(np.sum(np.logaddexp(0.0, a @ x) - y * (a @ x)))
+
+
+def clopper_pearson(count: int, total: int, level: float = 0.95) -> tuple[float, float]:
+    """Exact interval of a share (Clopper, Pearson 1934), both tails alike.
+
+    Parameters
+    ----------
+    count, total : int
+        Successes, and trials.
+    level : float
+        Coverage.
+    """
+    if total == 0:
+        return 0.0, 1.0
+    tail = 0.5 * (1.0 - level)
+    low = float(beta.ppf(tail, count, total - count + 1)) if count else 0.0
+    high = float(beta.ppf(1.0 - tail, count + 1, total - count)) if count < total else 1.0
+    return low, high
 
 
 def clustered_share(held: Sequence[bool], clusters: Sequence[object]) -> tuple[float, float]:

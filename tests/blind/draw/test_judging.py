@@ -212,3 +212,10 @@ def test_methods_are_counted_on_the_cases_that_all_of_them_ran() -> None:
     first, second = methods({"loud": told, "silent": silent}).splitlines()[2:]
     assert first.split()[:10] == ["loud", *["0", "of", "0", "1", "of", "1", "1", "of", "1"]]
     assert second.split()[:10] == ["silent", *["0", "of", "0", "0", "of", "1", "0", "of", "1"]]
+
+
+def test_a_pair_is_as_strong_as_what_its_weaker_effect_adds() -> None:
+    hidden = answer("cogging_torque", "coulomb_friction", stratum="pair", oracle_gain=900.0)
+    assert judge(line(hidden, said("cogging_torque"))).is_owed
+    hidden["effects"][1]["added_gain"] = 40.0
+    assert not judge(line(hidden, said("cogging_torque"))).is_owed

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from tests.blind.bars import clopper_pearson
-from tests.blind.draw.measures import NORMAL, clustered_share, error_left, recalibration
+from tests.blind.draw.measures import (
+    NORMAL,
+    clopper_pearson,
+    clustered_share,
+    error_left,
+    recalibration,
+)
 
 
 @pytest.mark.parametrize(("intercept", "slope"), [(0.0, 1.0), (-1.0, 1.0), (0.0, 0.4)])
@@ -88,3 +93,11 @@ def test_error_left_is_one_of_the_twin_and_none_at_the_noise(
     signals: list[tuple[float, float | None, float]], expected: float | None
 ) -> None:
     assert error_left(errors(*signals)) == (None if expected is None else pytest.approx(expected))
+
+
+def test_the_exact_interval_is_the_published_one() -> None:
+    """0 of 150 is at most 2.4 %; 1 of 10 is 0.25 to 44.5 % (Clopper, Pearson 1934)."""
+    assert clopper_pearson(0, 150) == pytest.approx((0.0, 0.0243), abs=1e-4)
+    assert clopper_pearson(1, 10) == pytest.approx((0.00253, 0.445), abs=1e-3)
+    assert clopper_pearson(3, 3)[1] == 1.0
+    assert clopper_pearson(0, 0) == (0.0, 1.0)
