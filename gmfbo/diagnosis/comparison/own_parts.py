@@ -297,13 +297,10 @@ def beside_own_parts_on(
     for segment in problem.segments:
         own = [i for i, other in enumerate(whole.segments) if other.record == segment.record]
         time = np.concatenate([whole.segments[i].time for i in own])
-        at = np.searchsorted(time, segment.time - 0.5 * segment.spacing)
-        columns.append(
-            np.concatenate(
-                [
-                    np.concatenate([row.columns[i][: row.u.size] for i in own], axis=2)[:, :, at]
-                    for row in rows
-                ]
-            )
-        )
+        at = np.searchsorted(time, segment.time - 0.5 * segment.spacing).clip(0, time.size - 1)
+        seen = np.abs(time[at] - segment.time) < segment.spacing  # rests may be compared here alone
+        parts = [
+            np.concatenate([row.columns[i][: row.u.size] for i in own], axis=2) for row in rows
+        ]
+        columns.append(np.concatenate([part[:, :, at] * seen for part in parts]))
     return whitening.about(names, columns)

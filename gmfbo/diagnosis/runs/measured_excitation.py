@@ -197,14 +197,10 @@ def measure_ranges(
         Recordings that are scored.
     base : sequence of Simulated
         The recordings simulated.
-    torque : float
-        Torque at the port that corresponds to the command's range.
-    command : float
-        [FMU's unit] Range of the command, as `probing_torque.command_range` measures it.
-    step : float
-        [s] At which effects are stepped.
-    loop_time : float
-        [s] Of the closed loop.
+    torque, command : float
+        [FMU's unit] Range of the command (`probing_torque.command_range`), and torque for it.
+    step, loop_time : float
+        [s] At which effects are stepped; of the closed loop.
     resolution : float
         [FMU's unit] Of the position; 0 where it is not among the outputs.
     inertia : float or None
@@ -213,12 +209,10 @@ def measure_ranges(
         The position is an angle.
     """
     states = [states_of(run, record) for run, record in zip(base, records, strict=True)]
-    durations = [float(record.plan.grid[-1] - record.plan.grid[0]) for record in records]
+    durations = [float(np.ptp(record.plan.grid)) for record in records]
     simulated = _positive(np.abs(np.concatenate([s.command for s in states])).max())
-    command = max(simulated, command)
-    larger = command / simulated  # currents go with the command
-    current = larger * np.concatenate([s.current for s in states])
-    rates = np.concatenate([np.abs(np.diff(s.command)) / s.step for s in states])
+    command = max(simulated, command)  # currents go with it
+    current = command / simulated * np.concatenate([s.current for s in states])
     sample = float(np.median([s.spacing for r in records for s in r.signals]))
     speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), 0.995))
     stroke = _positive(np.ptp(np.concatenate([s.position for s in states])))
@@ -226,7 +220,7 @@ def measure_ranges(
     return Excitation(
         torque=_positive(torque),
         command=command,
-        command_rate=_positive(rates.max()),
+        command_rate=_positive(max(np.abs(np.diff(s.command)).max() / s.step for s in states)),
         current=_positive(np.abs(current).max()),
         speed=speed,
         stroke=stroke,

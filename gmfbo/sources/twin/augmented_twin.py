@@ -60,20 +60,23 @@ class RunPlan:
             Recording that is followed.
         experiment : Experiment
             The recording on the grid.
-        lead : int
-            Communication steps under the first row.
-        substeps : int
-            Steps of physics and twin within each.
+        lead, substeps : int
+            Communication steps under the first row; steps of physics and twin within each.
         """
         order = experiment.order(lead)
-        inputs, schedules = (np.repeat(rows, substeps, axis=0) for rows in (order.u, order.s))
-        return cls(recording, experiment, lead, substeps, inputs, schedules)
+        columns = (np.repeat(rows, substeps, axis=0) for rows in (order.u, order.s))
+        return cls(recording, experiment, lead, substeps, *columns)
 
     def led_by(self, lead: int) -> RunPlan:
-        """The same after so many steps under the first row."""
-        if lead == self.lead:
-            return self
-        return RunPlan.after(self.recording, self.experiment, lead, self.substeps)
+        """The same after so many steps under the first row.
+
+        Parameters
+        ----------
+        lead : int
+            Communication steps; as many as now give the same object.
+        """
+        same = lead == self.lead
+        return self if same else self.after(self.recording, self.experiment, lead, self.substeps)
 
     def straight(self, names: Collection[str]) -> RunPlan:
         """The same with some inputs drawn straight from row to row at the fine steps.
