@@ -29,7 +29,7 @@ SCALE_PRIOR, POSITION_SCALE_PRIOR = 0.02, 3e-4
 """[1] Current sensors are within 1-3 %, encoders exact."""
 
 OFFSET_PRIOR = 5e-4
-"""[range of the signal] Zero error of a column that is no position."""
+"""[range of the signal] Zero error of a sensor that reads no position."""
 
 CLOCK_PRIOR = 1e-4
 """[1] Quartz clocks of two devices."""
@@ -39,7 +39,7 @@ OWN_SPREAD = 0.05
 loads change from run to run."""
 
 TORQUE_TIME = 0.02
-"""[s] Correlation time of torque noise and of what a model lacks (servo prototype)."""
+"""[s] Usual correlation time of torque noise and of what a model lacks (servo prototype)."""
 
 NOISE_FREEDOM = 4.0
 """[1] Degrees of freedom of the noise of a stretch, about its level (Lange et al. 1989)."""
