@@ -104,16 +104,19 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Three effects are named. The carriage rubs with about 20 N while it slides: 14.4 N of presliding
-# friction, which gives way over 17 um, and 5.4 N beside it that differ by direction. Published are
-# 20.4 N. The difference by direction is one of *viscous* friction, -67 N s/m here; the rig's
-# authors give 167 and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's pitch.
+# Three effects are named, and none for certain: the verdict is `outside_library`. Beside them a
+# free curve over the velocity explains 2 % of what is more than noise, and no law of the library
+# has that curve. The carriage rubs with some 10 N of presliding (or Stribeck) friction, which
+# gives way over 13 um, and 5.4 N that differ by direction; the curve has the rest of the 20.4 N
+# that are published. The difference by direction is one of *viscous* friction, -64 N s/m here; the
+# rig's authors give 167 and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's
+# pitch; two slower lines beside it are hardly more than their intervals.
 #
-# On the second half the voltage is met to 3.3 %, with eight numbers beside mass and viscous
-# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more.
-# About 3 % of what is more than noise stays unexplained, and depends on the velocity. That half
-# was looked at while the diagnosis was developed: its figures show how the tool works, and are no
-# evidence that it finds the like on an axis which nobody has seen. The runs were cut by hand;
+# On the second half the voltage is met to 2.4 %, with fourteen numbers beside mass and viscous
+# friction, and the curve. Published models leave 3.8 % with four numbers, and 3.5 % with one line
+# of ripple more. What is left there is noise: 0.62 % of the voltage's range. That half was looked
+# at while the diagnosis was developed: its figures show how the tool works, and are no evidence
+# that it finds the like on an axis which nobody has seen. The runs were cut by hand;
 # `tests/benchmarks/emps_pieces.py` diagnoses the recording as one, by halves and in pieces.
 
 # %%
@@ -131,12 +134,13 @@ for effect in diagnosis.effects:
 # ## Held to it
 
 # %%
-assert diagnosis.verdict == "missing_physics"
+assert diagnosis.verdict == "outside_library"
 assert set(named) == {"cogging_torque", "presliding_friction", "asymmetric_friction"}
+assert all(effect.probability <= 0.8 for effect in diagnosis.effects)
 sliding = named["presliding_friction"].parameters["level"].value
 by_direction = named["asymmetric_friction"].parameters
 sliding += 0.5 * sum(by_direction[f"level_{side}"].value for side in ("positive", "negative"))
-assert 18.0 < sliding < 22.0, "20.4 N as published"
+assert 13.0 < sliding < 18.0, "of 20.4 N as published"
 assert -85.0 < by_direction["viscous_difference"].value < -55.0, "167 - 240 as published"
 cycles = named["cogging_torque"].parameters["wavenumber_1"].value / (2.0 * np.pi)
 assert abs(cycles - 400.0) < 5.0, "the only line that the residual shows"
@@ -144,4 +148,4 @@ assert diagnosis.remainder is not None
 assert 0.01 < diagnosis.remainder.share < 0.06
 
 assert 0.17 < with_parameters < 0.19
-assert 0.030 < with_physics < 0.035
+assert 0.022 < with_physics < 0.026
