@@ -11,11 +11,10 @@ import numpy as np
 from tests.benchmarks.tables.results import MADE, RESULTS
 from tests.benchmarks.tables.tuning import table
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Judged, judge
-from tests.blind.draw.measures import NORMAL, clustered_share, recalibration
+from tests.blind.draw.measures import NORMAL, clopper_pearson, clustered_share, recalibration
 from tests.blind.draw.methods import COLUMNS
 from tests.blind.draw.nulls import VARIANTS
 from tests.blind.draw.outcomes import read_outcomes
-from tests.blind.draw.table import share
 
 Cases = Sequence[Judged]
 
@@ -109,7 +108,8 @@ def asked() -> str:
 
 
 def _percent(count: int, total: int) -> str:
-    return " ".join(share(count, total).split())
+    low, high = (100.0 * bound for bound in clopper_pearson(count, total))
+    return f"{count} of {total}: {100.0 * count / total:.1f} % ({low:.1f} to {high:.1f})"
 
 
 def _share(cases: Cases, holds: Callable[[Judged], bool]) -> str:
@@ -120,7 +120,7 @@ def _intervals(cases: Cases) -> str:
     own = [(i, (j.machine, frozenset(j.hidden))) for j in cases for i in j.intervals]
     held = [interval.holds for interval, _ in own]
     low, high = clustered_share(held, [cluster for _, cluster in own])
-    return f"{sum(held)} of {len(held)} [{100.0 * low:.1f}, {100.0 * high:.1f}] %"
+    return f"{sum(held)} of {len(held)}: {100.0 * low:.1f} to {100.0 * high:.1f} %"
 
 
 def _recalibrated(cases: Cases) -> str:
@@ -129,7 +129,7 @@ def _recalibrated(cases: Cases) -> str:
     if found is None:
         return "not told"
     cells = [
-        f"{value:.2f} [{value - NORMAL * error:.2f}, {value + NORMAL * error:.2f}]"
+        f"{value:.2f} ({value - NORMAL * error:.2f} to {value + NORMAL * error:.2f})"
         for value, error in zip(*found, strict=True)
     ]
     return f"{'; '.join(cells)} on {len(claims)}"

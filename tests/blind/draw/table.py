@@ -49,7 +49,7 @@ def _head(judged: Sequence[Judged]) -> str:
     return f"{len(judged)} cases run: {mix}"
 
 
-def share(count: int, total: int) -> str:
+def _share(count: int, total: int) -> str:
     """`3 of 40   7.5 %  [1.6, 20.4] %`, the interval by Clopper and Pearson."""
     if not total:
         return "0 of 0"
@@ -71,7 +71,7 @@ def _nulls(nulls: Sequence[Judged]) -> str:
         ended = len(own) - counts["failed"]
         claimed = sum(counts[outcome] for outcome in PHYSICS_CLAIMED)
         cells = "".join(f"{counts[c]:>9}" for c in columns)
-        lines.append(f"{kind:<12}{len(own):>6}{cells}   {share(claimed, ended)}")
+        lines.append(f"{kind:<12}{len(own):>6}{cells}   {_share(claimed, ended)}")
     return "\n".join(lines)
 
 
@@ -89,9 +89,9 @@ def _named(judged: Sequence[Judged]) -> str:
     right = sum(j.outcome == "right" for j in owed)
     either = sum(j.outcome in ("right", "set") for j in owed)
     lines += [
-        f"{'owed, right':<34}{share(right, len(owed))}",
-        f"{'owed, right or an honest set':<34}{share(either, len(owed))}",
-        f"{'decoys with physics claimed':<34}{share(claimed, len(decoys))}",
+        f"{'owed, right':<34}{_share(right, len(owed))}",
+        f"{'owed, right or an honest set':<34}{_share(either, len(owed))}",
+        f"{'decoys with physics claimed':<34}{_share(claimed, len(decoys))}",
     ]
     return "\n".join(lines)
 
@@ -113,8 +113,8 @@ def _outside(outside: Sequence[Judged]) -> str:
     return "\n".join(
         [
             f"Outside the library, {laws} laws",
-            f"{'verdict':<34}{share(verdict, len(ended))}",
-            f"{'false names':<34}{share(false, len(ended))}",
+            f"{'verdict':<34}{_share(verdict, len(ended))}",
+            f"{'false names':<34}{_share(false, len(ended))}",
         ]
     )
 
@@ -127,8 +127,8 @@ def _statements(judged: Sequence[Judged]) -> str:
     sets = [len(claim.members) for claim in claims]
     rivalled = sum(size > 1 for size in sets)
     lines = [
-        f"{'cases with a false name':<34}{share(false, len(ended))}",
-        f"{'statements told as a set':<34}{share(rivalled, len(claims))}",
+        f"{'cases with a false name':<34}{_share(false, len(ended))}",
+        f"{'statements told as a set':<34}{_share(rivalled, len(claims))}",
     ]
     if sets:
         lines.append(f"{'members of a statement, median':<34}{np.median(sets):.0f}")
@@ -177,7 +177,7 @@ def _intervals(judged: Sequence[Judged]) -> str:
         held = [interval.holds for interval, _ in own]
         low, high = (100.0 * b for b in clustered_share(held, [cluster for _, cluster in own]))
         tail = f"; [{low:.1f}, {high:.1f}] %; {np.median([i.width for i, _ in own]):.3f}"
-        lines.append(f"{title:<34}{share(sum(held), len(own))}{tail if own else ''}")
+        lines.append(f"{title:<34}{_share(sum(held), len(own))}{tail if own else ''}")
     return "\n".join(lines)
 
 
