@@ -39,11 +39,10 @@ def states_of(simulated: Simulated, record: Record) -> States:
     )
 
 
-def reversals(states: States) -> int:
-    """Sign changes of the velocity that last."""
-    moving = np.abs(states.velocity) > 2.0 * states.rest
-    signs = np.sign(states.velocity[moving])
-    return int(np.count_nonzero(np.diff(signs)))
+def reversals(*states: States) -> int:
+    """Sign changes of the velocity that last, also from one recording to the next."""
+    moving = [s.velocity[np.abs(s.velocity) > 2.0 * s.rest] for s in states]
+    return int(np.count_nonzero(np.diff(np.sign(np.concatenate(moving)))))
 
 
 @dataclass(frozen=True)
@@ -232,7 +231,7 @@ def measure_ranges(
         loop_time=_positive(loop_time, 0.05),
         inertia=inertia,
         angular=angular,
-        reversals=sum(reversals(s) for s in states),
+        reversals=reversals(*states),
         load=_positive(max(loads)) if loads else None,
         effective_current=_positive(np.sqrt(np.mean(current**2))),
     )

@@ -131,6 +131,11 @@ def test_a_signal_that_is_too_slow_for_pieces_stays_whole() -> None:
         assert len(compared(case)) == 1
 
 
+def test_pieces_that_move_one_way_each_reverse_together() -> None:
+    with closing((case := open_small(SERVO.twin(), pieces(recorded()[0]))).simulations):
+        assert case.setting.excitation.reversals == 2  # there, back, and there again
+
+
 def test_control_a_recording_that_begins_with_a_step_is_not_held_before_it() -> None:
     made = SERVO.recordings({}, (lambda t: np.full(t.size, 0.3),), seconds=1.3)
     with closing((case := open_small(SERVO.twin(), made)).simulations):
