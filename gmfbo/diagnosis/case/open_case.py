@@ -272,8 +272,7 @@ class _Opening:
         loop_time = self._loop_time(stiffness)
         excitation = self._excitation(simulations, nominal, rig, noise, ratio, loop_time, substeps)
         setting = self._setting(excitation)
-        if stiffness is not None:
-            self.notes += mark_long_rests(simulations, nominal, rig.position, loop_time)
+        self.notes += mark_long_rests(simulations, nominal, rig.position, loop_time)
         windows = windows_of(simulations.records, loop_time, nominal, rig.positions)
         base = self._first_fit(simulations, windows, rig, noise, setting)
         answered = leave_out_noise(simulations, rig, base)

@@ -92,8 +92,8 @@ def begun_at_rest(
     """
     rest, before = simulations.rest, simulations.records
     jumps = [
-        plan.lead < rest and starts_elsewhere(record, run, rig.positions, loop_time)
-        for record, run, plan in zip(before, nominal, (r.plan for r in before), strict=True)
+        record.plan.lead < rest and starts_elsewhere(record, run, rig.positions, loop_time)
+        for record, run in zip(before, nominal, strict=True)
     ]
     if not any(jumps):
         return nominal, []

@@ -13,7 +13,6 @@ from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.noise.high_band import estimated
 from gmfbo.diagnosis.comparison.noise.places import Levels, blocks_of
 from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
-from gmfbo.diagnosis.comparison.numbers import SIZE_SHARE, TOLERANCE
 from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -34,11 +33,14 @@ class FitNoise:
         Below which no level is looked for.
     cared : mapping of str to float
         [FMU's unit] By port, the level of an inadequacy below which nobody cares.
+    held : float
+        [FMU's unit] Torque that friction may hold at rest.
     """
 
     problem: Problem
     least: Levels
     cared: Mapping[str, float]
+    held: float
 
     def levels(
         self, fitted: Fitted, kernels: PortKernels, near: Levels | None, errors: SimulationErrors
@@ -110,8 +112,7 @@ class FitNoise:
         """
         point = self.problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        held = SIZE_SHARE / TOLERANCE * self.cared.get("torque", 0.0)
-        return errors_of(self.problem.simulations, point, kernels, level, held)
+        return errors_of(self.problem.simulations, point, kernels, level, self.held)
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

@@ -12,8 +12,8 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
-from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SIZE_SHARE
-from gmfbo.diagnosis.comparison.opened_comparison import kernels_of, problem_on
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END
+from gmfbo.diagnosis.comparison.opened_comparison import held_at_rest, kernels_of, problem_on
 from gmfbo.diagnosis.comparison.own_parts import beside_own_parts_on
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
@@ -102,8 +102,7 @@ def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
     kernels = kernels_of(unseen, problem)(row)
     level = ledger.levels.ports.get("sensor", 0.0)
     point = problem.point(row.hypothesis, row.x)
-    held = SIZE_SHARE * unseen.setting.excitation.torque
-    errors = errors_of(unseen.simulations, point, kernels, level, held)
+    errors = errors_of(unseen.simulations, point, kernels, level, held_at_rest(unseen))
     return replace(ledger, kernels=kernels, errors=replace(errors, spreads=ledger.errors.spreads))
 
 

@@ -129,7 +129,7 @@ class Logging:
     def _offset(self, name: str) -> float:
         """Zeros of positions and commands are the twin's own, but for how counts are rounded."""
         stated = self.alignments[name].offset
-        if name in self.positions or stated == 0.0:
+        if name in self.positions or not stated:
             return max(0.5 * self.resolutions[name], stated)
         return max(OFFSET_PRIOR * self.ranges[name], stated * self.ranges[name])
 

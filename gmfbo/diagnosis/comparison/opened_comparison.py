@@ -24,6 +24,7 @@ from gmfbo.diagnosis.comparison.nuisance_columns import logging_of
 from gmfbo.diagnosis.comparison.numbers import (
     INADEQUACY_TOLERANCE,
     LEAST_GAIN,
+    SIZE_SHARE,
     STRETCH_LOOP_TIMES,
     TOLERANCE,
     TORQUE_TIME,
@@ -135,12 +136,17 @@ def comparison_of(
     cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
     search = Search(
         _elements(case, effects, passing, held),
-        FitNoise(problem, _least_levels(case, problem, ports), cared),
+        FitNoise(problem, _least_levels(case, problem, ports), cared, held_at_rest(case)),
         INADEQUACY_TOLERANCE * _usual_torque(case),
         kernels_at,
         log,
     )
     return Comparison(search, first)
+
+
+def held_at_rest(case: Case) -> float:
+    """[FMU's unit] Torque that friction may hold at rest: a usual size of a law."""
+    return SIZE_SHARE * case.setting.excitation.torque
 
 
 def _sizes(case: Case) -> dict[str, float]:

@@ -43,8 +43,8 @@ def mark_long_rests(
     list of str
         A note, where there is such a rest.
     """
-    if simulations.tracking is not None:
-        return []  # what holds the twin is no controller, and noise goes round no loop
+    if simulations.tracking is not None or "torque" not in simulated[0].response.ports:
+        return []  # no controller holds the twin, or nobody could ask whether one does
     pairs = list(zip(simulations.records, simulated, strict=True))
     moving = [_moving(record, run, position, loop_time) for record, run in pairs]
     fastest = max((m.simulated.max() for m in moving if m is not None), default=0.0)

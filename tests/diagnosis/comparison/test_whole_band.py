@@ -40,13 +40,29 @@ def answers(pushed: str) -> dict[str, NDArray[np.float64]]:
 KERNELS = PortKernels({port: answers(port) for port in ("sensor", "torque")}, STEP)
 
 
-def coloured(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Torque noise of unit variance with the correlation time of the table."""
-    keep = np.exp(-STEP / TORQUE_TIME)
+def coloured(rng: np.random.Generator, time: float = TORQUE_TIME) -> NDArray[np.float64]:
+    """Torque noise of unit variance with a correlation time."""
+    keep = np.exp(-STEP / time)
     found = np.zeros(ROWS)
     for k in range(1, ROWS):
         found[k] = keep * found[k - 1] + np.sqrt(1.0 - keep**2) * rng.standard_normal()
     return found
+
+
+def driven(
+    rng: np.random.Generator, pushed: NDArray[np.float64], command: float
+) -> NDArray[np.float64]:
+    """Signals under noise of the reading, a torque, and noise of the logger."""
+    read = 4e-5 * rng.standard_normal(ROWS)
+    paths = KERNELS.kernels
+    signals = [
+        np.convolve(read, paths["sensor"][name])[:ROWS]
+        + np.convolve(pushed, paths["torque"][name])[:ROWS]
+        for name in NAMES
+    ]
+    signals[0] = signals[0] + 2e-6 * rng.standard_normal(ROWS)
+    signals[1] = signals[1] + command * rng.standard_normal(ROWS)
+    return np.stack(signals)
 
 
 @pytest.mark.parametrize(("torque", "command"), [(0.0, 8e-3), (2e-2, 1e-3)])
@@ -54,18 +70,7 @@ def test_hidden_white_noise_and_a_torque_are_told_apart(torque: float, command: 
     rng = np.random.default_rng(2)
     time = np.linspace(0.0, STEP * (ROWS - 1), ROWS)
     own = [Segment(k, NAMES, time, (time, time)) for k in range(3)]
-    residuals = []
-    for _ in own:
-        read, pushed = 4e-5 * rng.standard_normal(ROWS), torque * coloured(rng)
-        paths = KERNELS.kernels
-        signals = [
-            np.convolve(read, paths["sensor"][name])[:ROWS]
-            + np.convolve(pushed, paths["torque"][name])[:ROWS]
-            for name in NAMES
-        ]
-        signals[0] = signals[0] + 2e-6 * rng.standard_normal(ROWS)
-        signals[1] = signals[1] + command * rng.standard_normal(ROWS)
-        residuals.append(np.stack(signals))
+    residuals = [driven(rng, torque * coloured(rng), command) for _ in own]
     still = [np.zeros((2, ROWS)) for _ in own]
     least = Levels({"sensor": 1e-9}, {"position": 1e-7, "command": 5e-5})
     free = ["port:sensor", "own:position", "own:command"]
@@ -146,3 +151,15 @@ def test_what_an_encoder_in_the_twin_rounds_is_no_less_where_nothing_is_left() -
     assert found.ports["sensor"] == pytest.approx(2e-5)
     without = inadequate(KERNELS, own, quiet, quiet, top, CARED)
     assert without.ports["sensor"] < 1e-6
+
+
+@pytest.mark.parametrize("time", [5e-3, 2e-2, 8e-2])
+def test_the_time_of_torque_noise_is_found(time: float) -> None:
+    rng = np.random.default_rng(4)
+    clock = np.linspace(0.0, STEP * (ROWS - 1), ROWS)
+    own = [Segment(k, NAMES, clock, (clock, clock)) for k in range(4)]
+    residuals = [driven(rng, 0.1 * coloured(rng, time), 1e-3) for _ in own]
+    still = [np.zeros((2, ROWS)) for _ in own]
+    levels = Levels({"sensor": 4e-5}, {"position": 2e-6, "command": 1e-3})
+    found = inadequate(KERNELS, own, residuals, still, levels, CARED)
+    assert found.time == pytest.approx(time)

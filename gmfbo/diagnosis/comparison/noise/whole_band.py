@@ -80,15 +80,16 @@ def inadequate(
     own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
     pushed = np.array(list(_pushed(quiet, free, len(ports))))
     bounds = list(zip(low, high, strict=True))
+    given = [quiet + own]
+    if near is not None:
+        known = [near.of(name) for name in free]
+        given.append(np.log(np.clip(known, np.exp(low), np.exp(high))))
     best, least_nll = levels, np.inf
     for time in TORQUE_TIME * _TIMES:
         timed = replace(levels, time=float(time))
         shares = [_Shares.of(group, timed, free, kernels) for group in whole]
         deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
-        starts = [pushed[np.argmin(deviances)], quiet + own]
-        if near is not None:
-            known = np.array([near.of(name) for name in free])
-            starts.append(np.log(np.clip(known, np.exp(low), np.exp(high))))
+        starts = [pushed[np.argmin(deviances)], *given]
         nll = partial(_deviance, shares)
         tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
         found = min(tried, key=lambda one: float(one.fun))
