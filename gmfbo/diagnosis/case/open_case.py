@@ -21,7 +21,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
 from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
-from gmfbo.diagnosis.runs.logging_convention import logged_new
+from gmfbo.diagnosis.runs.logging_convention import logged_new, shows_late
 from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges
 from gmfbo.diagnosis.runs.probing_torque import command_range, moving_torque
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
@@ -250,7 +250,7 @@ class _Opening:
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         rig = describe_rig(self.twin.binding, simulations.records)
-        simulations.reading = self._reading(rig)
+        simulations.reading = self._reading(rig, simulations, substeps)
         if rig.position is not None:
             simulations.encoder = Reading(rig.position, rig.position_to_si)
         stiffness, nominal, notes = probed_loop(simulations, nominal, rig, self._inertia())
@@ -306,14 +306,16 @@ class _Opening:
 
     # ---- steps -----------------------------------------------------------------------------
 
-    def _reading(self, rig: Rig) -> Reading | None:
-        """The recorded position, where the sensor port is the end of a wire from that output."""
+    def _reading(self, rig: Rig, simulations: Simulations, substeps: int) -> Reading | None:
+        """The recorded position, where its column lacks the sensor port's signal, or is late."""
         file, port = self.twin.file, self.twin.file.ports.get("sensor")
-        if rig.position is None or port is None or port not in file.wires:
+        if rig.position is None or port is None:
             return None
-        if file.wires[port] != file.outputs[rig.position].variable:
+        if port in file.wires and file.wires[port] == file.outputs[rig.position].variable:
+            return Reading(rig.position, rig.position_to_si)
+        if not shows_late(simulations, rig.position):
             return None
-        return Reading(rig.position, rig.position_to_si)
+        return Reading(rig.position, rig.position_to_si, 1.0 / substeps)
 
     def _inertia(self) -> float | None:
         role = self.twin.file.roles.get("inertia")

@@ -1,4 +1,4 @@
-"""Logging convention: the command held at t_k, or the one just computed."""
+"""Logging convention: what a recorded command and a recorded position hold at t_k."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
+_HELD = 0.5  # of the signal added at the sensor port: a column that holds it shows more
 _JUMP_SHARE = 0.7  # least share of a command's squared changes that falls on sampling instants
 
 
@@ -66,3 +67,23 @@ def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:
     """Whether a signal changes at communication points only, as commands do."""
     whole, at_point = float(np.sum(np.diff(held) ** 2)), float(np.sum((new - held) ** 2))
     return at_point > _JUMP_SHARE * whole > 0.0
+
+
+def shows_late(simulations: Simulations, position: str) -> bool:
+    """Whether a recorded position holds the sensor port's signal of the step before.
+
+    Parameters
+    ----------
+    simulations : Simulations
+        Of the recordings.
+    position : str
+        The output.
+    """
+    plain = simulations.run_one(Point(), 0)
+    if "sensor" not in plain.response.ports:
+        return False
+    column = plain.response.held[position]
+    size = max(1e-3 * float(np.ptp(column)), 1e-6)
+    push = {"sensor": np.full(simulations.records[0].plan.grid.size, size)}
+    moved = simulations.run_one(Point(), 0, excitation=push).response.held[position] - column
+    return bool(column.size > 1 and abs(moved[1]) > _HELD * size)

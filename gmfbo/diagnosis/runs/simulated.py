@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +22,38 @@ class Reading:
         Output that holds it.
     to_si : float
         [SI / FMU's unit]
+    late : float
+        [rows] By which a column that holds what is added at the sensor port shows it late; 0 where
+        the column is that of a plant, which does not hold it.
     """
 
     signal: str
     to_si: float
+    late: float = 0.0
+
+    def logged(self, response: Response, pushed: NDArray[np.float64] | float) -> Response:
+        """A response whose column holds what physics adds at the sensor port at that instant.
+
+        An FMU computes its outputs at the end of a step, of which physics set the port at the
+        beginning. Its controller reads what is set for the next one.
+
+        Parameters
+        ----------
+        response : Response
+            As the twin was simulated.
+        pushed : ndarray, shape (rows,), or float
+            [FMU's unit] Added to the port beside physics, which the paths of noise account for.
+        """
+        added = response.ports["sensor"]
+        if self.late:
+            made = added - pushed
+            added = self.late * np.diff(made, prepend=made[:1])
+        held, mean, more = response.held, response.mean, self.to_si * added
+        return replace(
+            response,
+            held={**held, self.signal: held[self.signal] + more},
+            mean={**mean, self.signal: mean[self.signal] + more},
+        )
 
 
 @dataclass(frozen=True, eq=False)

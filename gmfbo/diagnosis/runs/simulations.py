@@ -112,6 +112,8 @@ class Simulations:
             finer.rest, finer.begins_at_rest = self.rest, self.begins_at_rest
             finer.new_rows, finer.tracking = self.new_rows, self.tracking
             finer.encoder, finer.reading = self.encoder, self.reading
+            if finer.reading is not None:
+                finer.reading = replace(finer.reading, late=0.5 * finer.reading.late)
             both = zip(self.records, (record.plan for record in finer.records), strict=True)
             finer.replace_records(
                 [replace(own, plan=plan.led_by(own.plan.lead)) for own, plan in both]
@@ -170,9 +172,8 @@ class Simulations:
 
     def _run_straight(self, point: Point, record: int) -> Simulated:
         run = self._ordered(point, record, self.tracking)
-        return self._seen(
-            self._simulate(replace(run, plan=run.plan.straight(self.unstated))), record
-        )
+        response = self._simulate(replace(run, plan=run.plan.straight(self.unstated)))
+        return self._seen(response, record, {})
 
     @property
     def settings(self) -> dict[str, float]:
@@ -254,8 +255,10 @@ class Simulations:
     ) -> Simulated:
         run = replace(self._ordered(point, record, tracking, acts_at_rest), noise=noise)
         if excitation is None and measured_noise is None:
-            return self._seen(self._remembered(run), record)
-        return self._seen(self._simulate(run, excitation, measured_noise), record)
+            pushed = {} if noise is None else {noise.port: noise.at_port}
+            return self._seen(self._remembered(run), record, pushed)
+        response = self._simulate(run, excitation, measured_noise)
+        return self._seen(response, record, excitation or {})
 
     def _ordered(
         self, point: Point, record: int, tracking: Tracking | None, acts_at_rest: bool = False
@@ -265,9 +268,10 @@ class Simulations:
         plan = self._plan(record, physics, acts_at_rest)
         return _Run(plan, record, values, tuple(physics.items()), tracking)
 
-    def _seen(self, response: Response, record: int) -> Simulated:
-        logged = self._logged(response)
-        return Simulated(self.read(logged, record), logged)
+    def _seen(self, response: Response, record: int, pushed: Columns) -> Simulated:
+        if self.reading is not None:
+            response = self.reading.logged(response, pushed.get("sensor", 0.0))
+        return Simulated(self.read(response, record), response)
 
     def _plan(self, record: int, physics: Mapping[str, float], acts_at_rest: bool) -> RunPlan:
         plan = self.records[record].plan
@@ -350,17 +354,6 @@ class Simulations:
             return [work(task) for task in tasks]
         with ThreadPoolExecutor(len(self._all)) as threads:
             return list(threads.map(work, tasks))
-
-    def _logged(self, response: Response) -> Response:
-        """Add the signal at the sensor port to a reading that does not contain it."""
-        if self.reading is None:
-            return response
-        name = self.reading.signal
-        noise = self.reading.to_si * response.ports["sensor"]
-        seen, mean = response.held[name] + noise, response.mean[name] + noise
-        return replace(
-            response, held={**response.held, name: seen}, mean={**response.mean, name: mean}
-        )
 
     def replace_records(self, records: Sequence[Record]) -> None:
         """Score other signals of the same recordings."""
