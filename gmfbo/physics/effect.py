@@ -198,8 +198,8 @@ def _nothing_fixed(excitation: Excitation) -> Values:
 _LINEAR = frozenset({"timing", "gain", "inertia", "sensor"})
 
 
-def _nothing_else(excitation: Excitation) -> Sequence[Values]:
-    return ()
+def _nowhere_gone(parameters: Values, excitation: Excitation) -> Values:
+    return {}
 
 
 def _always_excited(excitation: Excitation) -> str | None:
@@ -222,6 +222,9 @@ class Effect:
         Fitted parameters, the headline first.
     starts : callable (Excitation) -> sequence of mapping
         Start values for the fit; each is screened separately.
+    gone : callable (parameters, Excitation) -> mapping
+        Of an effect without a size that may be zero: parameters nearest to these ones, other than
+        they are there, at which it changes nothing.
     size : callable (parameters, Excitation) -> float
         Size of the effect, at least 0.
     size_name, size_unit : str
@@ -243,9 +246,6 @@ class Effect:
     own_nuisances : tuple of EffectParameter
         Those of the fixed parameters that nobody asks for and that a comparison of hypotheses
         estimates, so that no other law makes up for their value.
-    fixed_otherwise : callable (Excitation) -> sequence of dict of str to float
-        Other values of the fixed parameters, tried in this order after the fit as long as they
-        explain more.
     signal : callable (States, parameters) -> ndarray (n,) or None
         Signal added to the port on a given trajectory, without feedback; None where the effect
         has motion of its own and must be simulated.
@@ -288,8 +288,8 @@ class Effect:
     equation: str
     source: str
     fixed: Callable[[Excitation], Values] = _nothing_fixed
+    gone: Callable[[Values, Excitation], Values] = _nowhere_gone
     own_nuisances: tuple[EffectParameter, ...] = ()
-    fixed_otherwise: Callable[[Excitation], Sequence[Values]] = _nothing_else
     signal: Callable[[States, Values], Array] | None = None
     feature: Callable[[States], Array] | None = None
     not_excited: Callable[[Excitation], str | None] = _always_excited

@@ -69,6 +69,8 @@ class Excitation:
         Strong lines over time [Hz], strongest first.
     pulses : tuple of tuple of float
         Candidates for a passing disturbance: (start, duration) [s].
+    demands : tuple of tuple of float
+        Sizes of velocity and command at one instant: those beyond which the motion never lies.
 
     Raises
     ------
@@ -97,6 +99,7 @@ class Excitation:
     ripple_wavenumbers: tuple[float, ...] = ()
     frequencies: tuple[float, ...] = ()
     pulses: tuple[tuple[float, float], ...] = ()
+    demands: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         for name in _POSITIVE:
@@ -121,6 +124,19 @@ class Excitation:
         if self.inertia is not None:
             return self.inertia
         return self.torque * self.loop_time / self.speed
+
+    def largest_demand(self, slope: float) -> float:
+        """Largest `|command| + slope * |velocity|` of the motion; that of the ranges if unknown.
+
+        A limit that falls by `slope` acts if it is less at standstill.
+
+        Parameters
+        ----------
+        slope : float
+            [command/velocity] At least 0.
+        """
+        met = self.demands or ((self.speed, self.command),)
+        return max(command + slope * speed for speed, command in met)
 
     @property
     def load_range(self) -> float:

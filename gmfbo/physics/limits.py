@@ -10,6 +10,9 @@ from gmfbo.physics.states import Array, Mask
 # A limit must cut this share of the largest command before it is claimed.
 CUT_SHARE = 5e-4
 
+SHARES = (0.98, 0.75)
+"""Of the largest demand, at which the fit of a limit starts."""
+
 
 def cut_floor(excitation: Excitation) -> float:
     """Smallest cut of the command that is claimed, in the unit of the command."""

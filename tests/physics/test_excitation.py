@@ -30,3 +30,13 @@ def test_an_unknown_inertia_is_what_the_torque_moves_in_a_loop_time() -> None:
 def test_the_current_stands_for_an_unknown_load() -> None:
     assert TYPICAL.load_range == TYPICAL.current
     assert replace(TYPICAL, load=2.0).load_range == 2.0
+
+
+@pytest.mark.parametrize(("slope", "asked"), [(0.0, 6.0), (0.5, 9.0), (2.0, 21.0)])
+def test_the_largest_demand_of_a_motion_is_that_of_one_instant(slope: float, asked: float) -> None:
+    met = ((0.0, 6.0), (8.0, 5.0), (10.0, 1.0))  # |velocity|, |command|
+    assert replace(TYPICAL, demands=met).largest_demand(slope) == asked
+
+
+def test_without_a_motion_its_ranges_are_met_together() -> None:
+    assert TYPICAL.largest_demand(0.5) == TYPICAL.command + 0.5 * TYPICAL.speed

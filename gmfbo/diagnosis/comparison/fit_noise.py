@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import unheard_noise
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.noise.high_band import estimated
@@ -110,9 +112,14 @@ class FitNoise:
         levels : Levels, optional
             Of the noise that the controller reads; without it none is played.
         """
-        point = self.problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
+        problem, heard = self.problem, fitted.heard
+        point = problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        return errors_of(self.problem.simulations, point, kernels, level, self.held)
+        if heard is None or levels is None:
+            return errors_of(problem.simulations, point, kernels, level, self.held)
+        point = replace(point, noise=heard.played)
+        unheard = partial(unheard_noise, problem, fitted, kernels, levels)
+        return errors_of(problem.simulations, point, kernels, level, self.held, unheard)
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

@@ -17,6 +17,12 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 Array = NDArray[np.float64]
 
 
+def elements_of(hypothesis: Hypothesis, freed: Sequence[str]) -> frozenset[str]:
+    """What a hypothesis adds to the twin: effects, and freed parameters as `parameter:NAME`."""
+    effects = {candidate.effect for candidate in hypothesis.effects}
+    return frozenset(effects | {f"parameter:{name}" for name in freed})
+
+
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """A hypothesis at its best values.
@@ -95,9 +101,8 @@ class Fitted:
 
     @property
     def elements(self) -> frozenset[str]:
-        """What it adds to the twin: effects, and freed parameters as `parameter:NAME`."""
-        effects = {candidate.effect for candidate in self.hypothesis.effects}
-        return frozenset(effects | {f"parameter:{name}" for name in self.freed})
+        """What it adds to the twin, by name."""
+        return elements_of(self.hypothesis, self.freed)
 
     @property
     def at_zero(self) -> NDArray[np.bool_]:

@@ -86,6 +86,29 @@ class HeardNoise:
             return list(runs)
         return [_beside(*one) for one in zip(runs, noisy, quiet, strict=True)]
 
+    def change_of(
+        self,
+        problem: Problem,
+        hypothesis: Hypothesis,
+        x: Array,
+        own: Sequence[Mapping[str, float]],
+        values: Sequence[Array],
+    ) -> list[Array]:
+        """[SI] By segment, by how much it changes simulated signals, shape (m, n).
+
+        Parameters
+        ----------
+        problem, hypothesis, own
+            As of `points`.
+        x : ndarray, shape (p,)
+            Values of the hypothesis' free quantities.
+        values : sequence of ndarray, shape (m, n)
+            [SI] Simulated signals, by segment.
+        """
+        quiet = problem.simulations.run([problem.point(hypothesis, x, own)])[0]
+        runs = self.beside(problem, hypothesis, own, quiet)
+        return [a - b for a, b in zip(problem.values(runs), values, strict=True)]
+
 
 def _beside(run: Simulated, heard: Simulated, still: Simulated) -> Simulated:
     parts = zip(run.signals, heard.signals, still.signals, strict=True)

@@ -106,6 +106,26 @@ def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
     return replace(ledger, kernels=kernels, errors=replace(errors, spreads=ledger.errors.spreads))
 
 
+def foretelling(search: Search, ledger: Ledger, row: Fitted) -> Ledger:
+    """A ledger with the errors of a simulation to which all noise is unknown.
+
+    A recording that is foretold has noise of its own, which no fit has heard.
+
+    Parameters
+    ----------
+    search : Search
+        Whose problem it is.
+    ledger : Ledger
+        With the errors about a row.
+    row : Fitted
+        That one.
+    """
+    if row.heard is None:
+        return ledger
+    errors = search.noise.errors(replace(row, heard=None), ledger.kernels, ledger.levels)
+    return replace(ledger, errors=replace(errors, spreads=ledger.errors.spreads))
+
+
 def part_of(
     case: Case, search: Search, ledger: Ledger, row: Fitted, windows: Sequence[int]
 ) -> Part:

@@ -21,6 +21,7 @@ from gmfbo.diagnosis.comparison.whitener import Whitening
 Array = NDArray[np.float64]
 
 _BUMPS = 10  # over each of velocity and position
+_COUNTS = 1e-8  # of the largest variance of a smooth function's parts: less is no part
 _STEP = np.log(4.0)  # between sizes of an inadequacy
 _SIZES = np.exp(_STEP * np.arange(-5.0, 4.0))  # times the tolerance
 
@@ -139,7 +140,9 @@ def through_loop(
     return made
 
 
-def smooth(values: Array, low: float, high: float, count: int = _BUMPS) -> Array:
+def smooth(
+    values: Array, low: float, high: float, count: int = _BUMPS, over: float = SMOOTH_BUMPS
+) -> Array:
     """Columns whose independent normal amplitudes make a smooth function of about that size.
 
     Neighbouring bumps rise together (Rasmussen and Williams 2006, eq. 2.16): were they
@@ -153,19 +156,24 @@ def smooth(values: Array, low: float, high: float, count: int = _BUMPS) -> Array
         Its range.
     count : int
         Of bumps over the range.
+    over : float
+        [bumps] Over which it is smooth.
 
     Returns
     -------
-    ndarray, shape (count, n)
+    ndarray, shape (c, n)
+        At most `count`: of a smoother function, only the columns that count.
     """
     centres = np.linspace(low, high, count)
     width = max(centres[1] - centres[0], 1e-300)
     bumps = np.exp(-0.5 * ((values - centres[:, None]) / width) ** 2)
     apart = np.arange(count)
-    alike = np.exp(-0.5 * ((apart[:, None] - apart) / SMOOTH_BUMPS) ** 2)
+    alike = np.exp(-0.5 * ((apart[:, None] - apart) / over) ** 2)
     middle = np.exp(-0.5 * (apart - 0.5 * (count - 1)) ** 2)
     size = np.sqrt(middle @ alike @ middle)
-    factor = np.linalg.cholesky(alike + 1e-6 * np.eye(count)) / size
+    variances, shapes = np.linalg.eigh(alike)
+    counts = variances > _COUNTS * variances[-1]
+    factor = shapes[:, counts] * np.sqrt(variances[counts]) / size
     found: Array = factor.T @ bumps
     return found
 

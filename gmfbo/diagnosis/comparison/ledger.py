@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,14 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.moves import Response
 from gmfbo.diagnosis.comparison.noise.places import Levels
+from gmfbo.diagnosis.comparison.numbers import named_log_odds
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
+
+_RIVALS = 3  # at a time, that hear their own noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +42,8 @@ class Ledger:
         Of the simulation about the row whose levels they are.
     noise : HeardNoise, or None
         That the controller read, as the best row tells it; rows are fitted under it.
+    own_noise : mapping of frozenset to HeardNoise
+        By row, that it tells itself: it is fitted under this instead.
     responses : tuple of Response
         Of all elements about the twin without them.
     """
@@ -49,7 +55,12 @@ class Ledger:
     opened: Levels
     errors: SimulationErrors
     noise: HeardNoise | None = None
+    own_noise: Mapping[frozenset[str], HeardNoise] = field(default_factory=dict)
     responses: tuple[Response, ...] = ()
+
+    def noise_of(self, elements: frozenset[str]) -> HeardNoise | None:
+        """Noise under which a row is fitted."""
+        return self.own_noise.get(elements, self.noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,3 +92,36 @@ class Scored:
     def best(self) -> frozenset[str]:
         """Row of the largest belief."""
         return self.elements[int(np.argmax(self.log_evidences.mean(1)))]
+
+    @property
+    def ahead(self) -> set[frozenset[str]]:
+        """The best row, and larger ones that may be as good: what they lack shows beside them."""
+        logs = self.log_evidences.mean(1)
+        near = logs > logs.max() - named_log_odds()
+        larger = {
+            elements
+            for elements, is_near in zip(self.elements, near, strict=True)
+            if is_near and len(elements) > len(self.best)
+        }
+        return {self.best} | larger
+
+    def rivals_to_hear(self, ledger: Ledger) -> list[frozenset[str]]:
+        """Rows that come next, whose laws meet the noise otherwise than linear ones do.
+
+        Noise is told by what a row leaves: it makes up for what the row lacks, and speaks against
+        the laws of all others. So these hear their own.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            With the rows, and the noise that some of them have heard.
+        """
+        order = [self.elements[i] for i in np.argsort(-self.log_evidences.mean(1))]
+        found = [
+            elements
+            for elements in order
+            if elements != self.best
+            and elements not in ledger.own_noise
+            and not ledger.rows[elements].hypothesis.is_linear
+        ]
+        return found[:_RIVALS]

@@ -73,13 +73,29 @@ class Element:
             p.name for p in self.candidate.parameters if not p.hidden and limits[p.name][0] <= 0.0
         ]
 
-    def moved(self, share: float, more: Mapping[str, float]) -> Element:
+    def can_shrink(self, hypothesis: Hypothesis) -> bool:
+        """Whether an effect may begin with less of it: it has a size, or knows where it is gone."""
+        if self.candidate is None:
+            return False
+        excitation = hypothesis.setting.excitation
+        return bool(self.sizes(hypothesis) or self.candidate.law.gone(self._values, excitation))
+
+    @property
+    def _values(self) -> Mapping[str, float]:
+        assert self.candidate is not None
+        return self.candidate.values
+
+    def moved(self, share: float, more: Mapping[str, float], hypothesis: Hypothesis) -> Element:
         """The same with its sizes or its step multiplied, and something added to some sizes."""
         if self.candidate is None:
             return replace(self, share=self.share * share)
+        law, excitation = self.candidate.law, hypothesis.setting.excitation
+        gone = {**dict.fromkeys(more, 0.0), **law.gone(self._values, excitation)}
         values = {
-            name: value * share + more[name] if name in more else value
-            for name, value in self.candidate.values.items()
+            name: gone[name] + share * (value - gone[name]) + more.get(name, 0.0)
+            if name in gone
+            else value
+            for name, value in self._values.items()
         }
         return replace(self, candidate=self.candidate.with_values(values))
 
@@ -244,15 +260,16 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
             continue
         slope = d @ left
         shares, gain = _within(square, slope, response.is_signed)
+        element = response.element
+        sizes = dict.fromkeys(element.sizes(about.hypothesis), 0.0)
         if name not in best or gain > best[name].gain:
-            element = response.element
-            sizes = dict.fromkeys(element.sizes(about.hypothesis), 0.0)
             sizes |= {
                 n: float(c) * step
                 for n, c, step in zip(response.sizes, shares[1:], response.steps, strict=True)
             }
-            kept = float(shares[0]) if response.is_signed or sizes else 1.0
-            best[name] = Move(element.moved(kept or 0.2, sizes), gain)
+            is_free = response.is_signed or element.can_shrink(about.hypothesis)
+            kept = float(shares[0]) if is_free else 1.0
+            best[name] = Move(element.moved(kept or 0.2, sizes, about.hypothesis), gain)
     return sorted(best.values(), key=lambda move: -move.gain)
 
 

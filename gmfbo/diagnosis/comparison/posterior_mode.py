@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
+from gmfbo.diagnosis.comparison.nuisance_steps import LONGEST_STEP, polished
 from gmfbo.diagnosis.comparison.numbers import (
     AT_THE_END,
     FAR_BEHIND,
@@ -25,20 +26,27 @@ from gmfbo.diagnosis.comparison.own_parts import (
     eliminated,
     without_own_parts,
 )
-from gmfbo.diagnosis.comparison.priors import bounds_of, own_values, priors_of, values_at
+from gmfbo.diagnosis.comparison.priors import (
+    bounds_of,
+    coordinates_of,
+    own_values,
+    priors_of,
+    values_at,
+)
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.bounded_step import bounded_step
-from gmfbo.diagnosis.fitting.difference_steps import bent_shares, with_judged_steps
+from gmfbo.diagnosis.fitting.difference_steps import (
+    bent_shares,
+    with_finer_steps,
+    with_judged_steps,
+)
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.runs.simulated import Point
 
 Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
-_POLISHED = 6  # steps of the nuisances alone
-LONGEST_STEP = 1.0
-"""[1] Of a logarithm, or a filter's coordinate, in one iteration."""
 
 
 class ModeSearch:
@@ -158,6 +166,8 @@ class ModeSearch:
     ) -> Fitted:
         damping, cost = _DAMPING, self.cost(at)
         for _ in range(iterations):
+            if self._has_finer_steps(at, columns):
+                columns = self._columns(at)
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
@@ -180,13 +190,21 @@ class ModeSearch:
                 moved = self._moved(at, step, damping)
                 after = np.inf if moved is None else self.cost(moved)
             if moved is None or after >= cost:
-                return self._ended(at, columns, False)
+                break
             fall, cost = cost - after, after
             at, damping = moved, max(0.1 * damping, 1e-7)
             columns = self._columns(at)
             if fall < AT_THE_END:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)
+
+    def _has_finer_steps(self, at: Fitted, columns: list[Array]) -> bool:
+        """Whether differences were taken over changes so large that a law may bend within them."""
+        before = self._hypothesis
+        if not (self._problem.is_counted or before.setting.is_rough):
+            shown = np.sqrt(np.diag(self._normal(at, columns)[0])[: at.u.size])
+            self._hypothesis = with_finer_steps(before, shown * np.abs(self._widths(at)))
+        return self._hypothesis is not before
 
     def _shorter(
         self, at: Fitted, columns: list[Array], gain: float, damping: float
@@ -211,8 +229,7 @@ class ModeSearch:
         return np.where(self._spread > 0.0, row.own_of(self._hypothesis.names), 0.0)
 
     def _start(self, parameters: dict[str, float]) -> Array:
-        x = self._hypothesis.start(parameters)
-        return np.array([p.to_u(v) for p, v in zip(self._priors, x, strict=True)])
+        return coordinates_of(self._priors, self._hypothesis.start(parameters))
 
     def _inside(self, u: Array) -> Array:
         ends = bounds_of(self._priors)
@@ -272,13 +289,19 @@ class ModeSearch:
             return at
 
         def judged(moves: Array) -> list[float | None]:
-            u = [[p.to_u(v) for p, v in zip(self._priors, x + m, strict=True)] for m in moves]
-            played = problem.simulations.run([self._point(np.array(v), at.own) for v in u])
+            u = [coordinates_of(self._priors, x + move) for move in moves]
+            played = problem.simulations.run([self._point(v, at.own) for v in u])
             seen = [problem.values(r) if all(q.finite for q in r) else None for r in played]
             return bent_shares(seen, self._whitening.square)
 
         self._hypothesis = with_judged_steps(self._hypothesis, x, judged)
         return replace(at, hypothesis=self._hypothesis.at(x))
+
+    def _widths(self, at: Fitted) -> Array:
+        """Difference step of each free quantity in its coordinate, shape (p,)."""
+        sizes = self._hypothesis.difference_sizes(at.x)
+        back = [p.logarithmic and v <= 0.0 for p, v in zip(self._priors, at.x + sizes, strict=True)]
+        return coordinates_of(self._priors, at.x + np.where(back, -sizes, sizes)) - at.u
 
     def _columns(self, at: Fitted) -> list[Array]:
         """Differences: those of laws that meet noise about its point, all others without it.
@@ -286,21 +309,17 @@ class ModeSearch:
         About that point the former are exact. Far from it they lack what the law makes there
         without noise, and a search takes more steps.
         """
-        problem, x = self._problem, at.x
-        sizes = self._hypothesis.difference_sizes(x)
-        moves, widths, hears = [], [], self._hears_noise()
+        problem, widths = self._problem, self._widths(at)
+        moves, hears = [], [False] * widths.size
         still, noisy = at.values, at.values
         if self._heard is not None:
             about = problem.simulations.run([self._point(at.u, at.own), self._noisy(at.u, at.own)])
             still, noisy = (problem.values(runs) for runs in about)
-            if not all(run.finite for run in about[1]):
-                hears = [False] * len(hears)
-        for i, (prior, size) in enumerate(zip(self._priors, sizes, strict=True)):
-            back = prior.logarithmic and x[i] + size <= 0.0
-            u = at.u.copy()
-            u[i] = prior.to_u(x[i] - size if back else x[i] + size)
-            moves.append(self._noisy(u, at.own) if hears[i] else self._point(u, at.own))
-            widths.append(u[i] - at.u[i])
+            if all(run.finite for run in about[1]):
+                hears = self._hypothesis.bent
+        for i, hears_it in enumerate(hears):
+            u = at.u + np.where(np.arange(widths.size) == i, widths, 0.0)
+            moves.append(self._noisy(u, at.own) if hears_it else self._point(u, at.own))
         found = []
         played = problem.simulations.run(moves)
         for runs, width, hears_it in zip(played, widths, hears, strict=True):
@@ -315,14 +334,6 @@ class ModeSearch:
             np.concatenate([np.reshape([f[s] for f in found], (-1, *d.shape[1:])), d])
             for s, d in enumerate(own)
         ]
-
-    def _hears_noise(self) -> list[bool]:
-        """Free quantities whose columns are those under noise: of laws that are not linear."""
-        hypothesis, hear = self._hypothesis, self._heard is not None
-        own = [False] * len(hypothesis.setting.uncertain)
-        for candidate in hypothesis.effects:
-            own += [hear and not candidate.law.is_linear] * len(candidate.parameters)
-        return own
 
     def _step(self, at: Fitted, columns: list[Array], damping: float) -> tuple[Array, float]:
         """Step within the bounds, and the gain that the quadratic promises [nats]."""
@@ -370,31 +381,4 @@ class ModeSearch:
         nuisances = at.nuisances + step[p:]
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
         moved = self._at(self._inside(at.u + step[:p]), nuisances, own)
-        return None if moved is None else self._polished(moved)
-
-    def _polished(self, at: Fitted) -> Fitted:
-        """Let the nuisances follow, which asks for no simulation."""
-        problem, one_sided = self._problem, self._problem.logging.one_sided
-        cost = self.cost(at)
-        for _ in range(_POLISHED):
-            a, g = np.eye(at.nuisances.size), -at.nuisances
-            own = problem.nuisance_columns(at.values, at.nuisances)
-            for z, j in zip(self._whitening(at.residual), self._whitening(own), strict=True):
-                flat = j.reshape(j.shape[0], -1)
-                a = a + flat @ flat.T
-                g = g + flat @ z.ravel()
-            free = ~(at.at_zero & (g < 0.0))
-            step = np.zeros(g.size)
-            step[free] = np.linalg.solve(a[np.ix_(free, free)], g[free])
-            longest = np.where(one_sided, LONGEST_STEP, np.inf)
-            nuisances = at.nuisances + np.clip(step, -longest, longest)
-            nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
-            residual = problem.residual(at.values, nuisances)
-            tried = replace(at, nuisances=nuisances, residual=residual)
-            after = self.cost(tried)
-            if after >= cost:
-                break
-            gained, at, cost = cost - after, tried, after
-            if gained < AT_THE_END:
-                break
-        return at
+        return None if moved is None else polished(self._problem, self._whitening, moved, self.cost)

@@ -92,6 +92,11 @@ def bounds_of(priors: Sequence[Prior]) -> Array:
     return np.array([p.bounds for p in priors]).reshape(-1, 2)
 
 
+def coordinates_of(priors: Sequence[Prior], values: Array) -> Array:
+    """Coordinates of values, shape (p,)."""
+    return np.array([p.to_u(float(v)) for p, v in zip(priors, values, strict=True)])
+
+
 def values_at(priors: Sequence[Prior], u: Array) -> Array:
     """Values at coordinates, shape (p,)."""
     return np.array([p.to_value(float(v)) for p, v in zip(priors, u, strict=True)])

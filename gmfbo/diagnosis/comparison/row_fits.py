@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
 
 import numpy as np
 
-from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted, elements_of
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
-from gmfbo.diagnosis.comparison.priors import priors_of
+from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
@@ -36,8 +36,8 @@ class RowFits:
     ----------
     problem : Problem
         Recordings and simulators.
-    noise : HeardNoise, or None
-        Under which rows are fitted.
+    noise_of : callable (frozenset of str) -> HeardNoise or None
+        Under which a row is fitted, by what it adds to the twin.
     rival : float
         [nats] Cost of the best row: what stays far behind it is not searched on.
     known : iterable of Fitted
@@ -47,11 +47,11 @@ class RowFits:
     def __init__(
         self,
         problem: Problem,
-        noise: HeardNoise | None,
+        noise_of: Callable[[frozenset[str]], HeardNoise | None],
         rival: float = np.inf,
         known: Iterable[Fitted] = (),
     ) -> None:
-        self._problem, self._noise, self._rival = problem, noise, rival
+        self._problem, self._noise_of, self._rival = problem, noise_of, rival
         self._steps: dict[str, float] = {}
         for row in known:
             self._steps = {**row.hypothesis.setting.difference_steps, **self._steps}
@@ -62,7 +62,8 @@ class RowFits:
         setting = hypothesis.setting
         steps = {**self._steps, **setting.difference_steps}
         hypothesis = replace(hypothesis, setting=replace(setting, difference_steps=steps))
-        return ModeSearch(self._problem, whitening, hypothesis, freed, self._noise)
+        noise = self._noise_of(elements_of(hypothesis, freed))
+        return ModeSearch(self._problem, whitening, hypothesis, freed, noise)
 
     def with_moves(
         self, ledger: Ledger, about: Fitted, moves: Sequence[Move], best: Fitted | None = None
@@ -203,8 +204,9 @@ class RowFits:
         """Fit of one element more that leaves no more than the row without it; else None."""
         freed = about.freed if element.freed is None else (*about.freed, element.freed.name)
         starts = []
-        for share in _SHARES if element.sizes(about.hypothesis) else _SHARES[:1]:
-            tried = element.moved(share, dict.fromkeys(element.sizes(about.hypothesis), 0.0))
+        sizes = dict.fromkeys(element.sizes(about.hypothesis), 0.0)
+        for share in _SHARES if element.can_shrink(about.hypothesis) else _SHARES[:1]:
+            tried = element.moved(share, sizes, about.hypothesis)
             search = self._search(whitening, tried.added_to(about.hypothesis), freed)
             start = tried.start(about.parameters)
             at = search.begun(start, about.nuisances, about)
@@ -286,7 +288,7 @@ def lacking(row: Fitted, name: str) -> Fitted:
     effects = tuple(c for c in row.hypothesis.effects if c.effect != name)
     hypothesis = replace(row.hypothesis, setting=setting, effects=effects)
     priors, x = priors_of(hypothesis, freed), hypothesis.start(row.parameters)
-    u = np.array([p.to_u(float(v)) for p, v in zip(priors, x, strict=True)])
+    u = coordinates_of(priors, x)
     own = row.own_of(hypothesis.names)
     return replace(row, hypothesis=hypothesis, freed=freed, priors=priors, u=u, own=own)
 
@@ -300,7 +302,7 @@ def _with_values_of(row: Fitted, best: Fitted) -> Fitted:
     if not x.size:
         return row
     priors = priors_of(hypothesis, row.freed)  # the larger one may hold more lines of an effect
-    u = np.array([p.to_u(float(v)) for p, v in zip(priors, x, strict=True)])
+    u = coordinates_of(priors, x)
     own = best.own_of(hypothesis.names)
     return replace(
         row, hypothesis=hypothesis, priors=priors, u=u, nuisances=best.nuisances, own=own

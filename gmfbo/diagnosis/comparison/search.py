@@ -15,6 +15,7 @@ from gmfbo.diagnosis.comparison.evidence import weightings
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import heard_about
 from gmfbo.diagnosis.comparison.inadequacy import BesideInadequacy, with_inadequacy
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
@@ -23,7 +24,6 @@ from gmfbo.diagnosis.comparison.numbers import (
     LEAST_GAIN,
     PRIOR_OF_COUNT,
     SAME,
-    named_log_odds,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
@@ -38,7 +38,6 @@ from gmfbo.diagnosis.comparison.row_fits import (
     limits_in,
     values_in,
 )
-from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.physics import CATALOGUE
 
 Array = NDArray[np.float64]
@@ -87,9 +86,9 @@ class Search:
         return self.noise.problem
 
     def _fits(self, ledger: Ledger) -> RowFits:
-        rows = (row for row in ledger.rows.values() if row.heard is ledger.noise)
+        rows = (row for row in ledger.rows.values() if row.heard is ledger.noise_of(row.elements))
         best = min((cost(row, ledger.whitening) for row in rows), default=np.inf)
-        return RowFits(self.problem, ledger.noise, best, ledger.rows.values())
+        return RowFits(self.problem, ledger.noise_of, best, ledger.rows.values())
 
     def opened(self, first: Fitted) -> Ledger:
         """Ledger with the twin as it is, its uncertain parameters refitted."""
@@ -128,7 +127,7 @@ class Search:
         ledger, scored = self._heard(ledger, scored)
         seen: set[frozenset[str]] = set()
         for _ in range(2 * len(PRIOR_OF_COUNT)):
-            before, ahead = scored.best, _ahead(scored) - seen
+            before, ahead = scored.best, scored.ahead - seen
             seen |= ahead
             ledger = self._with_fewer(ledger, before)
             plans = self._next(ledger, scored, found, ahead)
@@ -269,7 +268,7 @@ class Search:
             ledger = replace(
                 ledger, kernels=kernels, levels=levels, whitening=whitening, errors=errors
             )
-            row = RowFits(self.problem, ledger.noise).again(whitening, row, {})
+            row = RowFits(self.problem, ledger.noise_of).again(whitening, row, {})
             ledger = replace(ledger, rows={**ledger.rows, leading: row})
             cared = self.noise.cared.keys() & levels.ports.keys()
             fallen = [before.missing(p) / levels.missing(p) for p in cared]
@@ -293,28 +292,36 @@ class Search:
     def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:
         """Best rows fitted again under the noise that the best one says the controller read.
 
-        Until it changes nothing more; where all is linear, it changes nothing from the start.
+        Until it changes nothing more. Then its rivals, each under the noise that it says itself.
         """
         if "sensor" not in ledger.kernels.simulated.keys() & ledger.levels.ports.keys():
             return ledger, scored
-        problem = self.problem
         for _ in range(_HEARINGS):
-            best = ledger.rows[scored.best]
-            self.log(f"noise heard about {sorted(best.elements)}")
-            kernels = self.kernels_at(best)
-            left = ledger.errors.taken_out(problem, best, kernels, ledger.levels)
-            played = sensed_noise(problem, left, kernels, ledger.levels)
-            linear = tuple(c for c in best.hypothesis.effects if c.law.is_linear)
-            about = replace(best.hypothesis, effects=linear)
-            heard = HeardNoise(played, about, best.parameters)
-            quiet = problem.point(best.hypothesis, best.x, best.own_values)
-            still = problem.simulations.run([quiet])[0]
-            runs = heard.beside(problem, best.hypothesis, best.own_values, still)
-            change = [a - b for a, b in zip(problem.values(runs), best.values, strict=True)]
-            if ledger.whitening.square(change) < SAME:
+            heard = self._heard_by(ledger, scored.best)
+            if heard is None:
                 break
-            ledger, scored = self._settled(replace(ledger, noise=heard))
-        return ledger, scored
+            own = {**ledger.own_noise, scored.best: heard}
+            ledger, scored = self._settled(replace(ledger, noise=heard, own_noise=own))
+        rivals = {e: self._heard_by(ledger, e) for e in scored.rivals_to_hear(ledger)}
+        new = {elements: noise for elements, noise in rivals.items() if noise is not None}
+        if not new:
+            return ledger, scored
+        best, rows = scored.best, ledger.rows
+        ledger = replace(ledger, own_noise={**ledger.own_noise, **new})
+        rows = rows | self._fits(ledger).all_again(ledger.whitening, rows, new.keys(), rows)
+        ledger = replace(ledger, rows=rows)
+        scored = self.scored(ledger, weighted=False)
+        return (ledger, scored) if scored.best == best else self._settled(ledger)
+
+    def _heard_by(self, ledger: Ledger, elements: frozenset[str]) -> HeardNoise | None:
+        """Noise that a row says the controller read; None where it changes nothing there."""
+        self.log(f"noise heard about {sorted(elements)}")
+        row, levels = ledger.rows[elements], ledger.levels
+        kernels = self.kernels_at(row)
+        left = ledger.errors.taken_out(self.problem, row, kernels, levels)
+        heard = heard_about(self.problem, row, left, kernels, levels)
+        change = heard.change_of(self.problem, row.hypothesis, row.x, row.own_values, row.values)
+        return None if ledger.whitening.square(change) < SAME else heard
 
     def _leading(self, ledger: Ledger) -> frozenset[str]:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""
@@ -371,18 +378,6 @@ class Search:
             else:
                 total += log((1.0 - (FIXED_SHARE if fixed else 0.0)) / effects)
         return total
-
-
-def _ahead(scored: Scored) -> set[frozenset[str]]:
-    """The best row, and larger ones that may be as good: what they lack shows beside them alone."""
-    logs = scored.log_evidences.mean(1)
-    near = logs > logs.max() - named_log_odds()
-    larger = {
-        elements
-        for elements, is_near in zip(scored.elements, near, strict=True)
-        if is_near and len(elements) > len(scored.best)
-    }
-    return {scored.best} | larger
 
 
 def _one_holds_the_other(name: str, elements: frozenset[str]) -> bool:

@@ -6,18 +6,18 @@ counts for less: they join the covariance of noise there, whichever hypothesis i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.noise.places import Levels
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.whitener import segment_whitener
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
@@ -123,6 +123,7 @@ def errors_of(
     kernels: PortKernels,
     level: float,
     held: float = 0.0,
+    unheard: Callable[[np.random.Generator], list[Array]] | None = None,
 ) -> SimulationErrors:
     """Measure what a finer step changes, and what noise makes beyond its linear answer.
 
@@ -135,15 +136,19 @@ def errors_of(
     simulations : Simulations
         Of the recordings.
     point : Point
-        At which they are measured, without noise.
+        At which they are measured; the noise that it plays is known.
     kernels : PortKernels
         Paths of noise.
     level : float
         [FMU's unit] Standard deviation of the white noise that the controller reads.
     held : float
         [FMU's unit] Torque that friction may hold at rest.
+    unheard : callable (numpy Generator) -> list of ndarray, shape (rows,)
+        [FMU's unit] Draws what is not known of the noise, by recording; all of it by default.
     """
-    runs = simulations.run([point])[0]
+    known = simulations.run([point])[0]
+    point, about = replace(point, noise=None), point
+    runs = known if about.noise is None else simulations.run([point])[0]
     level = kernels.beyond_rounding(level)
     constant = [
         simulations.input_errors(point, runs),
@@ -154,13 +159,16 @@ def errors_of(
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
         sizes = [record.plan.grid.size for record in simulations.records]
-        drawn = [
-            [from_rest(level * rng.standard_normal(n)) for n in sizes] for _ in range(PLAYED_NOISES)
-        ]
-        first, *others = drawn
-        played = _played(simulations, point, runs, kernels, [first])
+
+        def drawn() -> list[Array]:
+            if unheard is not None:
+                return unheard(rng)
+            return [from_rest(level * rng.standard_normal(n)) for n in sizes]
+
+        first, *others = (drawn() for _ in range(PLAYED_NOISES))
+        played = _played(simulations, about, known, kernels, [first])
         if not all(_is_linear(one) for one in played[0]):
-            found += _errors([*played, *_played(simulations, point, runs, kernels, others)])
+            found += _errors([*played, *_played(simulations, about, known, kernels, others)])
     return SimulationErrors(
         simulations, _by_recording(simulations, constant), _by_recording(simulations, found)
     )
@@ -287,9 +295,14 @@ def _beyond_linear(
     k: int,
 ) -> _Heard | None:
     """Change of a recording's signals under noise; None where it cannot be simulated."""
-    noisy = simulations.run_one(point, k, excitation=kernels.of(k).sensed(noise))
+    more, linear = kernels.of(k).sensed(noise), linear_answer(simulations, kernels, k, noise)
+    if point.noise is None:
+        noisy = simulations.run_one(point, k, excitation=more)
+    else:
+        both = [*point.noise]
+        both[k] = replace(both[k], at_port=both[k].at_port + more[both[k].port])
+        noisy = simulations.run_one(replace(point, noise=tuple(both)), k)
     if not noisy.finite:
         return None
-    linear = linear_answer(simulations, kernels, k, noise)
     signals = zip(runs[k].signals, noisy.signals, linear, strict=True)
     return _Heard(linear, [after - before - own for before, after, own in signals])

@@ -16,6 +16,8 @@ Judge = Callable[[Array], Sequence[float | None]]
 """Roughness of responses to pairs of moves, as `with_judged_steps` asks for it."""
 
 _WIDER = (0.08, 0.32, 1.28)
+_MOST_SHOWN = 20.0  # standard deviations of noise, by which a step changes all signals together
+_MUCH_MORE = 3.0  # times: a step that is shortened by less stays
 _SMOOTH = 0.1  # roughness below which no other step is tried
 
 
@@ -85,6 +87,36 @@ def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypoth
         steps |= dict.fromkeys(better, step)
         least |= {name: seen[name] for name in better}
     setting = replace(hypothesis.setting, difference_steps={**known, **steps})
+    return replace(hypothesis, setting=setting)
+
+
+def with_finer_steps(hypothesis: Hypothesis, shown: Array) -> Hypothesis:
+    """Shorten steps that change the signals by much more than noise, so that a law bends within.
+
+    A limit that cuts a few rows is known to a ten-thousandth of itself, and is gone within a usual
+    step.
+
+    Parameters
+    ----------
+    hypothesis : Hypothesis
+        Its free parameters.
+    shown : ndarray, shape (n,)
+        [standard deviations of noise] Change of the signals by the step of each.
+
+    Returns
+    -------
+    Hypothesis
+        The same object where all steps stay.
+    """
+    known = hypothesis.setting.difference_steps
+    finer = {
+        name: known.get(name, DIFFERENCE_STEP) * _MOST_SHOWN / float(size)
+        for name, size in zip(hypothesis.names, shown, strict=True)
+        if size > _MUCH_MORE * _MOST_SHOWN
+    }
+    if not finer:
+        return hypothesis
+    setting = replace(hypothesis.setting, difference_steps={**known, **finer})
     return replace(hypothesis, setting=setting)
 
 

@@ -219,6 +219,17 @@ class Hypothesis:
         return Point(parameters, physics, only)
 
     @property
+    def is_linear(self) -> bool:
+        """Whether noise passes through the effects as small signals do."""
+        return all(candidate.law.is_linear for candidate in self.effects)
+
+    @property
+    def bent(self) -> list[bool]:
+        """Free parameters of effects that are not linear."""
+        own = [False] * len(self.setting.uncertain)
+        return own + [not c.law.is_linear for c in self.effects for _ in c.parameters]
+
+    @property
     def acts_at_rest(self) -> bool:
         """Whether an effect pushes an axis that stands still."""
         return any(candidate.law.acts_at_rest for candidate in self.effects)

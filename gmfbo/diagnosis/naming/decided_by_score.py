@@ -74,7 +74,7 @@ def decide(
     said, notes = _said(claims_of(scored, above), silent, unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    fits = RowFits(compared.search.problem, ledger.noise)
+    fits = RowFits(compared.search.problem, ledger.noise_of)
     row = fits.to_the_end(ledger.whitening, _model(compared, said, above))
     held_by_row = [claim for claim in said if _winner(claim) in row.elements]
     model = measured(case.misfit, row)

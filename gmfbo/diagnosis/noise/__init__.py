@@ -3,5 +3,5 @@
 `measured_noise.noise_of_all` measures it, `measured_noise.noise_through_loop` carries it round
 the loop, and `loop_noise.own_variances` tells what each signal has of its own.
 `open_loop_noise.leave_out_noise` keeps it out of a plant that is driven in open loop. What the
-controller read is told by `gmfbo.diagnosis.comparison.sensed_noise` and played into the twin.
+controller read is told by `gmfbo.diagnosis.comparison.hearing` and played into the twin.
 """

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
@@ -43,6 +44,21 @@ def reversals(*states: States) -> int:
     """Sign changes of the velocity that last, also from one recording to the next."""
     moving = [s.velocity[np.abs(s.velocity) > 2.0 * s.rest] for s in states]
     return int(np.count_nonzero(np.diff(np.sign(np.concatenate(moving)))))
+
+
+def demands(*states: States) -> tuple[tuple[float, float], ...]:
+    """Corners (|velocity|, |command|) of the motion, among which all falling limits are met."""
+    speed = np.abs(np.concatenate([s.velocity for s in states]))
+    command = np.abs(np.concatenate([s.command for s in states]))
+    fastest, largest = float(speed.max()), float(command.max())
+    if fastest <= 0.0 or largest <= 0.0:
+        return ()
+    # Between the axes and the points on them the hull has an area, and corners that count.
+    points = np.stack(
+        [np.append(speed, [0.0, fastest, 0.0]), np.append(command, [0.0, 0.0, largest])]
+    )
+    corners = ConvexHull((points / [[fastest], [largest]]).T).vertices
+    return tuple((float(points[0, k]), float(points[1, k])) for k in sorted(corners))
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.runs.measured_excitation import demands, states_of
 from gmfbo.diagnosis.screening.port_response import PortResponse, measure_port_response
 from gmfbo.diagnosis.screening.pulses import EVERY, Pulse
 from gmfbo.diagnosis.screening.repeating_and_passing import find_lines
@@ -39,7 +40,7 @@ class SearchedLines:
         self._pulses: tuple[Pulse, ...] = ()
 
     def look(self, progress: Callable[[str, float], None]) -> None:
-        """Let what repeats in the misfit say which lines are worth testing.
+        """Let what repeats in the misfit say which lines to test, and the motion which limits.
 
         Parameters
         ----------
@@ -47,6 +48,10 @@ class SearchedLines:
             Told the stage and the share that is done.
         """
         case = self.case
+        runs = zip(case.base.simulated, case.simulations.records, strict=True)
+        met = demands(*(states_of(run, record) for run, record in runs))
+        excitation = replace(case.setting.excitation, demands=met)
+        case.change_setting(replace(case.setting, excitation=excitation))
         if "torque" not in case.base.simulated[0].response.ports:
             return
         progress("searching for lines", 0.1)

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.case.held_out_split import Split, restricted, rows_of
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.held_out_fit import (
     Part,
+    foretelling,
     gains_on,
     ledger_on,
     part_of,
@@ -108,16 +109,17 @@ def validate(
     left = decision.compared.scored.size_beside(decision.row.elements)
     told = [quiet(case.simulations, part.fitted) for part in (before, after)]
     about = (decision.base, decision.row)
-    seen = [seen_on(case, search, ledger, row, scored, about, left) for row in told]
+    there = foretelling(search, ledger, decision.row)
+    seen = [seen_on(case, search, there, row, scored, about, left) for row in told]
     without = {}
     for name, row in _without(decision).items():
         lost = quiet(case.simulations, part_of(case, search, ledger, row, chosen).fitted)
-        without[name] = seen_on(case, search, ledger, lost, scored, about)
+        without[name] = seen_on(case, search, there, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
     plain = measured(misfit, told[0])
     augmented = plain if after is before else measured(misfit, told[1])
     models = _Told(case, misfit, scored, plain, augmented, split, unnamed)
-    return _scored(models, after, _Seen(decision, ledger, seen[0], seen[1], without))
+    return _scored(models, after, _Seen(decision, there, seen[0], seen[1], without))
 
 
 def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
@@ -171,7 +173,7 @@ def _without(decision: Decision) -> dict[str, Row]:
     rows = {}
     for name in names:
         row = ledger.rows.get(decision.row.elements - {name})
-        row = row or RowFits(search.problem, ledger.noise).without(
+        row = row or RowFits(search.problem, ledger.noise_of).without(
             ledger.whitening, decision.row, name, _REFITTED
         )
         if row is not None:

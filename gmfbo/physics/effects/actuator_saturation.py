@@ -29,9 +29,8 @@ actuator_saturation = Effect(
             scale=lambda e: 0.2 * e.command,
         ),
     ),
-    starts=lambda e: [
-        {"limit": share * e.command} for share in (0.985, 0.95, 0.85, 0.7, 0.55, 0.4)
-    ],
+    starts=lambda e: [{"limit": share * e.largest_demand(0.0)} for share in limits.SHARES],
+    gone=lambda p, e: {"limit": e.largest_demand(0.0)},
     size=lambda p, e: max(0.0, e.command - p["limit"]),
     size_name="cut",
     size_unit="command",

@@ -6,8 +6,9 @@ from gmfbo.physics import transmission
 from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 
-# Blows return 16, 53 or 85 % of the speed: dead ones first, bounces give a fit many minima.
-_DAMPING_RATIOS = (0.5, 0.2, 0.05)
+# Blows return 16 % of the speed, or 85 %: a fit does not come from one to the other.
+_DEAD, _BOUNCING = 0.5, 0.05  # damping ratio of a contact
+_LEAST, _MOST = 0.005, 0.9  # the same
 
 
 def _unit(excitation: Excitation) -> float:
@@ -16,18 +17,32 @@ def _unit(excitation: Excitation) -> float:
     return max(3.0 * excitation.resolution, min(least, 4e-4 * excitation.stroke))
 
 
-def _fixed(excitation: Excitation, damping_ratio: float = _DAMPING_RATIOS[0]) -> Values:
-    # With this stiffness, the contact's own deflection is far below any gap that is claimed.
-    stiffness = excitation.torque / (0.1 * _unit(excitation))
+def _stiffness(excitation: Excitation) -> float:
+    """Of a contact whose own deflection is far below any gap that is claimed."""
+    return excitation.torque / (0.1 * _unit(excitation))
+
+
+def _damping(excitation: Excitation, ratio: float) -> float:
     # Motor and load of equal shares meet as a quarter of the inertia.
-    own = math.sqrt(stiffness * 0.25 * excitation.shaft_inertia)
-    return {"stiffness": stiffness, "damping": 2.0 * damping_ratio * own}
+    return 2.0 * ratio * math.sqrt(_stiffness(excitation) * 0.25 * excitation.shaft_inertia)
+
+
+def _fixed(excitation: Excitation) -> Values:
+    return {"stiffness": _stiffness(excitation), "damping": _damping(excitation, _DEAD)}
 
 
 def _starts(excitation: Excitation) -> list[Values]:
     unit, inertia = _unit(excitation), excitation.shaft_inertia
     grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2))
-    return [{"gap": g * unit, "load_inertia": share * inertia} for g, share in grid]
+    return [
+        {
+            "gap": gap * unit,
+            "load_inertia": share * inertia,
+            "damping": _damping(excitation, ratio),
+        }
+        for gap, share in grid
+        for ratio in (_DEAD, _BOUNCING)
+    ]
 
 
 def _not_excited(excitation: Excitation) -> str | None:
@@ -53,13 +68,23 @@ backlash = Effect(
         transmission.load_inertia(),
     ),
     fixed=_fixed,
-    fixed_otherwise=lambda e: [_fixed(e, ratio) for ratio in _DAMPING_RATIOS[1:]],
+    own_nuisances=(
+        EffectParameter(
+            "damping",
+            "Damping of the contact",
+            "torque/velocity",
+            low=lambda e: _damping(e, _LEAST),
+            high=lambda e: _damping(e, _MOST),
+            scale=lambda e: _damping(e, _BOUNCING),
+            hidden=True,
+        ),
+    ),
     starts=_starts,
     inertia_share=True,
     size=lambda p, e: p["gap"],
     size_name="gap",
     size_unit="position",
-    floor=lambda e: max(2.0 * e.resolution, 0.2 * _unit(e)),
+    floor=lambda e: 0.05 * _unit(e),
     not_excited=_not_excited,
     acts=lambda states, p: states.near_reversals(),
     region=lambda p, units: "where the velocity changes sign",

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gmfbo.physics import limits
-from gmfbo.physics.effect import Effect, EffectParameter, Values, positive, sentence
+from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 
@@ -13,12 +13,17 @@ def _limit(states: States, parameters: Values) -> Array:
     return np.maximum(0.0, left)
 
 
+def _slope(excitation: Excitation) -> float:
+    return excitation.command / excitation.speed
+
+
 def _starts(excitation: Excitation) -> list[Values]:
-    command, slope = excitation.command, excitation.command / excitation.speed
+    """Slopes, each with limits that the motion meets seldom to often."""
+    slopes = [share * _slope(excitation) for share in (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)]
     return [
-        {"limit": 1.1 * command, "slope": 0.4 * slope},
-        {"limit": 1.0 * command, "slope": 0.1 * slope},
-        {"limit": 0.85 * command, "slope": 0.2 * slope},
+        {"limit": share * excitation.largest_demand(slope), "slope": slope}
+        for slope in slopes
+        for share in limits.SHARES
     ]
 
 
@@ -41,16 +46,18 @@ supply_voltage_limit = Effect(
             high=lambda e: 5.0 * e.command,
             scale=lambda e: 0.2 * e.command,
         ),
-        positive(
+        # Without a slope it would be a saturation, which has a name of its own.
+        EffectParameter(
             "slope",
             "Loss per speed",
             "command/velocity",
-            lambda e: e.command / e.speed,
-            most=5.0,
-            typical=0.1,
+            low=lambda e: 0.005 * _slope(e),
+            high=lambda e: 5.0 * _slope(e),
+            scale=lambda e: 0.1 * _slope(e),
         ),
     ),
     starts=_starts,
+    gone=lambda p, e: {"limit": e.largest_demand(p["slope"])},
     size=_cut,
     size_name="cut",
     size_unit="command",

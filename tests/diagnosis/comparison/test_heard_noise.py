@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import sensed_noise
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.runs.simulated import Simulated
 from tests.diagnosis.noise.planted_noise import opened, planted

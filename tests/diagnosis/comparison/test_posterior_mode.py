@@ -64,6 +64,9 @@ class Parabola(ModeSearch):
         )
         return self._step(cast(Any, at), [], damping)
 
+    def _has_finer_steps(self, at: Any, columns: Any) -> bool:
+        return False
+
 
 def test_a_step_of_what_bends_stays_in_a_narrow_valley() -> None:
     stiff, soft = np.array([3.0, 1.0]) / np.sqrt(10.0), np.array([1.0, -3.0]) / np.sqrt(10.0)

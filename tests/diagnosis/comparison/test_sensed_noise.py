@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import sensed_noise, unheard_noise
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
-from gmfbo.diagnosis.comparison.sensed_noise import sensed_noise
 from gmfbo.diagnosis.comparison.unknown.kinds import kinds
 from gmfbo.diagnosis.runs.simulated import PlayedNoise
 from tests.diagnosis.noise.planted_noise import Planted, opened, planted, servo_without_sensor
@@ -38,6 +38,25 @@ def test_planted_noise_is_told() -> None:
     for own, truth in zip(noise, found.noise, strict=True):
         inner = slice(50, -50)
         assert float(np.std((own.at_port - truth)[inner])) < 0.4 * SIGMA
+
+
+def test_what_is_told_of_the_noise_and_what_is_not_make_it_up_together() -> None:
+    """The law of total variance; of the truth, errors of the fit hide a little more."""
+    found = planted(SIGMA)
+    with opened(found) as case:
+        search = (stated := comparison_of(case, [])).search
+        ledger = search.opened(stated.first)
+        row, about = ledger.rows[frozenset()], (ledger.kernels, ledger.levels)
+        left = ledger.errors.taken_out(search.problem, row, *about)
+        told = sensed_noise(search.problem, left, *about)
+        drawn = unheard_noise(search.problem, row, *about, np.random.default_rng(7))
+    level = ledger.levels.ports["sensor"]
+    inner = slice(50, -50)
+    for own, rest, truth in zip(told, drawn, found.noise, strict=True):
+        whole = np.var(own.at_port[inner]) + np.var(rest[inner])
+        assert float(np.sqrt(whole)) == pytest.approx(level, rel=0.1)
+        missed = float(np.std((own.at_port - truth)[inner]))
+        assert 0.3 * missed < float(np.std(rest[inner])) < missed
 
 
 def test_noise_that_the_logger_alone_saw_is_not_played() -> None:

@@ -166,9 +166,9 @@ class _Beside:
     def _under_noise(self, row: Fitted) -> Fitted:
         """A row fitted under the noise that the best one tells, as only the best rows were."""
         ledger = self._ledger
-        if row.heard is ledger.noise:
+        if row.heard is ledger.noise_of(row.elements):
             return row
-        return RowFits(self._search.problem, ledger.noise).again(ledger.whitening, row, {})
+        return RowFits(self._search.problem, ledger.noise_of).again(ledger.whitening, row, {})
 
     def _alone(self, weights: Array) -> Array:
         """[nats] Of the best row of laws, under each weighting of the stretches."""

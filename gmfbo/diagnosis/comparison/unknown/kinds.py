@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import ends_of, motion_of, smooth
+from gmfbo.diagnosis.comparison.numbers import SMOOTH_BUMPS
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
 
 Array = NDArray[np.float64]
 
 _FINE, _FINE_COMMAND, _COARSE = 40, 64, 8  # bumps over a state
+_PLAIN = 16.0  # bumps of the fine ones over which a spring or a drag is smooth
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +80,8 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
         in_time = ((", in proportion to the time since the start (at the end)", passed),)
         made += [
             Kind("torque", "velocity", over_speed, plain),
+            Kind("torque", "velocity", _over(motion.velocities, _FINE, _PLAIN), plain),
+            Kind("torque", "position", _over(motion.positions, _FINE, _PLAIN), plain),
             Kind("torque", "velocity", _each_way(over_speed, turning), of_speed),
             Kind("torque", "position", over_position, plain),
             Kind("torque", "position", _each_way(over_position, moving), of_place),
@@ -107,10 +111,10 @@ def _passed(problem: Problem) -> list[Array]:
     return [(grid - grid[0]) / longest for grid in grids]
 
 
-def _over(columns: Sequence[Array], count: int) -> list[Array]:
-    """Smooth functions over the range that a state has in all recordings, shape (count, n)."""
+def _over(columns: Sequence[Array], count: int, over: float = SMOOTH_BUMPS) -> list[Array]:
+    """Smooth functions over the range that a state has in all recordings, shape (c, n)."""
     low, high = ends_of(columns)
-    return [smooth(values, low, high, count) for values in columns]
+    return [smooth(values, low, high, count, over) for values in columns]
 
 
 def _signs(columns: Sequence[Array]) -> list[Array]:
