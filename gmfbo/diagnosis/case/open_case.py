@@ -313,7 +313,7 @@ class _Opening:
             return None
         if port in file.wires and file.wires[port] == file.outputs[rig.position].variable:
             return Reading(rig.position, rig.position_to_si)
-        if not shows_late(simulations, rig.position):
+        if not shows_late(simulations, rig.position, rig.position_to_si):
             return None
         return Reading(rig.position, rig.position_to_si, 1.0 / substeps)
 

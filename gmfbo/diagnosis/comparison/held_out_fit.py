@@ -118,9 +118,9 @@ def foretelling(search: Search, ledger: Ledger, row: Fitted) -> Ledger:
     ledger : Ledger
         With the errors about a row.
     row : Fitted
-        That one.
+        Which foretells.
     """
-    if row.heard is None:
+    if ledger.noise is None and not ledger.own_noise:
         return ledger
     errors = search.noise.errors(replace(row, heard=None), ledger.kernels, ledger.levels)
     return replace(ledger, errors=replace(errors, spreads=ledger.errors.spreads))

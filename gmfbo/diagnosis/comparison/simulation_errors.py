@@ -302,7 +302,7 @@ def _beyond_linear(
         both = [*point.noise]
         both[k] = replace(both[k], at_port=both[k].at_port + more[both[k].port])
         noisy = simulations.run_one(replace(point, noise=tuple(both)), k)
-    if not noisy.finite:
+    if not (noisy.finite and runs[k].finite):
         return None
     signals = zip(runs[k].signals, noisy.signals, linear, strict=True)
     return _Heard(linear, [after - before - own for before, after, own in signals])

@@ -69,7 +69,7 @@ def _jumps(held: NDArray[np.float64], new: NDArray[np.float64]) -> bool:
     return at_point > _JUMP_SHARE * whole > 0.0
 
 
-def shows_late(simulations: Simulations, position: str) -> bool:
+def shows_late(simulations: Simulations, position: str, to_si: float) -> bool:
     """Whether a recorded position holds the sensor port's signal of the step before.
 
     Parameters
@@ -78,12 +78,17 @@ def shows_late(simulations: Simulations, position: str) -> bool:
         Of the recordings.
     position : str
         The output.
+    to_si : float
+        [SI / FMU's unit] Of the position.
     """
     plain = simulations.run_one(Point(), 0)
-    if "sensor" not in plain.response.ports:
-        return False
     column = plain.response.held[position]
-    size = max(1e-3 * float(np.ptp(column)), 1e-6)
-    push = {"sensor": np.full(simulations.records[0].plan.grid.size, size)}
-    moved = simulations.run_one(Point(), 0, excitation=push).response.held[position] - column
-    return bool(column.size > 1 and abs(moved[1]) > _HELD * size)
+    if "sensor" not in plain.response.ports or column.size < 3:
+        return False
+    size = max(1e-3 * float(np.ptp(column)) / to_si, 1e-6)
+    push = np.full(simulations.records[0].plan.grid.size, size)
+    push[:2] = 0.0  # the first row is held before the recording begins
+    moved = simulations.run_one(Point(), 0, excitation={"sensor": push}).response.held[position]
+    seen = np.abs(moved - column)[1:4] > _HELD * size * to_si
+    # What is pushed from the third row on shows there at once, or a row later.
+    return bool(seen.size == 3 and not seen[1] and seen[2])

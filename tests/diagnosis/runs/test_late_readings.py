@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
+from gmfbo.diagnosis.runs.logging_convention import shows_late
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.scoring.signal_parts import describe_rig
 from tests.diagnosis.noise.planted_noise import opened, planted
 
 LAG = 2e-3  # [s]
+
+
+@pytest.mark.parametrize("to_si", [1.0, 1e-3, np.pi / 180.0])
+@pytest.mark.parametrize(("rows", "is_late"), [(0, False), (1, True), (None, False)])
+def test_a_column_is_late_where_it_shows_the_port_a_row_after(
+    to_si: float, rows: int | None, is_late: bool
+) -> None:
+    """Whatever its unit; None is a plant's column, which a loop moves slowly."""
+
+    def run_one(point: Point, k: int, excitation: Any = None) -> Any:
+        pushed = np.zeros(50) if excitation is None else excitation["sensor"]
+        loop = -0.05 * np.cumsum(pushed)
+        shown = 0.0 if rows is None else np.concatenate([np.zeros(rows), pushed])[:50]
+        held = {"position": to_si * (np.linspace(0.0, 3.0, 50) + loop + shown)}
+        return SimpleNamespace(response=SimpleNamespace(held=held, ports={"sensor": pushed}))
+
+    record = SimpleNamespace(plan=SimpleNamespace(grid=np.arange(50.0)))
+    simulations = cast(Any, SimpleNamespace(run_one=run_one, records=[record]))
+    assert shows_late(simulations, "position", to_si) is is_late
 
 
 def test_a_lagging_sensor_shows_where_the_axis_was() -> None:
