@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.hearing.sensed_noise import unheard_noise
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import UnheardNoise
 from gmfbo.diagnosis.comparison.inadequacy import inadequacy_columns
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.noise.high_band import estimated
@@ -118,7 +117,7 @@ class FitNoise:
         if heard is None or levels is None:
             return errors_of(problem.simulations, point, kernels, level, self.held)
         point = replace(point, noise=heard.played)
-        unheard = partial(unheard_noise, problem, fitted, kernels, levels)
+        unheard = UnheardNoise(problem, fitted, kernels, levels).drawn
         return errors_of(problem.simulations, point, kernels, level, self.held, unheard)
 
     def with_own_parts(

@@ -30,7 +30,7 @@ from gmfbo.diagnosis.comparison.numbers import (
     TORQUE_TIME,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
-from gmfbo.diagnosis.comparison.priors import priors_of
+from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.segments import segments_of
@@ -250,7 +250,7 @@ def _first(case: Case, problem: Problem) -> Fitted:
         hypothesis,
         (),
         priors,
-        np.array([p.to_u(v) for p, v in zip(priors, case.base.x, strict=True)]),
+        coordinates_of(priors, case.base.x),
         np.zeros(len(problem.nuisances)),
         case.base.simulated,
         values,

@@ -166,7 +166,7 @@ class ModeSearch:
     ) -> Fitted:
         damping, cost = _DAMPING, self.cost(at)
         for _ in range(iterations):
-            if self._has_finer_steps(at, columns):
+            if self._shortened_steps(at, columns):
                 columns = self._columns(at)
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
@@ -198,8 +198,8 @@ class ModeSearch:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)
 
-    def _has_finer_steps(self, at: Fitted, columns: list[Array]) -> bool:
-        """Whether differences were taken over changes so large that a law may bend within them."""
+    def _shortened_steps(self, at: Fitted, columns: list[Array]) -> bool:
+        """Shorten differences so large that a law may bend within them; whether any was."""
         before = self._hypothesis
         if not (self._problem.is_counted or before.setting.is_rough):
             shown = np.sqrt(np.diag(self._normal(at, columns)[0])[: at.u.size])

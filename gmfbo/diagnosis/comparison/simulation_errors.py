@@ -146,16 +146,16 @@ def errors_of(
     unheard : callable (numpy Generator) -> list of ndarray, shape (rows,)
         [FMU's unit] Draws what is not known of the noise, by recording; all of it by default.
     """
-    known = simulations.run([point])[0]
-    point, about = replace(point, noise=None), point
-    runs = known if about.noise is None else simulations.run([point])[0]
+    quiet = replace(point, noise=None)
+    runs = simulations.run([quiet])[0]
+    known = runs if point.noise is None else simulations.run([point])[0]
     level = kernels.beyond_rounding(level)
     constant = [
-        simulations.input_errors(point, runs),
+        simulations.input_errors(quiet, runs),
         *_averaging(simulations, runs),
         *_held(simulations, kernels, held),
     ]
-    found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(point, runs)]
+    found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(quiet, runs)]
     if "sensor" in kernels.simulated and level > 0.0:
         rng = np.random.default_rng(0)
         sizes = [record.plan.grid.size for record in simulations.records]
@@ -165,10 +165,10 @@ def errors_of(
                 return unheard(rng)
             return [from_rest(level * rng.standard_normal(n)) for n in sizes]
 
-        first, *others = (drawn() for _ in range(PLAYED_NOISES))
-        played = _played(simulations, about, known, kernels, [first])
+        played = _played(simulations, point, known, kernels, [drawn()])
         if not all(_is_linear(one) for one in played[0]):
-            found += _errors([*played, *_played(simulations, about, known, kernels, others)])
+            others = [drawn() for _ in range(PLAYED_NOISES - 1)]
+            found += _errors([*played, *_played(simulations, point, known, kernels, others)])
     return SimulationErrors(
         simulations, _by_recording(simulations, constant), _by_recording(simulations, found)
     )

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.runs.twin_steps import READ_BACK
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
-_HELD = 0.5  # of the signal added at the sensor port: a column that holds it shows more
 _JUMP_SHARE = 0.7  # least share of a command's squared changes that falls on sampling instants
 
 
@@ -89,6 +89,6 @@ def shows_late(simulations: Simulations, position: str, to_si: float) -> bool:
     push = np.full(simulations.records[0].plan.grid.size, size)
     push[:2] = 0.0  # the first row is held before the recording begins
     moved = simulations.run_one(Point(), 0, excitation={"sensor": push}).response.held[position]
-    seen = np.abs(moved - column)[1:4] > _HELD * size * to_si
+    seen = np.abs(moved - column)[1:4] > READ_BACK * size * to_si
     # What is pushed from the third row on shows there at once, or a row later.
     return bool(seen.size == 3 and not seen[1] and seen[2])

@@ -8,7 +8,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
 
-_READ_BACK = 0.5  # of the signal added at the sensor port: a reading that contains it shows more
+READ_BACK = 0.5  # of the signal added at the sensor port: a reading that contains it shows more
 _STEP_CHANGE = 0.01  # of a signal's range: largest RMS change allowed by a finer communication step
 
 
@@ -66,4 +66,4 @@ def reads_back(twin: FmuTwin, recording: Recording, substeps: int) -> bool:
         size = max(1e-3 * float(np.ptp(position)), 1e-6)
         added = simulator.run(plan, {}, excitation={"sensor": np.full(position.size, size)})
         moved = float(added.states["position"][1] - position[1])
-    return bool(moved > _READ_BACK * size)
+    return bool(moved > READ_BACK * size)

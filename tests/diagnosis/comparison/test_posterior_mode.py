@@ -64,7 +64,7 @@ class Parabola(ModeSearch):
         )
         return self._step(cast(Any, at), [], damping)
 
-    def _has_finer_steps(self, at: Any, columns: Any) -> bool:
+    def _shortened_steps(self, at: Any, columns: Any) -> bool:
         return False
 
 

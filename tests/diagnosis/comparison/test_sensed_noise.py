@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.hearing.sensed_noise import sensed_noise, unheard_noise
+from gmfbo.diagnosis.comparison.hearing.sensed_noise import UnheardNoise, sensed_noise
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.unknown.kinds import kinds
@@ -49,7 +49,7 @@ def test_what_is_told_of_the_noise_and_what_is_not_make_it_up_together() -> None
         row, about = ledger.rows[frozenset()], (ledger.kernels, ledger.levels)
         left = ledger.errors.taken_out(search.problem, row, *about)
         told = sensed_noise(search.problem, left, *about)
-        drawn = unheard_noise(search.problem, row, *about, np.random.default_rng(7))
+        drawn = UnheardNoise(search.problem, row, *about).drawn(np.random.default_rng(7))
     level = ledger.levels.ports["sensor"]
     inner = slice(50, -50)
     for own, rest, truth in zip(told, drawn, found.noise, strict=True):

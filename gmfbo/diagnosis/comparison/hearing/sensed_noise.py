@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,13 +50,15 @@ def sensed_noise(
     for one in _readings(problem, fitted, kernels, levels):
         seen = rfft(fitted.residual[one.segment], one.length, axis=-1).T
         columns[one.record][one.rows] = one.told_by(seen)
-    return as_played(simulations, kernels, map(from_rest, columns))
+    return tuple(
+        PlayedNoise(at_port, linear_answer(simulations, kernels, k, own), port)
+        for k, own in enumerate(map(from_rest, columns))
+        for port, at_port in kernels.of(k).sensed(own).items()
+    )
 
 
-def unheard_noise(
-    problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels, rng: np.random.Generator
-) -> list[Array]:
-    """By recording, a draw of what `sensed_noise` does not tell of the noise [FMU's unit].
+class UnheardNoise:
+    """What `sensed_noise` does not tell of the noise.
 
     Noise is drawn with the signals that it makes, and what these tell of it is taken out
     (Matheron's rule; Hoffman and Ribak 1991).
@@ -65,22 +67,30 @@ def unheard_noise(
     ----------
     problem, fitted, kernels, levels
         As of `sensed_noise`.
-    rng : numpy Generator
-        Of the draw.
     """
-    level = kernels.beyond_rounding(levels.ports["sensor"])
-    columns = [
-        level * rng.standard_normal(record.plan.grid.size) for record in problem.simulations.records
-    ]
-    for one in _readings(problem, fitted, kernels, levels):
-        noise = columns[one.record][one.rows]
-        white = rfft(rng.standard_normal((one.path.shape[1], noise.size)), one.length, axis=-1).T
-        rest = one.covariance - level**2 * one.path[:, :, None] * one.path[:, None, :].conj()
-        values, vectors = np.linalg.eigh(rest)
-        roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
-        seen = one.path * rfft(noise, one.length)[:, None] + np.einsum("fij,fj->fi", roots, white)
-        columns[one.record][one.rows] = noise - one.told_by(seen)
-    return list(map(from_rest, columns))
+
+    def __init__(
+        self, problem: Problem, fitted: Fitted, kernels: PortKernels, levels: Levels
+    ) -> None:
+        self._level = level = kernels.beyond_rounding(levels.ports["sensor"])
+        self._sizes = [record.plan.grid.size for record in problem.simulations.records]
+        self._readings: list[tuple[_Reading, Spectrum]] = []
+        for one in _readings(problem, fitted, kernels, levels):
+            rest = one.covariance - level**2 * one.path[:, :, None] * one.path[:, None, :].conj()
+            values, vectors = np.linalg.eigh(rest)
+            roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+            self._readings.append((one, roots))
+
+    def drawn(self, rng: np.random.Generator) -> list[Array]:
+        """[FMU's unit] A draw of it by recording, each of shape (rows,)."""
+        columns = [self._level * rng.standard_normal(size) for size in self._sizes]
+        for one, roots in self._readings:
+            noise = columns[one.record][one.rows]
+            white = rng.standard_normal((one.path.shape[1], noise.size))
+            made = np.einsum("fij,fj->fi", roots, rfft(white, one.length, axis=-1).T)
+            seen = one.path * rfft(noise, one.length)[:, None] + made
+            columns[one.record][one.rows] = noise - one.told_by(seen)
+        return list(map(from_rest, columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,27 +132,6 @@ def _readings(
         path = own.spectra("sensor", segment.names, frequencies).T
         gain = level**2 * np.linalg.solve(s, path[:, :, None])[:, :, 0].conj()
         yield _Reading(k, segment.record, rows, length, np.asarray(gain), path, s)
-
-
-def as_played(
-    simulations: Simulations, kernels: PortKernels, noise: Iterable[Array]
-) -> tuple[PlayedNoise, ...]:
-    """Noise of the sensor by recording, as it is played.
-
-    Parameters
-    ----------
-    simulations : Simulations
-        Of the recordings.
-    kernels : PortKernels
-        Paths of noise.
-    noise : iterable of ndarray, shape (rows,)
-        [FMU's unit] By recording.
-    """
-    return tuple(
-        PlayedNoise(at_port, linear_answer(simulations, kernels, k, own), port)
-        for k, own in enumerate(noise)
-        for port, at_port in kernels.of(k).sensed(own).items()
-    )
 
 
 def heard_about(
