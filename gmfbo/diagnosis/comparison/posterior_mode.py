@@ -37,6 +37,7 @@ from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.bounded_step import bounded_step
 from gmfbo.diagnosis.fitting.difference_steps import (
+    Judge,
     bent_shares,
     with_finer_steps,
     with_judged_steps,
@@ -166,8 +167,7 @@ class ModeSearch:
     ) -> Fitted:
         damping, cost = _DAMPING, self.cost(at)
         for _ in range(iterations):
-            if self._shortened_steps(at, columns):
-                columns = self._columns(at)
+            at, columns = self._with_finer_steps(at, columns)
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
@@ -198,13 +198,18 @@ class ModeSearch:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)
 
-    def _shortened_steps(self, at: Fitted, columns: list[Array]) -> bool:
-        """Shorten differences so large that a law may bend within them; whether any was."""
-        before = self._hypothesis
-        if not (self._problem.is_counted or before.setting.is_rough):
-            shown = np.sqrt(np.diag(self._normal(at, columns)[0])[: at.u.size])
-            self._hypothesis = with_finer_steps(before, shown * np.abs(self._widths(at)))
-        return self._hypothesis is not before
+    def _with_finer_steps(self, at: Fitted, columns: list[Array]) -> tuple[Fitted, list[Array]]:
+        """The same, with columns of differences within which no law bends."""
+        usual, before = self._hypothesis, self._widths(at)
+        if self._is_shuffled:
+            return at, columns
+        shown = np.abs(before) * np.sqrt(np.diag(self._normal(at, columns)[0])[: before.size])
+        self._hypothesis = with_finer_steps(usual, at.x, shown, self._judged(at))
+        if self._hypothesis is usual:
+            return at, columns
+        at = replace(at, hypothesis=self._hypothesis.at(at.x))
+        are_same = np.array_equal(before, self._widths(at))
+        return at, columns if are_same else self._columns(at)
 
     def _shorter(
         self, at: Fitted, columns: list[Array], gain: float, damping: float
@@ -284,9 +289,18 @@ class ModeSearch:
 
     def _with_clear_steps(self, at: Fitted) -> Fitted:
         """The same, with difference steps that an encoder's counts in the twin do not drown."""
-        x, problem = at.x, self._problem
-        if not (problem.is_counted or self._hypothesis.setting.is_rough):
+        if not self._is_shuffled:
             return at
+        self._hypothesis = with_judged_steps(self._hypothesis, at.x, self._judged(at))
+        return replace(at, hypothesis=self._hypothesis.at(at.x))
+
+    @property
+    def _is_shuffled(self) -> bool:
+        """Whether any small change lets the twin's counts fall otherwise."""
+        return self._problem.is_counted or self._hypothesis.setting.is_rough
+
+    def _judged(self, at: Fitted) -> Judge:
+        x, problem = at.x, self._problem
 
         def judged(moves: Array) -> list[float | None]:
             u = [coordinates_of(self._priors, x + move) for move in moves]
@@ -294,8 +308,7 @@ class ModeSearch:
             seen = [problem.values(r) if all(q.finite for q in r) else None for r in played]
             return bent_shares(seen, self._whitening.square)
 
-        self._hypothesis = with_judged_steps(self._hypothesis, x, judged)
-        return replace(at, hypothesis=self._hypothesis.at(x))
+        return judged
 
     def _widths(self, at: Fitted) -> Array:
         """Difference step of each free quantity in its coordinate, shape (p,)."""

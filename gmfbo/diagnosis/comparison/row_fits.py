@@ -224,9 +224,42 @@ def cost(row: Fitted, whitening: Whitening) -> float:
     return 0.5 * chi(row, whitening) - row.log_prior
 
 
+def under_own_noise(
+    ledger: Ledger,
+    fits: Callable[[Ledger], RowFits],
+    noise: Mapping[frozenset[str], HeardNoise | None],
+) -> Ledger:
+    """A ledger with rows under their own noise, those that leave less under it.
+
+    Parameters
+    ----------
+    ledger : Ledger
+        Under whose whitening they are fitted again.
+    fits : callable (Ledger) -> RowFits
+        Fits rows of a ledger.
+    noise : mapping of frozenset of str to HeardNoise or None
+        By row.
+    """
+    told = {elements: heard for elements, heard in noise.items() if heard is not None}
+    if not told:
+        return ledger
+    whitening, rows = ledger.whitening, ledger.rows
+    tried = replace(ledger, own_noise={**ledger.own_noise, **told})
+    again = fits(tried).all_again(whitening, rows, told.keys(), rows)
+    new = {e: row for e, row in again.items() if chi(row, whitening) < chi(rows[e], whitening)}
+    own = {**ledger.own_noise, **{e: told[e] for e in new}}
+    return replace(ledger, rows=rows | new, own_noise=own)
+
+
 def chi(row: Fitted, whitening: Whitening) -> float:
     """Whitened square of what a row leaves."""
     return row.beside_own_parts(whitening).square(row.residual)
+
+
+def log_likelihood(row: Fitted, whitening: Whitening) -> float:
+    """[nats] Log density of the recordings at a row's values, but for a constant."""
+    logs = sum(float(np.sum(own)) for own in whitening.log_determinants)
+    return -0.5 * (chi(row, whitening) + logs)
 
 
 def beyond_noise(row: Fitted, whitening: Whitening) -> float:

@@ -36,6 +36,8 @@ from gmfbo.diagnosis.comparison.row_fits import (
     is_more_than_noise,
     limit_of,
     limits_in,
+    log_likelihood,
+    under_own_noise,
     values_in,
 )
 from gmfbo.physics import CATALOGUE
@@ -292,26 +294,26 @@ class Search:
     def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:
         """Best rows fitted again under the noise that the best one says the controller read.
 
-        Until it changes nothing more. Then its rivals, each under the noise that it says itself.
+        As long as the recordings get likelier: near a rest, where noise decides when an axis
+        leaves its friction, it can't be told by a linear path. Then the rivals of the best row,
+        each under the noise that it says itself.
         """
         if "sensor" not in ledger.kernels.simulated.keys() & ledger.levels.ports.keys():
             return ledger, scored
         for _ in range(_HEARINGS):
-            heard = self._heard_by(ledger, scored.best)
+            best, heard = scored.best, self._heard_by(ledger, scored.best)
             if heard is None:
                 break
-            own = {**ledger.own_noise, scored.best: heard}
-            ledger, scored = self._settled(replace(ledger, noise=heard, own_noise=own))
+            own = {**ledger.own_noise, best: heard}
+            tried = self._levelled(replace(ledger, noise=heard, own_noise=own), best)
+            was, now = (log_likelihood(one.rows[best], one.whitening) for one in (ledger, tried))
+            if now <= was:
+                break
+            ledger, scored = self._settled(tried)
         rivals = {e: self._heard_by(ledger, e) for e in scored.rivals_to_hear(ledger)}
-        new = {elements: noise for elements, noise in rivals.items() if noise is not None}
-        if not new:
-            return ledger, scored
-        best, rows = scored.best, ledger.rows
-        ledger = replace(ledger, own_noise={**ledger.own_noise, **new})
-        rows = rows | self._fits(ledger).all_again(ledger.whitening, rows, new.keys(), rows)
-        ledger = replace(ledger, rows=rows)
+        before, ledger = scored.best, under_own_noise(ledger, self._fits, rivals)
         scored = self.scored(ledger, weighted=False)
-        return (ledger, scored) if scored.best == best else self._settled(ledger)
+        return (ledger, scored) if scored.best == before else self._settled(ledger)
 
     def _heard_by(self, ledger: Ledger, elements: frozenset[str]) -> HeardNoise | None:
         """Noise that a row says the controller read; None where it changes nothing there."""

@@ -90,33 +90,43 @@ def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypoth
     return replace(hypothesis, setting=setting)
 
 
-def with_finer_steps(hypothesis: Hypothesis, shown: Array) -> Hypothesis:
-    """Shorten steps that change the signals by much more than noise, so that a law bends within.
+def with_finer_steps(hypothesis: Hypothesis, x: Array, shown: Array, judged: Judge) -> Hypothesis:
+    """Shorten steps that change the signals by much more than noise, where a law bends within them.
 
     A limit that cuts a few rows is known to a ten-thousandth of itself, and is gone within a usual
-    step.
+    step. Friction, though, is rough: a short step shows at which rows it happens to hold.
 
     Parameters
     ----------
     hypothesis : Hypothesis
-        Its free parameters.
+        Its free parameters; steps that its setting already has are kept.
+    x : ndarray, shape (n,)
+        [FMU's unit] Values about which they are moved.
     shown : ndarray, shape (n,)
-        [standard deviations of noise] Change of the signals by the step of each.
+        [standard deviations of noise] Change of the signals by the usual step of each.
+    judged : callable (moves)
+        As of `with_judged_steps`.
 
     Returns
     -------
     Hypothesis
-        The same object where all steps stay.
+        With a step for each of them; the same object where there is none.
     """
     known = hypothesis.setting.difference_steps
-    finer = {
-        name: known.get(name, DIFFERENCE_STEP) * _MOST_SHOWN / float(size)
-        for name, size in zip(hypothesis.names, shown, strict=True)
-        if size > _MUCH_MORE * _MOST_SHOWN
-    }
-    if not finer:
+    sizes = dict(zip(hypothesis.names, map(float, shown), strict=True))
+    large = [n for n, size in sizes.items() if size > _MUCH_MORE * _MOST_SHOWN and n not in known]
+    if not large:
         return hypothesis
-    setting = replace(hypothesis.setting, difference_steps={**known, **finer})
+    steps = dict.fromkeys(large, DIFFERENCE_STEP)
+    bent = _roughness(hypothesis, x, steps, judged)
+    finer = {
+        name: DIFFERENCE_STEP * _MOST_SHOWN / sizes[name]
+        for name, seen in bent.items()
+        if seen > _SMOOTH
+    }
+    seen = _roughness(hypothesis, x, finer, judged) if finer else {}
+    steps |= {name: finer[name] for name in seen if seen[name] < bent[name]}
+    setting = replace(hypothesis.setting, difference_steps={**known, **steps})
     return replace(hypothesis, setting=setting)
 
 

@@ -64,8 +64,8 @@ class Parabola(ModeSearch):
         )
         return self._step(cast(Any, at), [], damping)
 
-    def _shortened_steps(self, at: Any, columns: Any) -> bool:
-        return False
+    def _with_finer_steps(self, at: Any, columns: Any) -> tuple[Any, Any]:
+        return at, columns
 
 
 def test_a_step_of_what_bends_stays_in_a_narrow_valley() -> None:
