@@ -13,6 +13,9 @@ CUT_SHARE = 5e-4
 SHARES = (0.98, 0.75)
 """Of the largest demand, at which the fit of a limit starts."""
 
+FINER_SHARES = (0.998, 0.98, 0.9, 0.7)
+"""Of the largest demand: a limit that is met for milliseconds cuts a thousandth of it."""
+
 
 def cut_floor(excitation: Excitation) -> float:
     """Smallest cut of the command that is claimed, in the unit of the command."""

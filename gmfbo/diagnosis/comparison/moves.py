@@ -273,6 +273,28 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
     return sorted(best.values(), key=lambda move: -move.gain)
 
 
+def start_gains(whitening: Whitening, about: Fitted, columns: Sequence[Array]) -> Array:
+    """[nats] What changes of the signals gain, each as it is, beside a linear refit, shape (k,).
+
+    Parameters
+    ----------
+    whitening : Whitening
+        By noise and the shared inadequacy.
+    about : Fitted
+        Hypothesis whose free quantities are refitted.
+    columns : sequence of ndarray, shape (k, m, n)
+        [SI] By segment.
+    """
+    own_parts = about.beside_own_parts(whitening)
+    z = _flat([r[None] for r in own_parts(about.residual)])[0]
+    j, d = _flat(own_parts(about.columns)), _flat(own_parts(columns))
+    inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
+    own = j @ d.T
+    squares = np.sum(d**2, axis=1) - np.sum(own * (inverse @ own), axis=0)
+    slopes = d @ (z - j.T @ (inverse @ (j @ z)))
+    return np.asarray(slopes - 0.5 * squares)
+
+
 def _within(square: Array, slope: Array, is_signed: bool) -> tuple[Array, float]:
     """Best multiples of the columns, that of the start within what a straight line can tell."""
     ridge = 1e-9 * np.diag(square) + 1e-12

@@ -34,6 +34,7 @@ from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.segments import segments_of
+from gmfbo.diagnosis.comparison.starting.pointed_starts import pointed_starts
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import SETTLING
@@ -74,7 +75,8 @@ class Comparison:
         """Fit and score hypotheses."""
         ledger = self.search.opened(self.first)
         self._begin(ledger)
-        return self.search.searched(ledger)
+        pointed = pointed_starts(self.search.problem, ledger, self.search.elements)
+        return replace(self.search, elements=pointed).searched(ledger)
 
     def _begin(self, ledger: Ledger) -> None:
         """Let the recordings begin in the way in which forces at rest explain more of them.
@@ -280,7 +282,8 @@ def _elements(
     case: Case, effects: Collection[str], passing: Sequence[Candidate], held: Collection[str]
 ) -> tuple[Element, ...]:
     excitation = case.setting.excitation
-    found = [*candidates(effects, excitation), *(c for c in passing if c.effect in effects)]
+    known = (c for c in passing if c.effect in effects)
+    found = [*candidates(effects, excitation, finer=True), *known]
     added = [Element(candidate=c.with_nuisances(excitation)) for c in found]
     return (*added, *(Element(freed=u) for u in _fixed_parameters(case.twin, held)))
 

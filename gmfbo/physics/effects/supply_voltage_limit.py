@@ -1,11 +1,15 @@
 """Supply voltage limit: fast motion leaves less voltage for torque."""
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
 from gmfbo.physics import limits
 from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
+
+_SLOPES = 30  # of its finer starts
 
 
 def _limit(states: States, parameters: Values) -> Array:
@@ -17,14 +21,24 @@ def _slope(excitation: Excitation) -> float:
     return excitation.command / excitation.speed
 
 
-def _starts(excitation: Excitation) -> list[Values]:
-    """Slopes, each with limits that the motion meets seldom to often."""
-    slopes = [share * _slope(excitation) for share in (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)]
+def _met(excitation: Excitation, slopes: Iterable[float], shares: Sequence[float]) -> list[Values]:
+    """Limits that fall by these slopes, and that the motion meets seldom to often."""
     return [
         {"limit": share * excitation.largest_demand(slope), "slope": slope}
         for slope in slopes
-        for share in limits.SHARES
+        for share in shares
     ]
+
+
+def _starts(excitation: Excitation) -> list[Values]:
+    slopes = [share * _slope(excitation) for share in (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)]
+    return _met(excitation, slopes, limits.SHARES)
+
+
+def _finer_starts(excitation: Excitation) -> list[Values]:
+    """Each slope meets the motion at another instant."""
+    slopes = map(float, _slope(excitation) * np.geomspace(0.05, 1.6, _SLOPES))
+    return _met(excitation, slopes, limits.FINER_SHARES)
 
 
 def _cut(parameters: Values, excitation: Excitation) -> float:
@@ -57,6 +71,7 @@ supply_voltage_limit = Effect(
         ),
     ),
     starts=_starts,
+    finer_starts=_finer_starts,
     gone=lambda p, e: {"limit": e.largest_demand(p["slope"])},
     size=_cut,
     size_name="cut",
