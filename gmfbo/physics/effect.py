@@ -198,7 +198,7 @@ def _nothing_fixed(excitation: Excitation) -> Values:
 _LINEAR = frozenset({"timing", "gain", "inertia", "sensor"})
 
 
-def _no_finer(excitation: Excitation) -> Sequence[Values]:
+def _no_more(excitation: Excitation) -> Sequence[Values]:
     return ()
 
 
@@ -226,8 +226,8 @@ class Effect:
         Fitted parameters, the headline first.
     starts : callable (Excitation) -> sequence of mapping
         Start values for the fit; each is screened separately.
-    finer_starts : callable (Excitation) -> sequence of mapping
-        More of them than anybody simulates, of which a search takes those that recordings point to.
+    more_starts : callable (Excitation) -> sequence of mapping
+        Too many to simulate all of them; a search picks those that recordings point to.
     gone : callable (parameters, Excitation) -> mapping
         Of an effect without a size that may be zero: parameters nearest to these ones, other than
         they are there, at which it changes nothing.
@@ -294,7 +294,7 @@ class Effect:
     equation: str
     source: str
     fixed: Callable[[Excitation], Values] = _nothing_fixed
-    finer_starts: Callable[[Excitation], Sequence[Values]] = _no_finer
+    more_starts: Callable[[Excitation], Sequence[Values]] = _no_more
     gone: Callable[[Values, Excitation], Values] = _nowhere_gone
     own_nuisances: tuple[EffectParameter, ...] = ()
     signal: Callable[[States, Values], Array] | None = None

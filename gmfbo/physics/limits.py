@@ -13,7 +13,7 @@ CUT_SHARE = 5e-4
 SHARES = (0.98, 0.75)
 """Of the largest demand, at which the fit of a limit starts."""
 
-FINER_SHARES = (0.998, 0.98, 0.9, 0.7)
+MORE_SHARES = (0.998, 0.99, 0.95, 0.85)
 """Of the largest demand: a limit that is met for milliseconds cuts a thousandth of it."""
 
 

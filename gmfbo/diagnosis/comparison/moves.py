@@ -274,7 +274,7 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
 
 
 def start_gains(whitening: Whitening, about: Fitted, columns: Sequence[Array]) -> Array:
-    """[nats] What changes of the signals gain, each as it is, beside a linear refit, shape (k,).
+    """[nats] What the best multiples of changes of the signals gain beside a linear refit.
 
     Parameters
     ----------
@@ -284,6 +284,11 @@ def start_gains(whitening: Whitening, about: Fitted, columns: Sequence[Array]) -
         Hypothesis whose free quantities are refitted.
     columns : sequence of ndarray, shape (k, m, n)
         [SI] By segment.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        Zero where the recordings do not show a change.
     """
     own_parts = about.beside_own_parts(whitening)
     z = _flat([r[None] for r in own_parts(about.residual)])[0]
@@ -292,7 +297,10 @@ def start_gains(whitening: Whitening, about: Fitted, columns: Sequence[Array]) -
     own = j @ d.T
     squares = np.sum(d**2, axis=1) - np.sum(own * (inverse @ own), axis=0)
     slopes = d @ (z - j.T @ (inverse @ (j @ z)))
-    return np.asarray(slopes - 0.5 * squares)
+    one = [
+        _within(np.array([[q]]), np.array([s]), False) for q, s in zip(squares, slopes, strict=True)
+    ]
+    return np.where(squares < _SHOWN, 0.0, [gain for _, gain in one])
 
 
 def _within(square: Array, slope: Array, is_signed: bool) -> tuple[Array, float]:

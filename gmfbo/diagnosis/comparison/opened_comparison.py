@@ -75,8 +75,9 @@ class Comparison:
         """Fit and score hypotheses."""
         ledger = self.search.opened(self.first)
         self._begin(ledger)
-        pointed = pointed_starts(self.search.problem, ledger, self.search.elements)
-        return replace(self.search, elements=pointed).searched(ledger)
+        search = self.search
+        pointed = pointed_starts(search.problem, ledger, search.elements)
+        return replace(search, elements=(*search.elements, *pointed)).searched(ledger)
 
     def _begin(self, ledger: Ledger) -> None:
         """Let the recordings begin in the way in which forces at rest explain more of them.
@@ -282,8 +283,7 @@ def _elements(
     case: Case, effects: Collection[str], passing: Sequence[Candidate], held: Collection[str]
 ) -> tuple[Element, ...]:
     excitation = case.setting.excitation
-    known = (c for c in passing if c.effect in effects)
-    found = [*candidates(effects, excitation, finer=True), *known]
+    found = [*candidates(effects, excitation), *(c for c in passing if c.effect in effects)]
     added = [Element(candidate=c.with_nuisances(excitation)) for c in found]
     return (*added, *(Element(freed=u) for u in _fixed_parameters(case.twin, held)))
 

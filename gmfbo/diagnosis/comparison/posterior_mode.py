@@ -37,6 +37,7 @@ from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.bounded_step import bounded_step
 from gmfbo.diagnosis.fitting.difference_steps import (
+    MUCH_SHOWN,
     Judge,
     bent_shares,
     with_finer_steps,
@@ -84,6 +85,7 @@ class ModeSearch:
         self._spread = np.array(spreads, dtype=float)
         self._places = np.flatnonzero(self._spread)
         self._parts: Eliminated | None = None
+        self._judged_once: set[str] = set()  # quantities
 
     def fitted(
         self,
@@ -199,17 +201,19 @@ class ModeSearch:
         return self._ended(at, columns, False)
 
     def _with_finer_steps(self, at: Fitted, columns: list[Array]) -> tuple[Fitted, list[Array]]:
-        """The same, with columns of differences within which no law bends."""
-        usual, before = self._hypothesis, self._widths(at)
+        """The same, with shorter differences where a law bends within the usual ones."""
+        usual = self._hypothesis
         if self._is_shuffled:
             return at, columns
-        shown = np.abs(before) * np.sqrt(np.diag(self._normal(at, columns)[0])[: before.size])
-        self._hypothesis = with_finer_steps(usual, at.x, shown, self._judged(at))
+        sizes = np.sqrt(np.diag(self._normal(at, columns)[0])[: at.u.size])
+        shown = zip(usual.names, usual.bent, np.abs(self._widths(at)) * sizes, strict=True)
+        large = {n: float(s) for n, bends, s in shown if bends and s > MUCH_SHOWN}
+        fresh = {n: s for n, s in large.items() if n not in self._judged_once}
+        self._judged_once |= large.keys()
+        self._hypothesis = with_finer_steps(usual, at.x, fresh, self._judged(at))
         if self._hypothesis is usual:
             return at, columns
-        at = replace(at, hypothesis=self._hypothesis.at(at.x))
-        are_same = np.array_equal(before, self._widths(at))
-        return at, columns if are_same else self._columns(at)
+        return replace(at, hypothesis=self._hypothesis.at(at.x)), self._columns(at)
 
     def _shorter(
         self, at: Fitted, columns: list[Array], gain: float, damping: float
@@ -300,12 +304,10 @@ class ModeSearch:
         return self._problem.is_counted or self._hypothesis.setting.is_rough
 
     def _judged(self, at: Fitted) -> Judge:
-        x, problem = at.x, self._problem
-
         def judged(moves: Array) -> list[float | None]:
-            u = [coordinates_of(self._priors, x + move) for move in moves]
-            played = problem.simulations.run([self._point(v, at.own) for v in u])
-            seen = [problem.values(r) if all(q.finite for q in r) else None for r in played]
+            u = [coordinates_of(self._priors, at.x + move) for move in moves]
+            played = self._problem.simulations.run([self._point(v, at.own) for v in u])
+            seen = [self._problem.values(r) if all(q.finite for q in r) else None for r in played]
             return bent_shares(seen, self._whitening.square)
 
         return judged

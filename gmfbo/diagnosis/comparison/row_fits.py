@@ -13,7 +13,7 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted, elements_of
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, Move
-from gmfbo.diagnosis.comparison.numbers import AT_THE_END
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SAME
 from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -243,10 +243,12 @@ def under_own_noise(
     told = {elements: heard for elements, heard in noise.items() if heard is not None}
     if not told:
         return ledger
-    whitening, rows = ledger.whitening, ledger.rows
+    whitening = ledger.whitening
+    rows = ledger.rows | fits(ledger).all_again(whitening, ledger.rows, told.keys(), ledger.rows)
     tried = replace(ledger, own_noise={**ledger.own_noise, **told})
     again = fits(tried).all_again(whitening, rows, told.keys(), rows)
-    new = {e: row for e, row in again.items() if chi(row, whitening) < chi(rows[e], whitening)}
+    left = {e: chi(row, whitening) for e, row in rows.items() if e in told}
+    new = {e: row for e, row in again.items() if chi(row, whitening) < left[e] - SAME}
     own = {**ledger.own_noise, **{e: told[e] for e in new}}
     return replace(ledger, rows=rows | new, own_noise=own)
 
@@ -258,8 +260,9 @@ def chi(row: Fitted, whitening: Whitening) -> float:
 
 def log_likelihood(row: Fitted, whitening: Whitening) -> float:
     """[nats] Log density of the recordings at a row's values, but for a constant."""
-    logs = sum(float(np.sum(own)) for own in whitening.log_determinants)
-    return -0.5 * (chi(row, whitening) + logs)
+    own = row.beside_own_parts(whitening)
+    logs = sum(float(np.sum(part)) for part in own.log_determinants)
+    return -0.5 * (own.square(row.residual) + logs)
 
 
 def beyond_noise(row: Fitted, whitening: Whitening) -> float:

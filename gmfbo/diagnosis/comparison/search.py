@@ -294,9 +294,9 @@ class Search:
     def _heard(self, ledger: Ledger, scored: Scored) -> tuple[Ledger, Scored]:
         """Best rows fitted again under the noise that the best one says the controller read.
 
-        As long as the recordings get likelier: near a rest, where noise decides when an axis
-        leaves its friction, it can't be told by a linear path. Then the rivals of the best row,
-        each under the noise that it says itself.
+        As long as the recordings get likelier: where noise decides when an axis leaves its
+        friction, linear paths tell that noise wrongly. Then the rivals of the best row, each under
+        the noise that it says itself, where it leaves clearly less.
         """
         if "sensor" not in ledger.kernels.simulated.keys() & ledger.levels.ports.keys():
             return ledger, scored
@@ -306,6 +306,7 @@ class Search:
                 break
             own = {**ledger.own_noise, best: heard}
             tried = self._levelled(replace(ledger, noise=heard, own_noise=own), best)
+            tried = self._levelled(tried, best)  # errors are now those of what it has not heard
             was, now = (log_likelihood(one.rows[best], one.whitening) for one in (ledger, tried))
             if now <= was:
                 break

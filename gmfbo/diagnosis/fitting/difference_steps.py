@@ -1,4 +1,4 @@
-"""Finite-difference steps that exceed the roughness of the twin's responses."""
+"""Finite-difference steps that exceed the roughness of the twin's responses, not their bends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ Judge = Callable[[Array], Sequence[float | None]]
 
 _WIDER = (0.08, 0.32, 1.28)
 _MOST_SHOWN = 20.0  # standard deviations of noise, by which a step changes all signals together
-_MUCH_MORE = 3.0  # times: a step that is shortened by less stays
+MUCH_SHOWN = 60.0
+"""[standard deviations of noise] Change of all signals by a step that may be too long."""
+
 _SMOOTH = 0.1  # roughness below which no other step is tried
 
 
@@ -90,11 +92,14 @@ def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypoth
     return replace(hypothesis, setting=setting)
 
 
-def with_finer_steps(hypothesis: Hypothesis, x: Array, shown: Array, judged: Judge) -> Hypothesis:
+def with_finer_steps(
+    hypothesis: Hypothesis, x: Array, shown: Mapping[str, float], judged: Judge
+) -> Hypothesis:
     """Shorten steps that change the signals by much more than noise, where a law bends within them.
 
     A limit that cuts a few rows is known to a ten-thousandth of itself, and is gone within a usual
-    step. Friction, though, is rough: a short step shows at which rows it happens to hold.
+    step. Friction, though, is rough: a short step shows at which rows it happens to hold. So a
+    shorter step is taken only where the response to it is smooth.
 
     Parameters
     ----------
@@ -102,30 +107,28 @@ def with_finer_steps(hypothesis: Hypothesis, x: Array, shown: Array, judged: Jud
         Its free parameters; steps that its setting already has are kept.
     x : ndarray, shape (n,)
         [FMU's unit] Values about which they are moved.
-    shown : ndarray, shape (n,)
-        [standard deviations of noise] Change of the signals by the usual step of each.
+    shown : mapping of str to float
+        [standard deviations of noise] Change of the signals by the usual step, of those to judge.
     judged : callable (moves)
         As of `with_judged_steps`.
 
     Returns
     -------
     Hypothesis
-        With a step for each of them; the same object where there is none.
+        With a step for each that is shortened; the same object where there is none.
     """
     known = hypothesis.setting.difference_steps
-    sizes = dict(zip(hypothesis.names, map(float, shown), strict=True))
-    large = [n for n, size in sizes.items() if size > _MUCH_MORE * _MOST_SHOWN and n not in known]
-    if not large:
-        return hypothesis
-    steps = dict.fromkeys(large, DIFFERENCE_STEP)
-    bent = _roughness(hypothesis, x, steps, judged)
+    usual = {name: DIFFERENCE_STEP for name in shown if name not in known}
+    bent = _roughness(hypothesis, x, usual, judged) if usual else {}
     finer = {
-        name: DIFFERENCE_STEP * _MOST_SHOWN / sizes[name]
+        name: DIFFERENCE_STEP * _MOST_SHOWN / shown[name]
         for name, seen in bent.items()
         if seen > _SMOOTH
     }
     seen = _roughness(hypothesis, x, finer, judged) if finer else {}
-    steps |= {name: finer[name] for name in seen if seen[name] < bent[name]}
+    steps = {name: finer[name] for name, share in seen.items() if share <= _SMOOTH}
+    if not steps:
+        return hypothesis
     setting = replace(hypothesis.setting, difference_steps={**known, **steps})
     return replace(hypothesis, setting=setting)
 

@@ -69,14 +69,11 @@ def _why_not(
     return None if silent is None else f"not excited: {silent}"
 
 
-def candidates(
-    testable: Collection[str], excitation: Excitation, *, finer: bool = False
-) -> list[Candidate]:
-    """Every start of every effect that can be tested, its finer ones too if asked for."""
+def candidates(testable: Collection[str], excitation: Excitation) -> list[Candidate]:
+    """Every start of every effect that can be tested."""
     return [
         Candidate(name, dict(values))
         for name in CATALOGUE
         if name in testable
-        for starts in (CATALOGUE[name].starts, CATALOGUE[name].finer_starts)[: 1 + finer]
-        for values in starts(excitation)
+        for values in CATALOGUE[name].starts(excitation)
     ]

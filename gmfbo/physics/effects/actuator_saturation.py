@@ -30,7 +30,7 @@ actuator_saturation = Effect(
         ),
     ),
     starts=lambda e: [{"limit": share * e.largest_demand(0.0)} for share in limits.SHARES],
-    finer_starts=lambda e: [{"limit": s * e.largest_demand(0.0)} for s in limits.FINER_SHARES],
+    more_starts=lambda e: [{"limit": s * e.largest_demand(0.0)} for s in limits.MORE_SHARES],
     gone=lambda p, e: {"limit": e.largest_demand(0.0)},
     size=lambda p, e: max(0.0, e.command - p["limit"]),
     size_name="cut",

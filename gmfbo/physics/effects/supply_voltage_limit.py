@@ -9,7 +9,7 @@ from gmfbo.physics.effect import Effect, EffectParameter, Values, sentence
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 
-_SLOPES = 30  # of its finer starts
+_SLOPES = 30  # of its further starts
 
 
 def _limit(states: States, parameters: Values) -> Array:
@@ -35,10 +35,10 @@ def _starts(excitation: Excitation) -> list[Values]:
     return _met(excitation, slopes, limits.SHARES)
 
 
-def _finer_starts(excitation: Excitation) -> list[Values]:
+def _more_starts(excitation: Excitation) -> list[Values]:
     """Each slope meets the motion at another instant."""
     slopes = map(float, _slope(excitation) * np.geomspace(0.05, 1.6, _SLOPES))
-    return _met(excitation, slopes, limits.FINER_SHARES)
+    return _met(excitation, slopes, limits.MORE_SHARES)
 
 
 def _cut(parameters: Values, excitation: Excitation) -> float:
@@ -71,7 +71,7 @@ supply_voltage_limit = Effect(
         ),
     ),
     starts=_starts,
-    finer_starts=_finer_starts,
+    more_starts=_more_starts,
     gone=lambda p, e: {"limit": e.largest_demand(p["slope"])},
     size=_cut,
     size_name="cut",

@@ -1,4 +1,4 @@
 """Where the fits of effects begin.
 
-`pointed_starts` picks, of many starts of a limit, those that what the twin leaves points to.
+`pointed_starts` picks, of an effect's many further starts, those that recordings point to.
 """

@@ -1,9 +1,8 @@
-"""Of many starts of a limit, those that what the twin leaves points to."""
+"""Of an effect's many further starts, those to which what the bare twin leaves points."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,22 +12,23 @@ from gmfbo.diagnosis.comparison.inadequacy import through_loop
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.moves import Element, start_gains
 from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.runs.measured_excitation import states_of
 from gmfbo.physics.effect import Values
 from gmfbo.physics.states import States
 
 Array = NDArray[np.float64]
 
-_SIMULATED = 12  # starts of an effect at most
+_PICKED = 6  # further starts of an effect, at most
 
 
 def pointed_starts(
     problem: Problem, ledger: Ledger, elements: Sequence[Element]
 ) -> tuple[Element, ...]:
-    """Elements, of whose many starts only those stay to which the bare twin's residual points.
+    """Further starts of effects, those that gain most about the bare twin.
 
-    A limit that is met for milliseconds is met at one instant, and its starts are as many as the
-    motion has large demands. What each cuts of the command leads to the signals by the linear
+    A limit that is met for milliseconds is met at one instant, and it may begin at each of the
+    motion's large demands. What it cuts of the command there leads to the signals by the linear
     path of its port, and nothing is simulated.
 
     Parameters
@@ -38,18 +38,22 @@ def pointed_starts(
     ledger : Ledger
         With the bare twin, the paths from the ports and the whitening.
     elements : sequence of Element
-        At their starts, those of an effect together.
+        At their usual starts.
     """
-    about, found = ledger.rows[frozenset()], list[Element]()
-    for _, group in groupby(elements, key=lambda element: element.name):
-        own = list(group)
-        law = own[0].candidate.law if own[0].candidate else None
-        if law and len(own) > _SIMULATED and law.signal and law.port in ledger.kernels.kernels:
-            signals = _signals(problem, about, law.signal, own)
-            columns = through_loop(problem, ledger.kernels, law.port, signals)
-            gains = start_gains(ledger.whitening, about, columns)
-            own = [own[i] for i in np.argsort(-gains)[:_SIMULATED]]
-        found += own
+    base, found = ledger.rows[frozenset()], list[Element]()
+    excitation = base.hypothesis.setting.excitation
+    laws = {e.name: e.candidate.law for e in elements if e.candidate is not None}
+    for name, law in laws.items():
+        starts = law.more_starts(excitation)
+        if not starts or law.signal is None or law.port not in ledger.kernels.simulated:
+            continue
+        signals = _signals(problem, base, law.signal, starts)
+        paths = (problem, ledger.kernels, law.port, signals)
+        gains = start_gains(ledger.whitening, base, through_loop(*paths, as_simulated=True))
+        for i in np.argsort(-gains)[:_PICKED]:
+            if gains[i] > 0.0:
+                candidate = Candidate(name, dict(starts[i])).with_nuisances(excitation)
+                found.append(Element(candidate=candidate))
     return tuple(found)
 
 
@@ -57,10 +61,9 @@ def _signals(
     problem: Problem,
     about: Fitted,
     signal: Callable[[States, Values], Array],
-    elements: Sequence[Element],
+    starts: Sequence[Values],
 ) -> list[Array]:
     """What an effect does at its port at each start, by recording, shape (k, rows)."""
-    values = [element.candidate.values for element in elements if element.candidate]
     runs = zip(about.runs, problem.simulations.records, strict=True)
     states = [states_of(run, record) for run, record in runs]
-    return [np.array([signal(own, one) for one in values]) for own in states]
+    return [np.array([signal(own, values) for values in starts]) for own in states]
