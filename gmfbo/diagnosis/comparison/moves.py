@@ -17,6 +17,7 @@ from gmfbo.sources.twin.uncertain import Uncertain
 Array = NDArray[np.float64]
 
 _FREED_STEP = 0.15  # of the value of a freed parameter
+_OTHERS = 3  # further starts of a limit that are fitted
 _SHOWN = 1.0  # whitened square of a start that these recordings do not show
 _MOST = 1.6  # times the start: beyond it a straight line says little
 
@@ -137,10 +138,14 @@ class Move:
         At its scaled start.
     gain : float
         [nats] Of the linear refit.
+    others : tuple of Element
+        Next best starts of a limit: each cuts at another instant, and no fit leads from one to
+        another.
     """
 
     element: Element
     gain: float
+    others: tuple[Element, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +253,7 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
     j = _flat(own_parts(about.columns))
     inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
     left = z - j.T @ (inverse @ (j @ z))
-    best: dict[str, Move] = {}
+    moves: dict[str, list[Move]] = {}
     for response in found:
         name = response.element.name
         if name in about.elements:
@@ -262,15 +267,24 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
         shares, gain = _within(square, slope, response.is_signed)
         element = response.element
         sizes = dict.fromkeys(element.sizes(about.hypothesis), 0.0)
-        if name not in best or gain > best[name].gain:
-            sizes |= {
-                n: float(c) * step
-                for n, c, step in zip(response.sizes, shares[1:], response.steps, strict=True)
-            }
-            is_free = response.is_signed or element.can_shrink(about.hypothesis)
-            kept = float(shares[0]) if is_free else 1.0
-            best[name] = Move(element.moved(kept or 0.2, sizes, about.hypothesis), gain)
-    return sorted(best.values(), key=lambda move: -move.gain)
+        sizes |= {
+            n: float(c) * step
+            for n, c, step in zip(response.sizes, shares[1:], response.steps, strict=True)
+        }
+        is_free = response.is_signed or element.can_shrink(about.hypothesis)
+        kept = float(shares[0]) if is_free else 1.0
+        moved = element.moved(kept or 0.2, sizes, about.hypothesis)
+        moves.setdefault(name, []).append(Move(moved, gain))
+    best = [_first_of(own, about.hypothesis) for own in moves.values()]
+    return sorted(best, key=lambda move: -move.gain)
+
+
+def _first_of(moves: Sequence[Move], hypothesis: Hypothesis) -> Move:
+    """Best move of an element, with the next ones where it is a limit."""
+    first, *others = sorted(moves, key=lambda move: -move.gain)
+    if first.element.sizes(hypothesis) or not first.element.can_shrink(hypothesis):
+        return first
+    return replace(first, others=tuple(move.element for move in others[:_OTHERS]))
 
 
 def start_gains(whitening: Whitening, about: Fitted, columns: Sequence[Array]) -> Array:

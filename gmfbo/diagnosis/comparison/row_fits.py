@@ -104,7 +104,10 @@ class RowFits:
             return found
         near = about if best is None else _with_values_of(about, best)
         left = chi(about, ledger.whitening)
-        return self._no_worse(ledger.whitening, near, move.element, left)
+        elements = (move.element, *move.others)
+        tried = [self._no_worse(ledger.whitening, near, element, left) for element in elements]
+        ended = [row for row in tried if row is not None]
+        return min(ended, key=lambda row: cost(row, ledger.whitening), default=None)
 
     def without(
         self, whitening: Whitening, row: Fitted, name: str, iterations: int
