@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
+from gmfbo.diagnosis.comparison.row_fits import log_likelihood
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
-from gmfbo.diagnosis.comparison.whitener import SegmentWhitener
+from gmfbo.diagnosis.comparison.whitener import SegmentWhitener, Whitening
 from gmfbo.diagnosis.runs.scored_record import scored_record
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
@@ -49,6 +52,23 @@ def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:
         dense = np.eye(own.size) + e.T @ e
         exact += float(own @ np.linalg.solve(dense, own)) + float(np.linalg.slogdet(dense)[1])
     assert told == pytest.approx(exact, rel=1e-10)
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.3, 5.0])
+def test_the_likelihood_of_a_row_is_that_of_the_dense_covariance_with_its_own_parts(
+    spread: float,
+) -> None:
+    rng = np.random.default_rng(8)
+    column, z = rng.standard_normal((2, 1, 2, ROWS))
+    whitening = Whitening((white(),), {"inertia": spread})
+    row = SimpleNamespace(
+        residual=[z[0]], beside_own_parts=lambda w: w.about(["inertia"], [column])
+    )
+    own, seen = spread * white()(column)[0].ravel(), white()(z)[0].ravel()
+    dense = np.eye(seen.size) + np.outer(own, own)
+    exact = float(seen @ np.linalg.solve(dense, seen)) + float(np.linalg.slogdet(dense)[1])
+    told = log_likelihood(cast(Any, row), whitening)
+    assert told == pytest.approx(-0.5 * exact, rel=1e-10)
 
 
 def test_no_columns_are_whitened_beside_errors_too() -> None:
