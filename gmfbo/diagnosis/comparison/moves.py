@@ -249,10 +249,7 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
         Of the elements.
     """
     own_parts = about.beside_own_parts(whitening)
-    z = _flat([r[None] for r in own_parts(about.residual)])[0]
-    j = _flat(own_parts(about.columns))
-    inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
-    left = z - j.T @ (inverse @ (j @ z))
+    j, inverse, left = _refitted(own_parts, about)
     moves: dict[str, list[Move]] = {}
     for response in found:
         name = response.element.name
@@ -305,16 +302,20 @@ def start_gains(whitening: Whitening, about: Fitted, columns: Sequence[Array]) -
         Zero where the recordings do not show a change.
     """
     own_parts = about.beside_own_parts(whitening)
-    z = _flat([r[None] for r in own_parts(about.residual)])[0]
-    j, d = _flat(own_parts(about.columns)), _flat(own_parts(columns))
-    inverse = np.linalg.inv(j @ j.T + np.diag(about.curvatures))
+    j, inverse, left = _refitted(own_parts, about)
+    d = _flat(own_parts(columns))
     own = j @ d.T
-    squares = np.sum(d**2, axis=1) - np.sum(own * (inverse @ own), axis=0)
-    slopes = d @ (z - j.T @ (inverse @ (j @ z)))
-    one = [
-        _within(np.array([[q]]), np.array([s]), False) for q, s in zip(squares, slopes, strict=True)
-    ]
-    return np.where(squares < _SHOWN, 0.0, [gain for _, gain in one])
+    squares, slopes = np.sum(d**2, axis=1) - np.sum(own * (inverse @ own), axis=0), d @ left
+    shares = np.clip(slopes / np.maximum(squares, _SHOWN), 0.0, _MOST)
+    return np.where(squares < _SHOWN, 0.0, shares * slopes - 0.5 * shares**2 * squares)
+
+
+def _refitted(own_parts: Whitening, about: Fitted) -> tuple[Array, Array, Array]:
+    """Whitened columns of a fit, their inverse products, and what a linear refit leaves."""
+    z = _flat([r[None] for r in own_parts(about.residual)])[0]
+    j = _flat(own_parts(about.columns))
+    inverse = np.asarray(np.linalg.inv(j @ j.T + np.diag(about.curvatures)), dtype=np.float64)
+    return j, inverse, z - j.T @ (inverse @ (j @ z))
 
 
 def _within(square: Array, slope: Array, is_signed: bool) -> tuple[Array, float]:
