@@ -105,10 +105,12 @@ class _Checks:
         logged: dict[str, float] = {}
         if self.command is not None and twin.feeds_controller:
             leak = self._leak(twin, self.command)
-            if leak is not None and self._reads_only_what_is_known(twin, self.command):
+            if leak is not None:
                 controller, logged = self._controller(
                     held, self.command, leak * self._more(efforts)
                 )
+                if not self._reads_only_what_is_known(twin, self.command):
+                    controller = None  # which value the logger stores shows all the same
         plant = None
         if twin.holds_plant:
             if controller is not None and controller.fails:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import log
 
@@ -141,13 +141,13 @@ class _Beside:
             if not likely:
                 break
             now = max(likely, key=lambda one: one.score)
-        if now.score - float(self._alone(self._once)[0]) <= named_log_odds():
+        if now.score - float(self._alone(self._once, now)[0]) <= named_log_odds():
             return None
         if now.found.effective < self._search.tolerance:
             return None
         weights = weightings(self._once.shape[1])
         sized = self._sized(now.found, now.own, weights)
-        odds = sized.log_evidences + self._prior(now.elements) - self._alone(weights)
+        odds = sized.log_evidences + self._prior(now.elements) - self._alone(weights, now)
         probability = float(np.mean(expit(odds)))
         if probability < NAMED:
             return None
@@ -170,18 +170,29 @@ class _Beside:
             return row
         return RowFits(self._search.problem, ledger.noise_of).again(ledger.whitening, row, {})
 
-    def _alone(self, weights: Array) -> Array:
-        """[nats] Of the best row of laws, under each weighting of the stretches."""
-        search, (extra, inner) = self._search, self._best_inner
-        logs = with_inadequacy(self._best, inner, weights, extra, search.tolerance)[0]
-        return logs + search.log_prior(self._best.elements)
+    def _alone(self, weights: Array, now: _Tried) -> Array:
+        """[nats] Of the best row of laws, under each weighting of the stretches.
+
+        Under the noise that it leaves itself, or that which the function leaves: the levels of
+        both come of spectra, and neither are the likeliest ones of all.
+        """
+        search = self._search
+        logs = [
+            with_inadequacy(self._best, inner, weights, extra, search.tolerance)[0]
+            for extra, inner in (self._best_inner, self._inner(now.own))
+        ]
+        return max(logs, key=np.mean) + search.log_prior(self._best.elements)
 
     @cached_property
     def _best_inner(self) -> tuple[int, Grams]:
-        """Number of bumps, and inner products, of the best row under the noise that it leaves."""
+        """The same of the best row under the noise that it leaves."""
+        return self._inner(self._search.noise.alone(self._best, self._ledger))
+
+    def _inner(self, own: Ledger) -> tuple[int, Grams]:
+        """Number of bumps, and inner products, of the best row under some noise."""
         beside = BesideInadequacy(self._search.problem)
-        extra = beside.begin(self._search.noise.alone(self._best, self._ledger))
-        return extra, beside.grams(self._best)
+        own = replace(own, rows={self._best.elements: self._best})
+        return beside.begin(own), beside.grams(self._best)
 
     def _beside(self, rows: Sequence[Fitted]) -> list[_Tried]:
         """The likeliest free function beside each row; without those beside which none shows."""
