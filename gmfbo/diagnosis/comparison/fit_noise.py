@@ -19,7 +19,7 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import beyond_noise, is_more_than_noise, values_in
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
-from gmfbo.diagnosis.comparison.whitener import Whitening, segment_whitener
+from gmfbo.diagnosis.comparison.whitener import UNMASKED, Whitening, segment_whitener
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,16 +59,19 @@ class FitNoise:
         errors : SimulationErrors
             What they most likely made of the residual is taken out of it first.
         """
-        about = near or self._with_inadequacy(
-            fitted, kernels, self._of_noise(fitted, kernels, None)
-        )
+        about = near
+        if about is None:
+            noise = self._of_noise(fitted, kernels, None)
+            about = self._with_inadequacy(fitted, kernels, noise, noise)
         left = errors.taken_out(self.problem, fitted, kernels, about)
-        return self._with_inadequacy(left, kernels, self._of_noise(left, kernels, near), near)
+        noise = self._of_noise(left, kernels, near)
+        return self._with_inadequacy(left, kernels, noise, about, near)
 
     def with_inadequacy(self, fitted: Fitted, ledger: Ledger) -> Levels:
         """A ledger's levels of noise, with those of the inadequacy that a fit leaves."""
         left = ledger.errors.taken_out(self.problem, fitted, ledger.kernels, ledger.levels)
-        return self._with_inadequacy(left, ledger.kernels, ledger.levels, ledger.levels)
+        levels = ledger.levels
+        return self._with_inadequacy(left, ledger.kernels, levels, levels, levels)
 
     def _of_noise(self, fitted: Fitted, kernels: PortKernels, near: Levels | None) -> Levels:
         problem = self.problem
@@ -90,12 +93,25 @@ class FitNoise:
         return replace(self.least, ports=ports)
 
     def _with_inadequacy(
-        self, fitted: Fitted, kernels: PortKernels, levels: Levels, near: Levels | None = None
+        self,
+        fitted: Fitted,
+        kernels: PortKernels,
+        levels: Levels,
+        about: Levels,
+        near: Levels | None = None,
     ) -> Levels:
         problem = self.problem
         rates = problem.rates(fitted.values)
         least = {**self.cared, "sensor": kernels.rounding}
-        return inadequate(kernels, problem.segments, fitted.residual, rates, levels, least, near)
+        by = replace(about, jitter=0.0)
+        white = [
+            segment_whitener(segment, kernels, by, np.zeros_like(rate))(residual)[:, UNMASKED]
+            for segment, residual, rate in zip(
+                problem.segments, fitted.residual, rates, strict=True
+            )
+        ]
+        rates = [rate[:, UNMASKED] for rate in rates]
+        return inadequate(kernels, problem.segments, white, rates, levels, least, near, by)
 
     def errors(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels | None

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
+from scipy.fft import irfft, next_fast_len
 
 from gmfbo.diagnosis.comparison.noise.places import Levels, covariance
+from gmfbo.diagnosis.comparison.noise.unseen_rows import UnseenRows
 from gmfbo.diagnosis.comparison.numbers import NOISE_FREEDOM
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
@@ -17,8 +18,10 @@ from gmfbo.diagnosis.comparison.segments import Segment
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
-_PADDED = 0.12  # of a segment
+_UNSEEN_ROWS = 200  # at least, between the end of a segment and its start
 _MASKED_ROWS = 20  # at each end, where a filter sees beyond it
+UNMASKED = slice(_MASKED_ROWS, -_MASKED_ROWS)
+"""Rows of a whitened segment that are more than nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +81,8 @@ class SegmentWhitener:
         Filter of each row.
     length : int
         Of the transforms.
+    unseen : UnseenRows
+        Tells what lies between the end and the start.
     spreads : tuple of Spread
         Of errors beside the noise, in the order in which they are taken out.
     scales : ndarray, shape (n,)
@@ -90,6 +95,7 @@ class SegmentWhitener:
     log_determinants: Array
     classes: NDArray[np.intp]
     length: int
+    unseen: UnseenRows
     spreads: tuple[Spread, ...] = ()
     scales: Array | float = 1.0
     own: tuple[Spread, ...] = ()
@@ -186,7 +192,7 @@ class SegmentWhitener:
 
     def _filtered(self, columns: Array) -> Array:
         n = columns.shape[-1]
-        spectrum = rfft(columns, self.length, axis=-1)
+        spectrum = self.unseen.whole(columns)
         first, *others = self.filters
         out: Array = irfft(_mixed(first, spectrum), self.length, axis=-1)[..., :n]
         for c, factor in enumerate(others, 1):
@@ -239,7 +245,7 @@ def segment_whitener(
         [SI/s] Of the signals that jitter shows in; 0 for others.
     """
     n, kernels = rates.shape[1], kernels.of(segment.record)
-    length = next_fast_len(int(np.ceil(n * (1.0 + _PADDED))), real=True)
+    length = next_fast_len(n + _UNSEEN_ROWS, real=True)
     frequencies = np.arange(length // 2 + 1) / (length * segment.spacing)
     squares = rates**2
     shown = levels.jitter**2 * squares.sum(0)
@@ -266,8 +272,14 @@ def segment_whitener(
         logs[rows] = float(weights @ log) / length
     logs[:_MASKED_ROWS] = 0.0
     logs[n - _MASKED_ROWS :] = 0.0
+    if len(numbers) > 1:
+        s = covariance(levels, kernels, segment.names, frequencies, squares.mean(1))
     return SegmentWhitener(
-        tuple(filters), logs, np.searchsorted(numbers, classes).astype(np.intp), length
+        tuple(filters),
+        logs,
+        np.searchsorted(numbers, classes).astype(np.intp),
+        length,
+        UnseenRows.of(s, length, n),
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.noise.unseen_rows import UnseenRows
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.comparison.row_fits import log_likelihood
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
@@ -30,12 +31,10 @@ STRETCHES = [slice(0, 90), slice(90, ROWS)]
 
 def white() -> SegmentWhitener:
     """Of two signals whose noise is white, of unit variance."""
-    return SegmentWhitener(
-        (np.eye(2, dtype=complex)[None].repeat(ROWS // 2 + 1, axis=0),),
-        np.zeros(ROWS),
-        np.zeros(ROWS, dtype=np.intp),
-        ROWS,
-    )
+    length = ROWS + 40
+    plain = np.eye(2, dtype=complex)[None].repeat(length // 2 + 1, axis=0)
+    nothing, unseen = np.zeros(ROWS), UnseenRows.of(plain, length, ROWS)
+    return SegmentWhitener((plain,), nothing, np.zeros(ROWS, dtype=np.intp), length, unseen)
 
 
 def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:

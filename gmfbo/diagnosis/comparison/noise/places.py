@@ -154,10 +154,27 @@ def blocks_of(
     kernels: PortKernels,
     band: float = BAND,
     rows: int = BLOCK_ROWS,
+    white_by: Levels | None = None,
 ) -> list[Periodograms]:
     """Periodograms of half overlapping blocks, those above a share of the Nyquist frequency.
 
     Blocks of one group have the same signals, length and paths of noise.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        Stretches that are compared.
+    residuals, rates : sequence of ndarray, shape (m, n)
+        [SI], [SI/s] By segment.
+    kernels : PortKernels
+        Paths of noise.
+    band : float
+        Share of the Nyquist frequency.
+    rows : int
+        Of a block; 0 for whole segments.
+    white_by : Levels, optional
+        By which the residuals were whitened. Their spectra are coloured again: what leaks from
+        strong frequencies into weak ones would be taken for noise there (Blackman and Tukey 1958).
     """
     groups: dict[tuple[tuple[str, ...], int, int], list[tuple[Segment, Spectrum, Array]]] = {}
     for segment, residual, rate in zip(segments, residuals, rates, strict=True):
@@ -177,6 +194,10 @@ def blocks_of(
         own = blocks[0][0]
         bins = np.arange(first, (n + 1) // 2) / (own.spacing * n)
         spectra, square_rates = np.stack([b[1] for b in blocks]), np.stack([b[2] for b in blocks])
+        if white_by is not None:
+            paths_of = kernels.of(own.record)
+            s = covariance(white_by, paths_of, names, bins, np.zeros(len(names)))
+            spectra = np.einsum("fij,bfj->bfi", np.linalg.cholesky(s), spectra)
         made.append(Periodograms(names, bins, spectra, square_rates, own.record))
     return made
 

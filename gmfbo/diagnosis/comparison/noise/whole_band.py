@@ -12,7 +12,7 @@ draw, 072: own noise of the command looked like 2 mN m of torque, in which frict
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -37,7 +37,9 @@ Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 _STEP = 2.0  # between starts of a level, in its logarithm
-_TIMES = 2.0 ** np.arange(-2.0, 3.0)  # of the usual correlation time
+_TIMES = 2.0 ** np.arange(
+    -4.0, 3.0
+)  # of the usual correlation time: hardly more than white, or slow
 
 
 def inadequate(
@@ -48,6 +50,7 @@ def inadequate(
     levels: Levels,
     least: Mapping[str, float],
     near: Levels | None = None,
+    white_by: Levels | None = None,
 ) -> Levels:
     """Levels over the whole band: torque and command ports, and white noise hidden at its top.
 
@@ -67,6 +70,8 @@ def inadequate(
         encoder in the twin is unsure.
     near : Levels, optional
         Where the search begins too.
+    white_by : Levels, optional
+        By which the residuals were whitened.
     """
     ports = [port for port in least if port in kernels.kernels and port != "sensor"]
     if not ports:
@@ -75,7 +80,8 @@ def inadequate(
     apart = any(len(segment.names) > 1 for segment in segments)
     cared, rounding = {port: least[port] for port in ports}, least.get("sensor", 0.0)
     free, low, high = _ranges(levels, cared, rounding, apart=apart)
-    whole = [_binned(g) for g in blocks_of(segments, residuals, rates, kernels, 0.0, 0)]
+    blocks = blocks_of(segments, residuals, rates, kernels, 0.0, 0, white_by)
+    whole = [_binned(group) for group in blocks]
     quiet = np.where([name == "port:sensor" for name in free], high, low)
     own = np.where([name.startswith("own:") for name in free], _STEP, 0.0)
     pushed = np.array(list(_pushed(quiet, free, len(ports))))
@@ -84,20 +90,36 @@ def inadequate(
     if near is not None:
         known = [near.of(name) for name in free]
         given.append(np.log(np.clip(known, np.exp(low), np.exp(high))))
-    best, least_nll = levels, np.inf
-    for time in TORQUE_TIME * _TIMES:
-        timed = replace(levels, time=float(time))
+
+    def at(time: float) -> tuple[float, Levels]:
+        timed = replace(levels, time=time)
         shares = [_Shares.of(group, timed, free, kernels) for group in whole]
         deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
         starts = [pushed[np.argmin(deviances)], *given]
         nll = partial(_deviance, shares)
         tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
         found = min(tried, key=lambda one: float(one.fun))
-        if float(found.fun) < least_nll:
-            best, least_nll = timed, float(found.fun)
-            for name, value in zip(free, np.exp(found.x), strict=True):
-                best = with_level(best, name, float(value))
-    return best
+        for name, value in zip(free, np.exp(found.x), strict=True):
+            timed = with_level(timed, name, float(value))
+        return float(found.fun), timed
+
+    times = TORQUE_TIME * _TIMES
+    if near is None:
+        return min((at(float(time)) for time in times), key=lambda one: one[0])[1]
+    return _downhill(at, times, int(np.argmin(np.abs(np.log(times / near.time)))))
+
+
+def _downhill(at: Callable[[float], tuple[float, Levels]], times: Array, first: int) -> Levels:
+    """Levels at the time from which both neighbours are worse, nearest to a first one."""
+    found = {first: at(float(times[first]))}
+    best = first
+    while True:
+        for k in {best - 1, best + 1} & set(range(times.size)) - found.keys():
+            found[k] = at(float(times[k]))
+        lowest = min(found, key=lambda k: found[k][0])
+        if lowest == best:
+            return found[best][1]
+        best = lowest
 
 
 def _deviance(shares: Sequence[_Shares], x: Array) -> tuple[float, Array]:

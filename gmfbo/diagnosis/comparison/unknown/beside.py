@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.evidence import Grams, weightings
+from gmfbo.diagnosis.comparison.evidence import weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import (
     BesideInadequacy,
@@ -141,13 +141,12 @@ class _Beside:
             if not likely:
                 break
             now = max(likely, key=lambda one: one.score)
-        if now.score - float(self._alone(self._once, now)[0]) <= named_log_odds():
+        if float(self._with(now, self._once)[0] - self._alone(self._once)[0]) <= named_log_odds():
             return None
         if now.found.effective < self._search.tolerance:
             return None
         weights = weightings(self._once.shape[1])
-        sized = self._sized(now.found, now.own, weights)
-        odds = sized.log_evidences + self._prior(now.elements) - self._alone(weights, now)
+        odds = self._with(now, weights) - self._alone(weights)
         probability = float(np.mean(expit(odds)))
         if probability < NAMED:
             return None
@@ -170,29 +169,38 @@ class _Beside:
             return row
         return RowFits(self._search.problem, ledger.noise_of).again(ledger.whitening, row, {})
 
-    def _alone(self, weights: Array, now: _Tried) -> Array:
+    def _alone(self, weights: Array) -> Array:
         """[nats] Of the best row of laws, under each weighting of the stretches.
 
-        Under the noise that it leaves itself, or that which the function leaves: the levels of
-        both come of spectra, and neither are the likeliest ones of all.
+        Its noise is the likeliest of the levels at hand: those of spectra are near the likeliest
+        ones, and what is left beside a function may come nearer by chance.
         """
-        search = self._search
-        logs = [
-            with_inadequacy(self._best, inner, weights, extra, search.tolerance)[0]
-            for extra, inner in (self._best_inner, self._inner(now.own))
+        search, row, beside = self._search, self._best, BesideInadequacy(self._search.problem)
+        found = []
+        for under in self._under(row):
+            extra = beside.begin(replace(under, rows={row.elements: row}))
+            logs = with_inadequacy(row, beside.grams(row), weights, extra, search.tolerance)[0]
+            found.append(logs + search.log_prior(row.elements))
+        return max(found, key=np.mean)
+
+    def _with(self, now: _Tried, weights: Array) -> Array:
+        """[nats] The same of a row with its function."""
+        under = self._under(now.found.left)
+        found = [self._sized(now.found, own, weights).log_evidences for own in under]
+        return max(found, key=np.mean) + self._prior(now.elements)
+
+    def _under(self, row: Fitted) -> list[Ledger]:
+        """Noise of the levels at hand, larger in stretches in which a row leaves more."""
+        noise = self._search.noise
+        return [
+            replace(own, whitening=noise.scaled(row, own.kernels, own.levels, own.errors))
+            for own in self._levels
         ]
-        return max(logs, key=np.mean) + search.log_prior(self._best.elements)
 
     @cached_property
-    def _best_inner(self) -> tuple[int, Grams]:
-        """The same of the best row under the noise that it leaves."""
-        return self._inner(self._search.noise.alone(self._best, self._ledger))
-
-    def _inner(self, own: Ledger) -> tuple[int, Grams]:
-        """Number of bumps, and inner products, of the best row under some noise."""
-        beside = BesideInadequacy(self._search.problem)
-        own = replace(own, rows={self._best.elements: self._best})
-        return beside.begin(own), beside.grams(self._best)
+    def _levels(self) -> list[Ledger]:
+        """Levels of noise at hand: those that the laws leave, then those of each function."""
+        return [self._search.noise.alone(self._best, self._ledger)]
 
     def _beside(self, rows: Sequence[Fitted]) -> list[_Tried]:
         """The likeliest free function beside each row; without those beside which none shows."""
@@ -236,6 +244,7 @@ class _Beside:
                 break
             best, start, size = _Tried(found, own, score, under, used), found, sized.size
         assert best is not None
+        self._levels.append(best.own)
         search.log(
             f"{kind.port} over {kind.against} ({kind.count}) beside {sorted(row.elements)}: "
             f"{best.score:.1f}"
