@@ -208,7 +208,8 @@ class _Checks:
             "new": [self._command_residual(k, name, r.new[name]) for k, r in enumerate(held)],
         }
         logged = {
-            key: float(np.nanmean(np.concatenate(columns) ** 2)) for key, columns in both.items()
+            key: float(np.nanmean(np.concatenate([np.diff(c) for c in columns]) ** 2))
+            for key, columns in both.items()
         }
         columns = both["new" if name in self.case.simulations.new_rows else "held"]
         fast = float(np.median([fast_noise(column) for column in columns]))

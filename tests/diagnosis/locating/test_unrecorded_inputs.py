@@ -12,7 +12,7 @@ import pytest
 
 from gmfbo import FmuTwin, check
 from gmfbo.diagnosis.checking.text import check_lines
-from gmfbo.diagnosis.locating.parities import Parities, parities
+from gmfbo.diagnosis.locating.parities import Parities, logged_as, parities
 from gmfbo.diagnosis.locating.unrecorded_inputs import unrecorded_inputs
 from gmfbo.recordings.recording import Recording
 from tests.diagnosis.servo_recordings import MODELS, opened_with, rewritten
@@ -74,13 +74,32 @@ def test_controller_with_an_unrecorded_feedforward_is_not_judged(
 ) -> None:
     with opened_parities(bench(tmp_path), driven) as found:
         assert found.controller is None
-        assert not found.logged
         said = found.why_not["controller"]
         assert said.startswith(
             "the controller also reads controller.feedforward, and it was not recorded;"
         )
         # The plant is held by force whatever its command is.
         assert found.plant is not None
+
+
+@pytest.mark.parametrize("logged", ["held", "new"])
+@pytest.mark.parametrize("feedforward", [0.0, 0.2])
+def test_which_command_was_logged_shows_beside_an_unrecorded_feedforward(
+    tmp_path: Path, logged: str, feedforward: float
+) -> None:
+    """Beside friction that the twin lacks too: no plant is in the cut loop."""
+    stated = STATED.replace("0.0", str(feedforward))
+    (made,) = Axis(truth={}, gains={}, noise={"position": 4e-5}).recordings(
+        {"coulomb_friction.level": 0.3},
+        [multisine],
+        seconds=1.0,
+        logged_new=["current"] if logged == "new" else [],
+        written_by="",
+        twin=bench(tmp_path, stated),
+    )
+    with opened_parities(bench(tmp_path), [made]) as found:
+        assert found.controller is None
+        assert logged_as(found) == logged
 
 
 def test_input_that_the_twin_file_states_voids_nothing(

@@ -1,5 +1,6 @@
 """Levels of noise about a fit.
 
 `places` has its three places, read at high frequencies; `whole_band` tells what is missing at the
-torque and command ports from white noise that was hidden there.
+torque and command ports from white noise that was hidden there. `unseen_rows` has what noise did
+before a recording began.
 """
