@@ -25,6 +25,7 @@ def shape_of(unknown: Unknown, units: Units) -> Shape | None:
         "position": units.position,
         "velocity": units.velocity,
         "command": units.command,
+        "time": "s",
     }
     return Shape(
         port=unknown.port,

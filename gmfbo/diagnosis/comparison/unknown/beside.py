@@ -50,7 +50,7 @@ class Unknown:
     port : str
         Where it acts: `torque`, `command` or `sensor`.
     against : str
-        State on which it depends: `position`, `velocity` or `command`.
+        On what it depends: `position`, `velocity`, `command` or `time` since the start.
     probability : float
         That it is there.
     log_odds : float
@@ -143,8 +143,8 @@ class _Beside:
             now = max(likely, key=lambda one: one.score)
         if float(self._with(now, self._once)[0] - self._alone(self._once)[0]) <= named_log_odds():
             return None
-        if now.found.effective < self._search.tolerance:
-            return None
+        if now.found.effective < self._search.tolerance and now.elements >= self._best.elements:
+            return None  # nobody cares, but where a law would be named in its place
         weights = weightings(self._once.shape[1])
         odds = self._with(now, weights) - self._alone(weights)
         probability = float(np.mean(expit(odds)))

@@ -103,6 +103,9 @@ class FreeFunction:
 
     def _along(self) -> Array:
         """The state in all recordings, as it is with the function."""
+        if self.fitted.kind.against == "time":
+            grids = [record.plan.grid for record in self.problem.simulations.records]
+            return np.concatenate([grid - grid[0] for grid in grids])
         if self.fitted.kind.against == "command":
             return np.concatenate([run.response.states["command"] for run in self.fitted.left.runs])
         motion = motion_of(self.problem, self.fitted.left)

@@ -17,6 +17,8 @@ from gmfbo.diagnosis.comparison.problem import Problem
 Array = NDArray[np.float64]
 
 _FINE, _FINE_COMMAND, _COARSE = 40, 64, 8  # bumps over a state
+_STEPS, _STEEP = 256, 1.0  # bumps of what counts or ripples, and over which they are smooth
+_TICK_S, _MOST_TICKS = 0.01, 400  # of what repeats from recording to recording
 _PLAIN = 16.0  # bumps of the fine ones over which a spring or a drag is smooth
 
 
@@ -29,7 +31,7 @@ class Kind:
     port : str
         Where they act: `torque`, `command` or `sensor`.
     against : str
-        State on which they depend: `position`, `velocity` or `command`.
+        On what they depend: `position`, `velocity`, `command` or `time` since the start.
     signals : list of ndarray, shape (c, rows)
         [FMU's unit of the port] By recording: c functions of unit size along it.
     ways : tuple of (str, list of ndarray, shape (rows,))
@@ -89,6 +91,8 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
             Kind("torque", "velocity", both, plain),
             Kind("torque", "velocity", growing, in_time),
         ]
+        if len(passed) > 1:  # of one recording it is noise
+            made.append(Kind("torque", "time", _ticks(problem, passed), plain))
     states = [run.response.states for run in row.runs]
     if "command" in ports and all("command" in own for own in states):
         command = [own["command"] for own in states]
@@ -97,10 +101,13 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
         of_command = (*plain, (", with the sign of its rate", _signs(rising)))
         made += [
             Kind("command", "command", over_command, plain),
+            Kind("command", "command", _over(command, _STEPS, _STEEP), plain),
             Kind("command", "command", each_way, of_command),
         ]
     if "sensor" in ports and kernels.controller is None:
         made.append(Kind("sensor", "position", over_position, plain))
+        rippled = _over(motion.positions, _STEPS, _STEEP)
+        made.append(Kind("sensor", "position", rippled, plain))
     return made
 
 
@@ -109,6 +116,13 @@ def _passed(problem: Problem) -> list[Array]:
     grids = [record.plan.grid for record in problem.simulations.records]
     longest = max(float(grid[-1] - grid[0]) for grid in grids)
     return [(grid - grid[0]) / longest for grid in grids]
+
+
+def _ticks(problem: Problem, passed: Sequence[Array]) -> list[Array]:
+    """Functions of the time since the start that are the same in all recordings, shape (c, n)."""
+    longest = max(float(np.ptp(r.plan.grid)) for r in problem.simulations.records)
+    count = int(np.clip(np.ceil(longest / _TICK_S), 2, _MOST_TICKS))
+    return [smooth(own, 0.0, 1.0, count) for own in passed]
 
 
 def _over(columns: Sequence[Array], count: int, over: float = SMOOTH_BUMPS) -> list[Array]:
