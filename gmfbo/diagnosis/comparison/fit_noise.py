@@ -21,6 +21,8 @@ from gmfbo.diagnosis.comparison.row_fits import beyond_noise, is_more_than_noise
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import UNMASKED, Whitening, segment_whitener
 
+_LEAST_ROWS = 20  # of a segment, that tell levels over the whole band
+
 
 @dataclass(frozen=True, eq=False)
 class FitNoise:
@@ -104,14 +106,21 @@ class FitNoise:
         rates = problem.rates(fitted.values)
         least = {**self.cared, "sensor": kernels.rounding}
         by = replace(about, jitter=0.0)
-        white = [
-            segment_whitener(segment, kernels, by, np.zeros_like(rate))(residual)[:, UNMASKED]
+        parts = [
+            (segment, residual, rate)
             for segment, residual, rate in zip(
                 problem.segments, fitted.residual, rates, strict=True
             )
+            if rate[:, UNMASKED].shape[1] >= _LEAST_ROWS
         ]
-        rates = [rate[:, UNMASKED] for rate in rates]
-        return inadequate(kernels, problem.segments, white, rates, levels, least, near, by)
+        if not parts:
+            return levels
+        white = [
+            segment_whitener(segment, kernels, by, np.zeros_like(rate))(residual)[:, UNMASKED]
+            for segment, residual, rate in parts
+        ]
+        segments, rates = [one[0] for one in parts], [one[2][:, UNMASKED] for one in parts]
+        return inadequate(kernels, segments, white, rates, levels, least, near, by)
 
     def errors(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels | None

@@ -17,7 +17,7 @@ from gmfbo.sources.twin.response import Response
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
-_LONGEST_S, _MOST_TAPS = 2.0, 2000  # whichever is longer: a loop forgets by its slowest integrator
+_LONGEST_S, _LEAST_TAPS = 2.0, 2000  # whichever is longer: a loop forgets by its slowest integrator
 _PUSH, _MOST_PUSH = 1e-5, 0.1
 _READ, _ACTING = "position as read", "command as made"
 _COUNTS = 10.0  # that an encoder in the twin counts of a push: less would be its rounding
@@ -184,7 +184,7 @@ def _in_recording(
 ) -> PortKernels:
     grid = simulations.records[k].plan.grid
     step = float(grid[1] - grid[0])
-    taps = int(min(max(round(_LONGEST_S / step), _MOST_TAPS), grid.size // 2))
+    taps = int(min(max(round(_LONGEST_S / step), _LEAST_TAPS), grid.size // 2))
     first = grid.size - taps
     base = simulations.run_one(point, k)
     is_open = simulations.tracking is not None

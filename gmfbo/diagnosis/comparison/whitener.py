@@ -245,7 +245,7 @@ def segment_whitener(
         [SI/s] Of the signals that jitter shows in; 0 for others.
     """
     n, kernels = rates.shape[1], kernels.of(segment.record)
-    length = next_fast_len(n + _UNSEEN_ROWS, real=True)
+    length = next_fast_len(n + _UNSEEN_ROWS, real=False)
     frequencies = np.arange(length // 2 + 1) / (length * segment.spacing)
     squares = rates**2
     shown = levels.jitter**2 * squares.sum(0)

@@ -23,6 +23,7 @@ from gmfbo.diagnosis.scoring.noise_levels import TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
 from gmfbo.sources.twin.response import Response
 
+_CLEARLY = 2.0  # times the square of one logger, where an input of the controller is unknown
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
 _FARTHEST = 2.0  # standard deviations of a nuisance
 _LOAD_SHARE = 1.0 / 3.0  # of the torque's range: its typical size where it is not recorded
@@ -110,7 +111,9 @@ class _Checks:
                     held, self.command, leak * self._more(efforts)
                 )
                 if not self._reads_only_what_is_known(twin, self.command):
-                    controller = None  # which value the logger stores shows all the same
+                    controller = None  # what the logger stores may show all the same
+                    if max(logged.values()) < _CLEARLY * min(logged.values()):
+                        logged = {}
         plant = None
         if twin.holds_plant:
             if controller is not None and controller.fails:

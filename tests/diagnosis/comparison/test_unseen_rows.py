@@ -42,7 +42,9 @@ def test_unseen_rows_are_the_conditional_mean_of_the_dense_covariance(length: in
     exact = dense[np.ix_(others, known)] @ np.linalg.solve(
         dense[np.ix_(known, known)], columns.reshape(3, -1).T
     )
-    told = irfft(UnseenRows.of(spectra, length, seen).whole(columns), length, axis=-1)
+    told = irfft(
+        UnseenRows.of(spectra.astype(np.complex128), length, seen).whole(columns), length, axis=-1
+    )
     np.testing.assert_allclose(told[..., :seen], columns, atol=1e-12)
     np.testing.assert_allclose(told[..., seen:].reshape(3, -1), exact.T, atol=1e-10)
 

@@ -51,7 +51,7 @@ class UnseenRows:
         seen : int
             First rows of it, which are known.
         """
-        precision = np.linalg.inv(covariance)
+        precision = np.linalg.inv(covariance).astype(np.complex128)
         m, rows = precision.shape[1], length - seen
         lagged = irfft(precision, length, axis=0)
         apart = (np.arange(rows)[:, None] - np.arange(rows)) % length

@@ -91,22 +91,34 @@ def inadequate(
         known = [near.of(name) for name in free]
         given.append(np.log(np.clip(known, np.exp(low), np.exp(high))))
 
-    def at(time: float) -> tuple[float, Levels]:
-        timed = replace(levels, time=time)
-        shares = [_Shares.of(group, timed, free, kernels) for group in whole]
-        deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
-        starts = [pushed[np.argmin(deviances)], *given]
-        nll = partial(_deviance, shares)
-        tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
-        found = min(tried, key=lambda one: float(one.fun))
-        for name, value in zip(free, np.exp(found.x), strict=True):
-            timed = with_level(timed, name, float(value))
-        return float(found.fun), timed
-
+    at = partial(_levels_at, levels, whole, free, kernels, pushed, given, bounds)
     times = TORQUE_TIME * _TIMES
     if near is None:
         return min((at(float(time)) for time in times), key=lambda one: one[0])[1]
     return _downhill(at, times, int(np.argmin(np.abs(np.log(times / near.time)))))
+
+
+def _levels_at(
+    levels: Levels,
+    whole: Sequence[_Binned],
+    free: Sequence[str],
+    kernels: PortKernels,
+    pushed: Array,
+    given: Sequence[Array],
+    bounds: Sequence[tuple[float, float]],
+    time: float,
+) -> tuple[float, Levels]:
+    """Deviance and levels at one correlation time."""
+    timed = replace(levels, time=time)
+    shares = [_Shares.of(group, timed, free, kernels) for group in whole]
+    deviances = np.sum([one.deviances(np.exp(2.0 * pushed)) for one in shares], axis=0)
+    starts = [pushed[np.argmin(deviances)], *given]
+    nll = partial(_deviance, shares)
+    tried = [minimize(nll, x, jac=True, method="L-BFGS-B", bounds=bounds) for x in starts]
+    found = min(tried, key=lambda one: float(one.fun))
+    for name, value in zip(free, np.exp(found.x), strict=True):
+        timed = with_level(timed, name, float(value))
+    return float(found.fun), timed
 
 
 def _downhill(at: Callable[[float], tuple[float, Levels]], times: Array, first: int) -> Levels:

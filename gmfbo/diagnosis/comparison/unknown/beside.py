@@ -144,7 +144,7 @@ class _Beside:
         if float(self._with(now, self._once)[0] - self._alone(self._once)[0]) <= named_log_odds():
             return None
         if now.found.effective < self._search.tolerance and now.elements >= self._best.elements:
-            return None  # nobody cares, but where a law would be named in its place
+            return None  # too small to matter, unless it replaces a law
         weights = weightings(self._once.shape[1])
         odds = self._with(now, weights) - self._alone(weights)
         probability = float(np.mean(expit(odds)))
@@ -173,7 +173,7 @@ class _Beside:
         """[nats] Of the best row of laws, under each weighting of the stretches.
 
         Its noise is the likeliest of the levels at hand: those of spectra are near the likeliest
-        ones, and what is left beside a function may come nearer by chance.
+        ones, and those beside a function may by chance fit the laws alone better.
         """
         search, row, beside = self._search, self._best, BesideInadequacy(self._search.problem)
         found = []
