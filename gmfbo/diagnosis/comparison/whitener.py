@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len
 
 from gmfbo.diagnosis.comparison.noise.places import Levels, covariance
-from gmfbo.diagnosis.comparison.noise.unseen_rows import UnseenRows
+from gmfbo.diagnosis.comparison.noise.unseen_rows import UnseenRows, mixed
 from gmfbo.diagnosis.comparison.numbers import NOISE_FREEDOM
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
@@ -194,10 +194,10 @@ class SegmentWhitener:
         n = columns.shape[-1]
         spectrum = self.unseen.whole(columns)
         first, *others = self.filters
-        out: Array = irfft(_mixed(first, spectrum), self.length, axis=-1)[..., :n]
+        out: Array = irfft(mixed(first, spectrum), self.length, axis=-1)[..., :n]
         for c, factor in enumerate(others, 1):
             rows = self.classes == c
-            out[..., rows] = irfft(_mixed(factor, spectrum), self.length, axis=-1)[..., :n][
+            out[..., rows] = irfft(mixed(factor, spectrum), self.length, axis=-1)[..., :n][
                 ..., rows
             ]
         out[..., :_MASKED_ROWS] = 0.0
@@ -212,20 +212,6 @@ def _together(stretches: Sequence[slice]) -> tuple[NDArray[np.intp], NDArray[np.
     rows = starts + np.arange(int(np.max(ends - starts)))
     inside = rows < ends
     return np.where(inside, rows, starts), inside
-
-
-def _mixed(factor: Spectrum, spectrum: Spectrum) -> Spectrum:
-    """Spectra (..., m, n) times a lower triangular matrix of each frequency, (n, m, m).
-
-    Row by row: with the few signals that there are, einsum takes three times as long.
-    """
-    out = np.empty_like(spectrum)
-    for i in range(spectrum.shape[-2]):
-        row = factor[:, i, 0] * spectrum[..., 0, :]
-        for j in range(1, i + 1):
-            row += factor[:, i, j] * spectrum[..., j, :]
-        out[..., i, :] = row
-    return out
 
 
 def segment_whitener(

@@ -37,9 +37,7 @@ Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 _STEP = 2.0  # between starts of a level, in its logarithm
-_TIMES = 2.0 ** np.arange(
-    -4.0, 3.0
-)  # of the usual correlation time: hardly more than white, or slow
+_TIMES = 2.0 ** np.arange(-4.0, 3.0)  # of the usual correlation time
 
 
 def inadequate(
@@ -90,7 +88,6 @@ def inadequate(
     if near is not None:
         known = [near.of(name) for name in free]
         given.append(np.log(np.clip(known, np.exp(low), np.exp(high))))
-
     at = partial(_levels_at, levels, whole, free, kernels, pushed, given, bounds)
     times = TORQUE_TIME * _TIMES
     if near is None:

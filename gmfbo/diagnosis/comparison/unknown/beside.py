@@ -141,12 +141,14 @@ class _Beside:
             if not likely:
                 break
             now = max(likely, key=lambda one: one.score)
-        if float(self._with(now, self._once)[0] - self._alone(self._once)[0]) <= named_log_odds():
+        alone, beside = self._under(self._best), self._under(now.found.left)
+        gain = self._with(now, self._once, beside) - self._alone(self._once, alone)
+        if float(gain[0]) <= named_log_odds():
             return None
         if now.found.effective < self._search.tolerance and now.elements >= self._best.elements:
             return None  # too small to matter, unless it replaces a law
         weights = weightings(self._once.shape[1])
-        odds = self._with(now, weights) - self._alone(weights)
+        odds = self._with(now, weights, beside) - self._alone(weights, alone)
         probability = float(np.mean(expit(odds)))
         if probability < NAMED:
             return None
@@ -169,7 +171,7 @@ class _Beside:
             return row
         return RowFits(self._search.problem, ledger.noise_of).again(ledger.whitening, row, {})
 
-    def _alone(self, weights: Array) -> Array:
+    def _alone(self, weights: Array, levels: Sequence[Ledger]) -> Array:
         """[nats] Of the best row of laws, under each weighting of the stretches.
 
         Its noise is the likeliest of the levels at hand: those of spectra are near the likeliest
@@ -177,16 +179,15 @@ class _Beside:
         """
         search, row, beside = self._search, self._best, BesideInadequacy(self._search.problem)
         found = []
-        for under in self._under(row):
+        for under in levels:
             extra = beside.begin(replace(under, rows={row.elements: row}))
             logs = with_inadequacy(row, beside.grams(row), weights, extra, search.tolerance)[0]
             found.append(logs + search.log_prior(row.elements))
         return max(found, key=np.mean)
 
-    def _with(self, now: _Tried, weights: Array) -> Array:
+    def _with(self, now: _Tried, weights: Array, levels: Sequence[Ledger]) -> Array:
         """[nats] The same of a row with its function."""
-        under = self._under(now.found.left)
-        found = [self._sized(now.found, own, weights).log_evidences for own in under]
+        found = [self._sized(now.found, own, weights).log_evidences for own in levels]
         return max(found, key=np.mean) + self._prior(now.elements)
 
     def _under(self, row: Fitted) -> list[Ledger]:

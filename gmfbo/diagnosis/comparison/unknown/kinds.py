@@ -77,7 +77,7 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
         of_speed = (*plain, (", with the sign of the acceleration", _signs(turning)))
         of_place = (*plain, (", with the sign of the velocity", _signs(moving)))
         in_proportion = ((", in proportion to the velocity (at its largest)", shares),)
-        passed = _passed(problem)
+        passed, longest = _passed(problem)
         growing = [own * share for own, share in zip(over_speed, passed, strict=True)]
         in_time = ((", in proportion to the time since the start (at the end)", passed),)
         made += [
@@ -92,7 +92,7 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
             Kind("torque", "velocity", growing, in_time),
         ]
         if len(passed) > 1:  # of one recording it is noise
-            made.append(Kind("torque", "time", _ticks(problem, passed), plain))
+            made.append(Kind("torque", "time", _ticks(passed, longest), plain))
     states = [run.response.states for run in row.runs]
     if "command" in ports and all("command" in own for own in states):
         command = [own["command"] for own in states]
@@ -111,16 +111,15 @@ def kinds(problem: Problem, kernels: PortKernels, row: Fitted) -> list[Kind]:
     return made
 
 
-def _passed(problem: Problem) -> list[Array]:
-    """Time since the start of each recording, of the longest one's."""
+def _passed(problem: Problem) -> tuple[list[Array], float]:
+    """Time since the start of each recording, as a share of the longest one's, and that [s]."""
     grids = [record.plan.grid for record in problem.simulations.records]
     longest = max(float(grid[-1] - grid[0]) for grid in grids)
-    return [(grid - grid[0]) / longest for grid in grids]
+    return [(grid - grid[0]) / longest for grid in grids], longest
 
 
-def _ticks(problem: Problem, passed: Sequence[Array]) -> list[Array]:
+def _ticks(passed: Sequence[Array], longest: float) -> list[Array]:
     """Functions of the time since the start that are the same in all recordings, shape (c, n)."""
-    longest = max(float(np.ptp(r.plan.grid)) for r in problem.simulations.records)
     count = int(np.clip(np.ceil(longest / _TICK_S), 2, _MOST_TICKS))
     return [smooth(own, 0.0, 1.0, count) for own in passed]
 
