@@ -100,13 +100,15 @@ class Search:
         )
 
     def _confirmed(self, decision: Decision, unseen: Case | None) -> tuple[Decision, Validated]:
-        """Score on held-out recordings, and withdraw names that these contradict."""
+        """Score on held-out recordings, and withdraw names with which these are met no better."""
         result = self._validated(decision, unseen)
-        if not decision.row.elements or not result.contradicts_names:
+        is_useless = result.contradicts_names or result.gains_nothing
+        if not decision.row.elements or not is_useless:
             return decision, result
         names = " and ".join(words(name) for name in sorted(decision.row.elements))
+        why = "contradict it" if result.contradicts_names else "are met no better with it"
         self.case.notes.append(
-            f"{names} would explain the recordings that were fitted, but the others contradict it: "
+            f"{names} would explain the recordings that were fitted, but the others {why}: "
             "nothing is named"
         )
         withdrawn = replace(
@@ -115,7 +117,7 @@ class Search:
             freed={},
             row=decision.base,
             model=self.case.base,
-            is_withdrawn=True,
+            is_withdrawn=result.contradicts_names,
         )
         return withdrawn, self._validated(withdrawn, unseen)
 

@@ -76,15 +76,19 @@ def decide(
     seen = shown(ledger.whitening, base, ledger.responses)
     fits = RowFits(compared.search.problem, ledger.noise_of)
     row = fits.to_the_end(ledger.whitening, _model(compared, said, above))
-    held_by_row = [claim for claim in said if _winner(claim) in row.elements]
+    held_by_row = [(c, name) for c, name in _held(said, row.elements) if name]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
-    rounds = [_round(case, compared, row, model, c, most) for c in held_by_row if _effects(c)]
+    rounds = [
+        _round(case, compared, row, model, claim, name, most)
+        for claim, name in held_by_row
+        if _effects(claim)
+    ]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
-            claim.members[0].removeprefix("parameter:"): claim.probability
-            for claim in held_by_row
+            name.removeprefix("parameter:"): claim.probability
+            for claim, name in held_by_row
             if not _effects(claim)
         },
         model=model,
@@ -193,9 +197,18 @@ def _effects(claim: Claim) -> list[str]:
     return [name for name in claim.members if not name.startswith("parameter:")]
 
 
-def _winner(claim: Claim) -> str:
-    """The most believed effect of a set, or its parameter where it has none."""
-    return next(iter(_effects(claim)), claim.members[0])
+def _stand_ins(claim: Claim) -> list[str]:
+    """Those of a set that a model may hold for it: its effects, or the parameter that leads it."""
+    return _effects(claim) or [claim.members[0]]
+
+
+def _held(said: Sequence[Claim], elements: frozenset[str]) -> list[tuple[Claim, str]]:
+    """Each claim with the most believed of its set that a model holds; "" where it holds none."""
+    held: list[tuple[Claim, str]] = []
+    for claim in said:
+        left = elements - {name for _, name in held}
+        held.append((claim, next((name for name in _stand_ins(claim) if name in left), "")))
+    return held
 
 
 def _model(
@@ -203,18 +216,21 @@ def _model(
     said: Sequence[Claim],
     above: Mapping[frozenset[str], Mapping[str, float]],
 ) -> Row:
-    """The most believed row that holds what is said, and nothing else that could have been.
+    """The most believed row that holds one of each set, and nothing else that could have been.
 
-    Where no such row was fitted, the most believed one with all that is said, or else of all.
+    Which one of a set fits best depends on the others. Where no such row was fitted, the most
+    believed one with all that is said, or else of all.
     """
     scored = compared.scored
-    winners = {_winner(claim) for claim in said}
     order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
-    holding = [elements for elements in order if winners <= elements]
-    for elements in holding:
-        untold = elements - winners
-        if not any(_is_there(name, above[elements]) for name in untold):
+    holding = []
+    for elements in order:
+        told = {name for _, name in _held(said, elements)}
+        if "" in told:
+            continue
+        if not any(_is_there(name, above[elements]) for name in elements - told):
             return compared.ledger.rows[elements]
+        holding.append(elements)
     return compared.ledger.rows[next(iter(holding), scored.best)]
 
 
@@ -224,10 +240,16 @@ def _is_there(name: str, shares: Mapping[str, float]) -> bool:
 
 
 def _round(
-    case: Case, compared: Compared, row: Row, model: Fitted, claim: Claim, most: float
+    case: Case,
+    compared: Compared,
+    row: Row,
+    model: Fitted,
+    claim: Claim,
+    winner: str,
+    most: float,
 ) -> Round:
     """A claim as it is told, with no more belief than is left where laws are of the wrong form."""
-    winner, rows = _winner(claim), compared.ledger.rows
+    rows = compared.ledger.rows
     without = rows.get(row.elements - {winner}, rows[frozenset()])
     beliefs = dict(zip(claim.members, claim.beliefs, strict=True))
     others = [name for name in claim.members if name != winner]

@@ -98,6 +98,8 @@ def verdict_words(diagnosis: Findings) -> str:
     """Name of the verdict; physics of which no name is sure only "may be missing"."""
     sure = any(is_sure(effect.set_probability) for effect in diagnosis.effects)
     told = VERDICTS[diagnosis.verdict]
+    if diagnosis.verdict == "outside_library" and diagnosis.effects:
+        return "known and unknown physics"
     return told if sure or diagnosis.verdict != "missing_physics" else "physics may be missing"
 
 

@@ -17,6 +17,8 @@ STILL_FOLLOWS = "what is left still follows the reference"
 LEAST_TOLD = 0.01
 """Of what is more than noise: a smaller remainder does not belong in a sentence."""
 
+_HALF = 0.5
+
 _MOST_BELOW_ALL = 999  # thousandths: the most that one decimal shows below 100 %
 
 
@@ -62,6 +64,11 @@ def share_words(effect: NamedEffect) -> str:
     if share is None:
         return ""
     return f"explains {percent(share.value)} [{percent(share.low)}, {percent(share.high)}]"
+
+
+def explains_most(remainder: Remainder | None) -> bool:
+    """Whether the named laws explain more than half of what is more than noise."""
+    return remainder is not None and remainder.share < _HALF
 
 
 def remainder_words(remainder: Remainder | None) -> str:

@@ -7,7 +7,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
-from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, remainder_words, still_follows
+from gmfbo.diagnosis.result.removed_error import (
+    STILL_FOLLOWS,
+    explains_most,
+    remainder_words,
+    still_follows,
+)
 from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
 from gmfbo.units import quantity as prefixed
 
@@ -139,6 +144,8 @@ def _outside(diagnosis: Findings) -> str:
         )
     which = f"{count} effects known here{' that could be tested' if silent else ''}"
     if diagnosis.effects:
+        if explains_most(diagnosis.remainder):
+            return _physics(diagnosis)
         nearest = " ".join(effect.statement for effect in diagnosis.effects)
         return f"None of the {which} explains all that is missing. The nearest: {nearest}"
     return f"Something is missing that is none of the {which}{_function(diagnosis)}."

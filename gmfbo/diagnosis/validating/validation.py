@@ -60,6 +60,8 @@ class Validated:
         The augmented twin in the comparison, on the same windows.
     contradicts_names : bool
         Whether held-out recordings contradict the named physics.
+    gains_nothing : bool
+        Whether they are met no better with it: as much is left beyond noise as without.
     nominal_is_better : bool
         Whether they prefer the twin as it came.
     squares : Squares
@@ -74,6 +76,7 @@ class Validated:
     misfit: Misfit
     part: Part
     contradicts_names: bool
+    gains_nothing: bool
     nominal_is_better: bool
     squares: Squares
 
@@ -232,6 +235,8 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     if distance > SAME:
         removed = _removed(case, told.scored, told.plain, augmented)
     table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
+    squares = seen.squares()
+    by_noise = 0.5 * (squares.before - squares.after)
     return Validated(
         table,
         _curves(case, told.plain, augmented),
@@ -240,9 +245,11 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         augmented,
         told.misfit,
         part,
-        contradicts_names(gains_on(seen.before, seen.after), distance),
+        contradicts_names(gains_on(seen.before, seen.after), distance)
+        or contradicts_names(by_noise, distance),
+        squares.remainder is not None and squares.remainder >= 1.0,
         contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after)),
-        seen.squares(),
+        squares,
     )
 
 
