@@ -17,6 +17,8 @@ from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
 
+_MOST_VALUES = 8_000_000  # of curvatures that are held at a time: 64 MB
+
 
 @dataclass(frozen=True, eq=False)
 class Grams:
@@ -118,6 +120,10 @@ def log_evidences(
     """
     p = fitted.u.size + fitted.nuisances.size
     count = p + (extra if size > 0.0 else 0)
+    most = max(1, _MOST_VALUES // count**2) if count else len(weights)
+    if len(weights) > most:
+        parts = np.split(weights, range(most, len(weights), most))
+        return np.concatenate([log_evidences(fitted, inner, w, extra, size) for w in parts])
     curvature = np.concatenate([fitted.curvatures, np.full(count - p, size**-2 if size else 0.0)])
     unit = 1.0 / np.sqrt(curvature)  # in units of the priors no eigenvalue is below one
     a = np.tensordot(weights, inner.matrices[:, :count, :count], 1)

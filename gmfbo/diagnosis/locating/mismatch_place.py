@@ -82,7 +82,7 @@ def located_at(location: Location, port: str, against: str) -> Location:
     port : str
         Where the function acts.
     against : str
-        State on which it depends.
+        State on which it depends, or `time`.
     """
     first, *others = _PARTS[port]
     if location.signal_path in (first, *others):

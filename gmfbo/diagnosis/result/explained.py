@@ -36,7 +36,7 @@ class Remainder:
     port : str or None
         Port at which a smooth signal stands for it; None where none does.
     against : str or None
-        State on which that signal depends: `velocity`, `position` or `command`.
+        On what that signal depends: `velocity`, `position`, `command` or `time` since the start.
     where : str
         Stretch that holds more than half of it, or "throughout".
     """

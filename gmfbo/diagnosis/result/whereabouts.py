@@ -45,14 +45,14 @@ class Location:
 
 @dataclass(frozen=True)
 class Shape:
-    """Inferred signal of a mismatch against the state that it depends on.
+    """Inferred signal of a mismatch against the state, or the time, that it depends on.
 
     Attributes
     ----------
     port : str
         Port at which it acts.
     against : str
-        State on the x axis.
+        State on the x axis, or `time`.
     x : tuple of float, n values
         [unit_x] The state, rising.
     y : tuple of float, n values

@@ -70,5 +70,10 @@ class Squares:
             return None
         return float(left.sum() / beyond.sum())
 
+    @property
+    def gain_nothing(self) -> bool:
+        """Whether as much is left beyond noise with what was named as without."""
+        return self.remainder is not None and self.remainder >= 1.0
+
     def _is_more_than_noise(self, beyond: Array) -> bool:
         return is_more_than_noise(float(beyond.sum()), float(self.noise.sum()))

@@ -247,7 +247,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         part,
         contradicts_names(gains_on(seen.before, seen.after), distance)
         or contradicts_names(by_noise, distance),
-        squares.remainder is not None and squares.remainder >= 1.0,
+        squares.gain_nothing,
         contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after)),
         squares,
     )

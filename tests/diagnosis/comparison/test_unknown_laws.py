@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.evidence import grams, log_evidences, weightings
 from gmfbo.diagnosis.comparison.inadequacy import motion_of, through_loop
 from gmfbo.diagnosis.comparison.numbers import NAMED, TORQUE_TIME
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.comparison.unknown.curve import DrawnFunction
 from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, fitted_with
-from gmfbo.diagnosis.comparison.unknown.kinds import kinds
+from gmfbo.diagnosis.comparison.unknown.kinds import _ticks, kinds
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.noise.planted_noise import STEP, Planted, opened
@@ -127,6 +128,27 @@ def test_the_curve_is_the_law_without_what_parameters_make_of_it(dragged: Unknow
     assert covered(curve, truth) >= 0.85
     assert np.corrcoef(curve.y, truth)[0, 1] > 0.98
     assert np.median(curve.half) < 0.2 * np.abs(truth).max()
+
+
+def test_evidence_is_the_same_however_many_weightings_are_held_at_a_time(
+    dragged: Unknown, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    function = dragged.function
+    row = function.fitted.left
+    inner = grams(function.problem, row.beside_own_parts(function.whitening), row)
+    weights = weightings(len(inner.squares))
+    whole = log_evidences(row, inner, weights)
+    monkeypatch.setattr("gmfbo.diagnosis.comparison.evidence._MOST_VALUES", 50)
+    np.testing.assert_allclose(log_evidences(row, inner, weights), whole, rtol=1e-12)
+
+
+def test_a_function_of_the_time_is_nothing_where_one_recording_alone_goes_on() -> None:
+    passed = [np.linspace(0.0, 1.0, 101), np.linspace(0.0, 0.5, 51), np.linspace(0.0, 0.6, 61)]
+    long, short, middle = _ticks(passed, 2.0)
+    assert np.any(long[:, 60] != 0.0)
+    assert not np.any(long[:, 61:])
+    np.testing.assert_allclose(long[:, :61], middle, atol=1e-12)
+    np.testing.assert_allclose(long[:, :51], short, atol=1e-12)
 
 
 def test_what_is_no_function_of_one_state_is_not_drawn_as_one(dragged: Unknown) -> None:

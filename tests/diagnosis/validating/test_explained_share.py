@@ -52,3 +52,13 @@ def test_the_interval_holds_the_share(before: list[float], explained: float) -> 
     assert share is not None
     assert share.low - 1e-9 <= share.value <= share.high + 1e-9
     assert share.value == pytest.approx(explained, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "gain_nothing"),
+    [(3.0, 3.0, True), (3.0, 4.0, True), (3.0, 2.9, False), (3.0, 1.0, False), (1.0, 1.1, False)],
+)
+def test_names_gain_nothing_where_as_much_is_left_beyond_noise(
+    before: float, after: float, gain_nothing: bool
+) -> None:
+    assert squares(before, after).gain_nothing is gain_nothing

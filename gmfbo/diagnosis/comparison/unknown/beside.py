@@ -192,11 +192,12 @@ class _Beside:
 
     def _under(self, row: Fitted) -> list[Ledger]:
         """Noise of the levels at hand, larger in stretches in which a row leaves more."""
-        noise = self._search.noise
-        return [
-            replace(own, whitening=noise.scaled(row, own.kernels, own.levels, own.errors))
-            for own in self._levels
-        ]
+        noise, found = self._search.noise, []
+        for own in self._levels:
+            errors = noise.with_own_parts(row, own.kernels, own.levels, own.errors)
+            whitening = noise.scaled(row, own.kernels, own.levels, errors)
+            found.append(replace(own, whitening=whitening, errors=errors))
+        return found
 
     @cached_property
     def _levels(self) -> list[Ledger]:

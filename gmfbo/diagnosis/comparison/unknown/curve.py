@@ -18,7 +18,8 @@ from gmfbo.diagnosis.runs.simulated import Simulated
 
 Array = NDArray[np.float64]
 
-_POINTS = 101  # of a drawn curve, at most: two and a half a bump of the finest
+_POINTS = 101  # of a drawn curve, at least
+_A_BUMP = 2.5  # points, of what is finer
 _HARDLY = 0.01  # of the rows of the middle bin: too few for a point
 _TWO_SIDED = 1.96  # 95 % of a normal distribution
 
@@ -30,7 +31,7 @@ class DrawnFunction:
     Attributes
     ----------
     against : str
-        The state, and how the function acts with it.
+        The state or the time, and how the function acts with it.
     x : ndarray, shape (n,)
         [FMU's unit of the state] Rising.
     y : ndarray, shape (n,)
@@ -84,7 +85,8 @@ class FreeFunction:
         """
         kind, (values, covariance) = self.fitted.kind, self._apart_from_the_row()
         along, signals = self._along(), np.concatenate(kind.signals, axis=1)
-        bins = _Bins.over(along, is_speed=kind.against == "velocity")
+        count = max(_POINTS, round(_A_BUMP * kind.count))
+        bins = _Bins.over(along, count, is_speed=kind.against == "velocity")
         nearest, shown = None, MOST * float(bins.sums((values @ signals) ** 2).sum())
         for words, factors in kind.ways:
             factor = np.concatenate(factors)
@@ -145,18 +147,19 @@ class _Bins:
 
     place: NDArray[np.intp]
     inside: NDArray[np.bool_]
+    count: int
 
     @classmethod
-    def over(cls, along: Array, *, is_speed: bool) -> _Bins:
+    def over(cls, along: Array, count: int, *, is_speed: bool) -> _Bins:
         """Bins over a state, without the few rows beyond its usual range."""
         ends = np.array(ends_of([along]))
         if is_speed:
             along, ends = (np.sign(v) * np.sqrt(np.abs(v)) for v in (along, ends))
         inside = (along >= ends[0]) & (along <= ends[1])
-        edges = np.linspace(ends[0], ends[1], _POINTS + 1)[1:-1]
-        return cls(np.searchsorted(edges, along[inside], side="right"), inside)
+        edges = np.linspace(ends[0], ends[1], count + 1)[1:-1]
+        return cls(np.searchsorted(edges, along[inside], side="right"), inside, count)
 
     def sums(self, values: Array) -> Array:
         """Sum of values over the rows of each bin, shape (n_bins,)."""
-        found: Array = np.bincount(self.place, values[self.inside], _POINTS).astype(np.float64)
+        found: Array = np.bincount(self.place, values[self.inside], self.count).astype(np.float64)
         return found

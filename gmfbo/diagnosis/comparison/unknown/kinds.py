@@ -119,9 +119,13 @@ def _passed(problem: Problem) -> tuple[list[Array], float]:
 
 
 def _ticks(passed: Sequence[Array], longest: float) -> list[Array]:
-    """Functions of the time since the start that are the same in all recordings, shape (c, n)."""
-    count = int(np.clip(np.ceil(longest / _TICK_S), 2, _MOST_TICKS))
-    return [smooth(own, 0.0, 1.0, count) for own in passed]
+    """Functions of the time since the start that are the same in all recordings, shape (c, n).
+
+    Zero where only one recording is that long: what it holds there is noise.
+    """
+    shared = sorted(float(own[-1]) for own in passed)[-2]
+    count = int(np.clip(np.ceil(shared * longest / _TICK_S), 2, _MOST_TICKS))
+    return [smooth(own, 0.0, shared, count) * (own <= shared) for own in passed]
 
 
 def _over(columns: Sequence[Array], count: int, over: float = SMOOTH_BUMPS) -> list[Array]:
