@@ -1,0 +1,44 @@
+"""A model holds one law of each set, and no law stands for two sets."""
+
+from __future__ import annotations
+
+import pytest
+
+from gmfbo.diagnosis.comparison.claims import Claim
+from gmfbo.diagnosis.naming.decided_by_score import _held
+
+COGGING = Claim(("cogging_torque",), (1.0,))
+PRESLIDING = Claim(("presliding_friction", "hysteresis"), (0.6, 0.4))
+ONE_SIDED = Claim(("stribeck_friction", "asymmetric_friction"), (0.6, 0.4))
+OVERLAPPING = Claim(("presliding_friction", "stribeck_friction"), (0.6, 0.4))
+GAIN = Claim(("parameter:drive.gain", "actuator_gain_loss"), (0.6, 0.4))
+PARAMETER = Claim(("parameter:mass",), (1.0,))
+
+
+@pytest.mark.parametrize(
+    ("said", "elements", "held"),
+    [
+        (
+            (COGGING, ONE_SIDED),
+            "cogging_torque asymmetric_friction",
+            "cogging_torque asymmetric_friction",
+        ),
+        (
+            (PRESLIDING, OVERLAPPING),
+            "presliding_friction stribeck_friction",
+            "presliding_friction stribeck_friction",
+        ),
+        ((PARAMETER,), "parameter:mass cogging_torque", "parameter:mass"),
+        ((GAIN,), "parameter:drive.gain actuator_gain_loss", "actuator_gain_loss"),
+    ],
+)
+def test_the_most_believed_of_a_set_that_a_row_holds_stands_for_it(
+    said: tuple[Claim, ...], elements: str, held: str
+) -> None:
+    found = _held(said, frozenset(elements.split()))
+    assert [name for _, name in found] == held.split()
+
+
+def test_a_law_stands_for_one_set_only() -> None:
+    found = _held((PRESLIDING, OVERLAPPING), frozenset({"presliding_friction", "cogging_torque"}))
+    assert [name for _, name in found] == ["presliding_friction", ""]
