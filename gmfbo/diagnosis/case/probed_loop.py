@@ -16,7 +16,7 @@ from gmfbo.diagnosis.scoring.signal_parts import Rig
 from gmfbo.diagnosis.scoring.windows import first_difference, starts_elsewhere
 from gmfbo.plain_words import listed
 
-_RESTING = 1.5  # times the time to 2 %: an exponential is down to 0.3 %
+_RESTING = 3.0  # times the time to 2 %: what is left of a push of 10^5 times the noise is below it
 
 
 def probed_loop(

@@ -61,7 +61,8 @@ class Validated:
     contradicts_names : bool
         Whether held-out recordings contradict the named physics.
     gains_nothing : bool
-        Whether they are met no better with it: as much is left beyond noise as without.
+        Whether they are met no better with it: it changes them, as much is left beyond noise as
+        without, and they do not contradict the twin without it.
     nominal_is_better : bool
         Whether they prefer the twin as it came.
     squares : Squares
@@ -235,8 +236,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     if distance > SAME:
         removed = _removed(case, told.scored, told.plain, augmented)
     table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
-    squares = seen.squares()
-    by_noise = 0.5 * (squares.before - squares.after)
+    squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     return Validated(
         table,
         _curves(case, told.plain, augmented),
@@ -245,9 +245,8 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         augmented,
         told.misfit,
         part,
-        contradicts_names(gains_on(seen.before, seen.after), distance)
-        or contradicts_names(by_noise, distance),
-        squares.gain_nothing,
+        contradicts_names(gains, distance),
+        distance > SAME and squares.gain_nothing and not contradicts_names(-gains, distance),
         contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after)),
         squares,
     )
