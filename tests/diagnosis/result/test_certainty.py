@@ -207,3 +207,9 @@ def test_what_is_unknown_is_told_where_it_acts_even_if_no_curve_was_drawn_there(
     left = Remainder(1.0, "command", "command", "throughout")
     told = replace(outside(), remainder=left).sentence
     assert "that could be tested: it acts at the command port and depends on the command." in told
+
+
+def test_no_more_is_left_by_laws_than_all() -> None:
+    left = Remainder(2.99, None, None, "throughout")
+    told = replace(outside(), effects=(FRICTION,), remainder=left).sentence
+    assert "100 % of what is more than noise is explained by no law." in told
