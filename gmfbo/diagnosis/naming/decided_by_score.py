@@ -74,22 +74,18 @@ def decide(
     said, notes = _said(claims_of(scored, above), silent, unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    fits = RowFits(compared.search.problem, ledger.noise_of)
-    row = fits.to_the_end(ledger.whitening, _model(compared, said, above))
-    held_by_row = [(c, name) for c, name in _held(said, row.elements) if name]
+    row = _model(compared, said, above)
+    held_by_row = [one for one in _held(said, row.elements) if one[1]]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
-    rounds = [
-        _round(case, compared, row, model, claim, name, most)
-        for claim, name in held_by_row
-        if _effects(claim)
-    ]
+    named = [one for one in held_by_row if _effects(one[0])]
+    rounds = [_round(case, compared, row, model, *one, most) for one in named]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
             name.removeprefix("parameter:"): claim.probability
             for claim, name in held_by_row
-            if not _effects(claim)
+            if (claim, name) not in named
         },
         model=model,
         row=row,
@@ -216,22 +212,26 @@ def _model(
     said: Sequence[Claim],
     above: Mapping[frozenset[str], Mapping[str, float]],
 ) -> Row:
-    """The most believed row that holds one of each set, and nothing else that could have been.
+    """The mode of the most believed row with one of each set, and nothing else that could be.
 
     Which one of a set fits best depends on the others. Where no such row was fitted, the most
     believed one with all that is said, or else of all.
     """
-    scored = compared.scored
+    scored, ledger = compared.scored, compared.ledger
+    fits = RowFits(compared.search.problem, ledger.noise_of)
     order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
-    holding = []
+    holding, chosen = [], None
     for elements in order:
         told = {name for _, name in _held(said, elements)}
         if "" in told:
             continue
         if not any(_is_there(name, above[elements]) for name in elements - told):
-            return compared.ledger.rows[elements]
+            chosen = elements
+            break
         holding.append(elements)
-    return compared.ledger.rows[next(iter(holding), scored.best)]
+    if chosen is None:
+        chosen = next(iter(holding), scored.best)
+    return fits.to_the_end(ledger.whitening, ledger.rows[chosen])
 
 
 def _is_there(name: str, shares: Mapping[str, float]) -> bool:
