@@ -104,16 +104,15 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Three effects are named, and none for certain: the verdict is `outside_library`. Beside them a
-# free curve over the velocity explains 2 % of what is more than noise, and no law of the library
-# has that curve. The carriage rubs with some 10 N of presliding (or Stribeck) friction, which
-# gives way over 13 um, and 5.4 N that differ by direction; the curve has the rest of the 20.4 N
-# that are published. The difference by direction is one of *viscous* friction, -64 N s/m here; the
-# rig's authors give 167 and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's
-# pitch; two slower lines beside it are hardly more than their intervals.
+# Three effects are named, one of them as a set. The carriage rubs with some 12 N of presliding
+# friction (or hysteresis, which these recordings do not tell from it), which gives way over 21 um,
+# and with 8.6 N that differ by direction: together 20.6 N, where 20.4 N are published. The
+# difference by direction is one of *viscous* friction, -66 N s/m here; the rig's authors give 167
+# and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's pitch. No law explains
+# the last 3 % of what is more than noise.
 #
-# On the second half the voltage is met to 2.4 %, with fourteen numbers beside mass and viscous
-# friction, and the curve. Published models leave 3.8 % with four numbers, and 3.5 % with one line
+# On the second half the voltage is met to 3.3 %, with eight numbers beside mass and viscous
+# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line
 # of ripple more. What is left there is noise: 0.62 % of the voltage's range. That half was looked
 # at while the diagnosis was developed: its figures show how the tool works, and are no evidence
 # that it finds the like on an axis which nobody has seen. The runs were cut by hand;
@@ -134,13 +133,13 @@ for effect in diagnosis.effects:
 # ## Held to it
 
 # %%
-assert diagnosis.verdict == "outside_library"
+assert diagnosis.verdict == "missing_physics"
 assert set(named) == {"cogging_torque", "presliding_friction", "asymmetric_friction"}
-assert all(effect.probability <= 0.8 for effect in diagnosis.effects)
+assert named["presliding_friction"].indistinguishable_from == ("hysteresis",)
 sliding = named["presliding_friction"].parameters["level"].value
 by_direction = named["asymmetric_friction"].parameters
 sliding += 0.5 * sum(by_direction[f"level_{side}"].value for side in ("positive", "negative"))
-assert 13.0 < sliding < 18.0, "of 20.4 N as published"
+assert 18.0 < sliding < 23.0, "20.4 N as published"
 assert -85.0 < by_direction["viscous_difference"].value < -55.0, "167 - 240 as published"
 cycles = named["cogging_torque"].parameters["wavenumber_1"].value / (2.0 * np.pi)
 assert abs(cycles - 400.0) < 5.0, "the only line that the residual shows"
@@ -148,4 +147,4 @@ assert diagnosis.remainder is not None
 assert 0.01 < diagnosis.remainder.share < 0.06
 
 assert 0.17 < with_parameters < 0.19
-assert 0.022 < with_physics < 0.026
+assert 0.030 < with_physics < 0.035
