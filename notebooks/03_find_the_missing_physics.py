@@ -111,7 +111,7 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's pitch. No law explains
 # the last 3 % of what is more than noise.
 #
-# On the second half the voltage is met to 3.3 %, with eight numbers beside mass and viscous
+# On the second half the voltage is met to 3.25 %, with eight numbers beside mass and viscous
 # friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line
 # of ripple more. What is left there is noise: 0.62 % of the voltage's range. That half was looked
 # at while the diagnosis was developed: its figures show how the tool works, and are no evidence
