@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -30,9 +31,27 @@ class White:
         return self
 
 
-def linear_part(rng: np.random.Generator, columns: NDArray[np.float64], size: float) -> Part:
-    """Least squares for unit values under noise of this size; columns have shape (p, rows)."""
+@dataclass(frozen=True)
+class Run:
+    """A run of the twin, which tells its signals."""
+
+    signals: tuple[NDArray[np.float64], ...] = ()
+
+
+def linear_part(
+    rng: np.random.Generator,
+    columns: NDArray[np.float64],
+    size: float,
+    late: NDArray[np.float64] | None = None,
+) -> Part:
+    """Least squares for unit values under noise of this size; columns have shape (p, rows).
+
+    What the step makes of the simulation moves values by as much as `late` says.
+    """
     noisy = columns.T @ np.ones(len(columns)) + size * rng.standard_normal(ROWS)
+    changes = None if late is None else (0.5 * columns.T @ late,)
+    if late is not None:
+        noisy = noisy + columns.T @ late
     x = np.linalg.lstsq(columns.T, noisy, rcond=None)[0].astype(np.float64)
     fitted = Fitted(
         cast(Any, SimpleNamespace(names=())),
@@ -48,7 +67,14 @@ def linear_part(rng: np.random.Generator, columns: NDArray[np.float64], size: fl
         np.zeros(0, dtype=bool),
     )
     stretches = [[slice(a, a + STRETCH) for a in range(0, ROWS, STRETCH)]]
-    problem = SimpleNamespace(stretches=lambda: stretches)
+    problem = SimpleNamespace(
+        stretches=lambda: stretches,
+        point=lambda *values: None,
+        values=lambda runs: [run.signals[0][None] for run in runs],
+        simulations=SimpleNamespace(
+            run=lambda points: [[Run()]], step_errors=lambda point, runs: [changes]
+        ),
+    )
     return Part(cast(Any, problem), cast(Whitening, White()), fitted)
 
 
@@ -74,3 +100,15 @@ def test_intervals_widen_with_what_the_model_leaves() -> None:
 def test_nothing_free_has_no_intervals() -> None:
     part = linear_part(np.random.default_rng(6), np.zeros((0, ROWS)), 1.0)
     assert all(ends.size == 0 for ends in part.intervals())
+
+
+def test_intervals_reach_to_the_values_of_an_infinitely_short_step() -> None:
+    """A step that raises the first value by ten standard deviations and lowers the other."""
+    columns = np.random.default_rng(6).standard_normal((2, ROWS))
+    late = np.array([0.5, -0.5])
+    _, low, high = linear_part(np.random.default_rng(7), columns, 1.0).intervals()
+    _, late_low, late_high = linear_part(np.random.default_rng(7), columns, 1.0, late).intervals()
+    np.testing.assert_allclose(late_high[0] - late[0], high[0], rtol=1e-3)
+    np.testing.assert_allclose(late_low[0], low[0], rtol=1e-3)
+    np.testing.assert_allclose(late_high[1], high[1], rtol=1e-3)
+    np.testing.assert_allclose(late_low[1] - late[1], low[1], rtol=1e-3)
