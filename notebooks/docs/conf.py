@@ -24,6 +24,7 @@ html_theme = "furo"
 html_title = f"gmfbo {release}"
 html_show_sourcelink = False
 html_static_path = ["style"]
+pygments_dark_style = "github-dark"
 html_css_files = ["narrow.css"]
 man_pages = [("reference/commands", "gmfbo", "tune a controller, diagnose its twin", [], 1)]
 
