@@ -93,12 +93,12 @@ class Part:
         fitted, problem = self.fitted, self.problem
         point = problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         runs = problem.simulations.run([point])[0]
-        changes = problem.simulations.step_errors(point, runs)
         slope = np.zeros(len(curvature))
-        if any(own is None for own in changes):
+        changes = [own for own in problem.simulations.step_errors(point, runs) if own is not None]
+        if len(changes) < len(runs):
             return slope
         pairs = zip(runs, changes, strict=True)
-        halved = problem.values([replace(run, signals=own or ()) for run, own in pairs])
+        halved = problem.values([replace(run, signals=own) for run, own in pairs])
         for j, z in zip(whitening(fitted.columns), whitening(halved), strict=True):
             slope -= j.reshape(len(slope), -1) @ z.ravel()
         return np.asarray(2.0 * np.linalg.solve(curvature, slope), dtype=np.float64)

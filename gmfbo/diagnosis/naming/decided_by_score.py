@@ -220,17 +220,12 @@ def _model(
     scored, ledger = compared.scored, compared.ledger
     fits = RowFits(compared.search.problem, ledger.noise_of)
     order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
-    holding, chosen = [], None
-    for elements in order:
-        told = {name for _, name in _held(said, elements)}
-        if "" in told:
-            continue
-        if not any(_is_there(name, above[elements]) for name in elements - told):
-            chosen = elements
-            break
-        holding.append(elements)
-    if chosen is None:
-        chosen = next(iter(holding), scored.best)
+    told = {row: {name for _, name in _held(said, row)} for row in order}
+    holding = [row for row in order if "" not in told[row]]
+    alone = [
+        row for row in holding if not any(_is_there(name, above[row]) for name in row - told[row])
+    ]
+    chosen = next(iter((*alone, *holding)), scored.best)
     return fits.to_the_end(ledger.whitening, ledger.rows[chosen])
 
 

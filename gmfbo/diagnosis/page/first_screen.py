@@ -13,6 +13,7 @@ from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
+    explains_most,
     remainder_words,
     removed_percent,
     still_follows,
@@ -98,7 +99,7 @@ def verdict_words(diagnosis: Findings) -> str:
     """Name of the verdict; physics of which no name is sure only "may be missing"."""
     sure = any(is_sure(effect.set_probability) for effect in diagnosis.effects)
     told = VERDICTS[diagnosis.verdict]
-    if diagnosis.verdict == "outside_library" and diagnosis.effects:
+    if diagnosis.verdict == "outside_library" and sure and explains_most(diagnosis.remainder):
         return "known and unknown physics"
     return told if sure or diagnosis.verdict != "missing_physics" else "physics may be missing"
 

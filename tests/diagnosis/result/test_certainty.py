@@ -10,6 +10,7 @@ import pytest
 
 from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
+from gmfbo.diagnosis.page.first_screen import verdict_words
 from gmfbo.diagnosis.page.page import diagnosis_page
 from gmfbo.diagnosis.result.certainty import (
     LEAST_FOR_A_FACT,
@@ -180,10 +181,14 @@ def test_a_verdict_without_names_invents_no_probability(made: Diagnosis) -> None
     assert json.loads(made.to_json())["statement_probability"] is None
 
 
+def beside_unknown(share: float) -> Diagnosis:
+    """Friction beside a function of the velocity that explains this share."""
+    left = Remainder(share, "torque", "velocity", "throughout")
+    return replace(outside(), effects=(FRICTION,), remainder=left)
+
+
 def test_a_law_beside_something_unknown_is_the_nearest_and_no_surer_than_it_is() -> None:
-    left = Remainder(0.62, "torque", "velocity", "throughout")
-    told = replace(outside(), effects=(FRICTION,), remainder=left).sentence
-    assert told == (
+    assert beside_unknown(0.62).sentence == (
         "None of the 29 effects known here that could be tested explains all that is missing. The "
         "nearest: Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin. "
         "62 % of what is more than noise is explained by no law; it depends on the velocity."
@@ -193,14 +198,19 @@ def test_a_law_beside_something_unknown_is_the_nearest_and_no_surer_than_it_is()
 
 
 def test_laws_that_explain_most_are_told_before_what_they_leave() -> None:
-    left = Remainder(0.22, "torque", "velocity", "throughout")
-    told = replace(outside(), effects=(FRICTION,), remainder=left).sentence
-    assert told == (
+    assert beside_unknown(0.22).sentence == (
         "Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin; with it "
         "the torque command error on unseen recordings falls from 30 % to 6.0 % (noise floor "
         "5.1 %); what is left still follows the reference. 22 % of what is more than noise is "
         "explained by no law; it depends on the velocity."
     )
+
+
+def test_the_page_calls_physics_known_where_laws_explain_most_of_it() -> None:
+    assert verdict_words(beside_unknown(0.22)) == "known and unknown physics"
+    assert verdict_words(beside_unknown(0.62)) == "unknown physics"
+    unsure = replace(beside_unknown(0.22), effects=weak().effects)
+    assert verdict_words(unsure) == "unknown physics"
 
 
 def test_what_is_unknown_is_told_where_it_acts_even_if_no_curve_was_drawn_there() -> None:

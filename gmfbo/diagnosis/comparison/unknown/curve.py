@@ -85,7 +85,7 @@ class FreeFunction:
         """
         kind, (values, covariance) = self.fitted.kind, self._apart_from_the_row()
         along, signals = self._along(), np.concatenate(kind.signals, axis=1)
-        count = max(_POINTS, round(_A_BUMP * kind.count))
+        count = max(_POINTS, round(_A_BUMP * kind.count / len(kind.ways)))
         bins = _Bins.over(along, count, is_speed=kind.against == "velocity")
         nearest, shown = None, MOST * float(bins.sums((values @ signals) ** 2).sum())
         for words, factors in kind.ways:
