@@ -99,7 +99,7 @@ assert result.recommendation is not None
 # The objective is dimensionless, and less is better: zero is what the twin does at gains taken at
 # random, minus one is about one standard deviation better than that. Judge by the metrics, which
 # have units. A time of 0.5 s means "not within this run". The metrics and their definitions are in
-# [docs/tuning.md](docs/tuning.md#metrics).
+# [tuning](docs/tuning.md#metrics).
 
 # %%
 review = StudyReview.read(folder / "joint.study")
@@ -143,8 +143,8 @@ best_observed(review)
 gains(review)
 
 # %% [markdown]
-# The best run with the twin's at the same gains, and the corrected twin at gains nearby. What is
-# left between real and twin, in the lower panel, is what the correction has learned.
+# The best run with the twin's at the same gains. What is left between real and twin, in the lower
+# panel, is what the correction learns from.
 
 # %%
 trajectories(review)

@@ -222,8 +222,8 @@ for label, column in (
     ("with the named physics", curve.augmented),
 ):
     axes.plot(curve.time, column, label=label, linewidth=1.0)
-axes.set(xlabel="time [s]", ylabel="current [A]", title=curve.recording)
-axes.legend()
+axes.set(xlabel=f"time [s], {curve.recording}", ylabel="current [A]")
+figure.legend(loc="outside upper center", ncols=3, frameon=False)
 figure  # noqa: B018
 
 # %% [markdown]

@@ -91,14 +91,14 @@ curves = {level: read_curves(results[level].folder / "curves.txt") for level in 
 # %% [markdown]
 # ## How wrong is the twin?
 #
-# Left the true objective over the gains, less is better; the star is the best. Then the error of
+# First the true objective over the gains, less is better; the star is the best. Then the error of
 # the twin's objective relative to the real one, |G2 - G1| / G1, at three levels of noise. (G is the
 # objective without its mean subtracted, so that a share of it has a meaning.) Mind the scales. The
 # twin is relatively most wrong around the best gains, where the real objective is small.
 
 # %%
-figure = NotebookFigure(figsize=(12.0, 3.0), layout="constrained")
-panels = figure.subplots(1, 4, sharex=True, sharey=True)
+figure = NotebookFigure(figsize=(8.0, 6.0), layout="constrained")
+panels = figure.subplots(2, 2, sharex=True, sharey=True).flatten()
 true = landscapes[50]
 draw_map(panels[0], true.x, true.y, true.objective, "true objective g [1]", "viridis")
 for axes, (level, seen) in zip(panels[1:], landscapes.items(), strict=True):
@@ -106,8 +106,9 @@ for axes, (level, seen) in zip(panels[1:], landscapes.items(), strict=True):
 row, column = np.unravel_index(np.argmin(true.objective), true.objective.shape)
 for axes in panels:
     axes.plot(true.x[row], true.y[column], "w*", markeredgecolor="k", markersize=11)
-    axes.set_xlabel("ctl.Kp [N m/rad]")
-panels[0].set_ylabel("ctl.Kd [N m s/rad]")
+for below, beside in zip(panels[2:], panels[::2], strict=True):
+    below.set_xlabel("ctl.Kp [N m/rad]")
+    beside.set_ylabel("ctl.Kd [N m s/rad]")
 errors = {level: float(np.median(seen.error)) for level, seen in landscapes.items()}
 for level, error in errors.items():
     print(f"{level} % noise: the twin's objective is off by {error:.0f} % (median over the gains)")

@@ -102,7 +102,7 @@ for name, meaning in ATTRIBUTES.items():
 
 # %% [markdown]
 # All others (versions of the software, hash of the twin, seed, date ...) are in
-# [docs/store.md](docs/store.md). What happened when stands in `events.jsonl`, a line of JSON each.
+# [the store](docs/store.md). What happened when stands in `events.jsonl`, a line of JSON each.
 
 # %%
 with (folder / "joint.study" / "events.jsonl").open(encoding="utf-8") as log:

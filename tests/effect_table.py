@@ -1,6 +1,6 @@
-"""The table of effects in `notebooks/docs/effects.md`, from the catalogue.
+"""The tables of effects in `notebooks/docs/effects.md`, from the catalogue.
 
-`python -m tests.effect_table` writes it anew.
+`python -m tests.effect_table` writes them anew.
 """
 
 from __future__ import annotations
@@ -16,27 +16,23 @@ BEGIN, END = "<!-- effects -->\n", "<!-- end of effects -->\n"
 
 
 def effect_table() -> str:
-    """Return one row an effect, in the catalogue's order."""
+    """Return a table for each port with a row an effect, in the catalogue's order."""
     return "\n".join(_lines()) + "\n"
 
 
 def _lines() -> Iterator[str]:
-    yield "| effect | port | equation | size | floor | easily confused with |"
-    yield "|---|---|---|---|---|---|"
     units = Units()
-    for effect in CATALOGUE.values():
-        unit = units.resolve(effect.size_unit)
-        size = effect.size_name if unit == "1" else f"{effect.size_name} [{unit}]"
-        others = ", ".join(name.replace("_", " ") for name in effect.confused_with)
-        cells = (
-            f"`{effect.name}`",
-            effect.port,
-            f"`{effect.equation}`",
-            size,
-            f"{effect.floor(EXAMPLE_AXIS):.2g}",
-            others,
-        )
-        yield f"| {' | '.join(cells)} |"
+    for port in dict.fromkeys(effect.port for effect in CATALOGUE.values()):
+        yield from (f"## At the {port} port", "")
+        yield "| effect | equation | size | floor | easily confused with |"
+        yield "|---|---|---|---|---|"
+        for effect in (one for one in CATALOGUE.values() if one.port == port):
+            unit = units.resolve(effect.size_unit)
+            floor = f"{effect.floor(EXAMPLE_AXIS):.2g}{'' if unit == '1' else f' {unit}'}"
+            others = ", ".join(name.replace("_", " ") for name in effect.confused_with)
+            cells = (f"`{effect.name}`", f"`{effect.equation}`", effect.size_name, floor, others)
+            yield f"| {' | '.join(cells)} |"
+        yield ""
 
 
 def documented_table() -> str:

@@ -63,6 +63,8 @@ numpydoc_xref_aliases = {
 numpydoc_xref_ignore = "all"
 DEFAULT_LINKS.clear()  # of str, ndarray and so on; they need a network
 
+LONGEST_IN_ONE_PIECE = 24  # characters
+
 
 class CommandHelp(Directive):
     """The help text of a command, as the terminal shows it."""
@@ -83,6 +85,17 @@ class CommandHelp(Directive):
         return [nodes.literal_block(text=asked.output, language="none")]
 
 
+def keep_together(app: Any, doctree: nodes.document, name: str) -> None:
+    """Keep an option in one piece, and a number with its per cent: no line breaks there."""
+    for code in doctree.findall(nodes.literal):
+        if len(code.astext()) <= LONGEST_IN_ONE_PIECE:
+            code["classes"].append("short")
+    for text in list(doctree.findall(nodes.Text)):
+        joined = re.sub(r"(?<=\d) %", "\N{NO-BREAK SPACE}%", text)
+        if joined != text and not isinstance(text.parent, nodes.literal | nodes.literal_block):
+            text.parent.replace(text, nodes.Text(joined))
+
+
 def copy_mathjax(app: Any, exception: Exception | None) -> None:
     """Put MathJax and a note of its licence beside the pages."""
     if exception is not None or app.builder.format != "html":
@@ -99,4 +112,5 @@ def copy_mathjax(app: Any, exception: Exception | None) -> None:
 def setup(app: Any) -> None:
     """Add the directive, and what is copied at the end of a build."""
     app.add_directive("command-help", CommandHelp)
+    app.connect("doctree-resolved", keep_together)
     app.connect("build-finished", copy_mathjax)

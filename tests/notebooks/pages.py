@@ -15,6 +15,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,11 +29,15 @@ NOTEBOOKS = ROOT / "notebooks"
 PAGES = NOTEBOOKS / "docs" / "notebook_pages"
 COMMAND = "python -m tests.notebooks.pages"
 MOST_SECONDS_OF_A_CELL = 1800
+MOST_COLUMNS = 100
 _MARKS = ("<!-- output -->\n", "<!-- end of output -->\n")
 _SHOWN = re.compile(
     rf"^```python\n(.*?)^```\n(?:\n{_MARKS[0]}(.*?){_MARKS[1]})?", re.MULTILINE | re.DOTALL
 )
 _RAN = re.compile(r"^\*(Its outputs .+)\*$", re.MULTILINE)
+_COLUMNS = re.compile(r"\S {2,}\S")
+"""What divides the cells of a printed table."""
+
 _OUR_FOLDER = re.compile(r"(?:/[\w.-]+)+/gmfbo-[a-z]+-\w{8}/?")
 """A notebook's folder of temporary files; what lies there is named without it."""
 
@@ -142,8 +147,15 @@ def _output(outputs: Sequence[Any], folder: Path, stem: str) -> str:
             file.write_text(_plain_svg(data["image/svg+xml"]), encoding="utf-8")
             drawn.append(f"![What this cell draws]({file.name})\n")
     text = _OUR_FOLDER.sub("", printed).replace(f"{ROOT}/", "").strip("\n")
-    text = "\n".join(line.rstrip() for line in text.splitlines())
+    text = "\n".join(wrapped(line.rstrip()) for line in text.splitlines())
     return (f"```text\n{text}\n```\n" if text else "") + "".join(drawn)
+
+
+def wrapped(line: str) -> str:
+    """A long sentence in lines that a page shows whole; rows of a table stay as they are."""
+    if len(line) <= MOST_COLUMNS or _COLUMNS.search(line):
+        return line
+    return textwrap.fill(line, MOST_COLUMNS, break_long_words=False, break_on_hyphens=False)
 
 
 def _plain_svg(text: str) -> str:

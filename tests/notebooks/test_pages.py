@@ -28,6 +28,8 @@ def test_a_page_shows_the_code_that_was_run_and_the_text_of_now(name: str) -> No
     assert all(f"({file})" in text for file in drawn)
     assert text.count(".svg)") == len(drawn)
     assert "/tmp/" not in text
+    printed = [line for one in shown for line in one.output.splitlines()]
+    assert all(pages.wrapped(line) == line for line in printed), "a sentence leaves the page"
 
 
 def test_control_other_code_than_that_which_was_run_is_refused(
