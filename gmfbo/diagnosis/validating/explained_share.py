@@ -72,8 +72,14 @@ class Squares:
 
     @property
     def gain_nothing(self) -> bool:
-        """Whether as much is left beyond noise with what was named as without."""
-        return self.remainder is not None and self.remainder >= 1.0
+        """Whether more than noise is left, and as much with what was named as without.
+
+        A stretch counts by the share of it that is gone, as where nobody knows how large the noise
+        in it is: of what is far beyond noise, the sum would be that of one stretch.
+        """
+        if self.remainder is None:
+            return False
+        return bool(self.noise @ np.log(self.after / self.before) >= 0.0)
 
     def _is_more_than_noise(self, beyond: Array) -> bool:
         return is_more_than_noise(float(beyond.sum()), float(self.noise.sum()))

@@ -62,3 +62,14 @@ def test_names_gain_nothing_where_as_much_is_left_beyond_noise(
     before: float, after: float, gain_nothing: bool
 ) -> None:
     assert squares(before, after).gain_nothing is gain_nothing
+
+
+def test_one_stretch_far_beyond_noise_does_not_outweigh_all_others() -> None:
+    noise = np.full(12, 100.0)
+    before = np.append(np.full(11, 1e5), 1e9)
+    after = np.append(np.full(11, 2e4), 1.1e9)
+    found = Squares(noise, before, after, {})
+    assert found.remainder is not None
+    assert found.remainder > 1.0
+    assert not found.gain_nothing
+    assert Squares(noise, after, before, {}).gain_nothing
