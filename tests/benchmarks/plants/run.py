@@ -226,14 +226,15 @@ def finished(path: Path) -> set[int]:
     """Seeds that a file has a line of; a line cut off by a kill does not count, and is removed."""
     if not path.exists():
         return set()
-    good = []
-    for text in path.read_text(encoding="utf-8").splitlines():
+    good, lines = [], path.read_text(encoding="utf-8").splitlines()
+    for text in lines:
         try:
             json.loads(text)
         except ValueError:
             continue
         good.append(text)
-    path.write_text("".join(f"{text}\n" for text in good), encoding="utf-8")
+    if good != lines:  # another process may read it now
+        path.write_text("".join(f"{text}\n" for text in good), encoding="utf-8")
     return {int(json.loads(text)["seed"]) for text in good}
 
 

@@ -12,12 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from tests.benchmarks.plants.arrival import CAP, Arrivals, ratio_of_means, read_lines
+from tests.benchmarks.plants.arrival import (
+    CAP,
+    Arrivals,
+    clearly_worse,
+    never_difference,
+    ratio_of_means,
+    read_lines,
+)
 from tests.benchmarks.plants.catalogue import PLANTS
 from tests.benchmarks.plants.run import METHODS, RESULTS
 from tests.benchmarks.plants.targets import SHARES, Target, read_targets
 
 OURS, RIVALS = ("gmfbo_physics", "gmfbo_estimated"), ("bo_ei", "log_ei")
+MARGIN = 1.5
+"""[runs] By which a method may be slower on a plant."""
 
 
 def tables(lines: Sequence[Mapping[str, Any]], targets: Mapping[str, Target]) -> str:
@@ -80,6 +89,12 @@ def _at(
         rows.append(
             f"{own} over the better of {', '.join(known)}: {ratio:.2f} [{low:.2f}, {high:.2f}]"
         )
+        others = [name for name in methods if name not in OURS]
+        more, least, most = (100.0 * v for v in never_difference(arrivals, counted, own, others))
+        rows.append(f"never, less the best other's: {more:.0f} [{least:.0f}, {most:.0f}] points")
+        worse = clearly_worse(arrivals, counted, own, others, MARGIN)
+        told = ", ".join(f"{plant} ({rival})" for plant, rival in worse) or "none"
+        rows.append(f"plants on which it needs clearly more than {MARGIN:g} runs more: {told}")
     return "\n".join(rows)
 
 

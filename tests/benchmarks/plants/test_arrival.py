@@ -3,7 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.benchmarks.plants.arrival import CAP, Arrivals, ratio_of_means, runs_to_target
+from tests.benchmarks.plants.arrival import (
+    CAP,
+    Arrivals,
+    clearly_worse,
+    never_difference,
+    ratio_of_means,
+    runs_to_target,
+)
 from tests.benchmarks.plants.evolution import cma_es
 
 
@@ -40,6 +47,28 @@ def test_a_ratio_of_equal_methods_is_one_and_of_half_the_runs_a_half() -> None:
     ratio, low, high = ratio_of_means(arrivals, ["p"], "a", ["b", "c"])
     assert ratio == pytest.approx(0.5)
     assert low <= ratio <= high
+
+
+def test_only_who_is_slower_by_more_than_the_margin_is_clearly_worse() -> None:
+    rng = np.random.default_rng(1)
+    slow = [int(n) for n in 9 + rng.integers(3, size=20)]
+    made = [*lines("a", slow), *lines("b", [2 + n % 3 for n in slow]), *lines("c", slow)]
+    arrivals = Arrivals.of(made, {"p": 0.5})
+    assert clearly_worse(arrivals, ["p"], "a", ["b", "c"], 1.5) == [("p", "b")]
+    assert clearly_worse(arrivals, ["p"], "a", ["b", "c"], 9.0) == []
+    assert clearly_worse(arrivals, ["p"], "b", ["a", "c"], 1.5) == []
+
+
+def test_the_share_that_never_arrives_is_less_by_what_arrived_more() -> None:
+    made = [
+        {"plant": "p", "method": method, "seed": seed, "true": [1.0, float(seed >= arrived)]}
+        for method, arrived in (("a", 8), ("b", 4), ("c", 2))
+        for seed in range(10)
+    ]
+    arrivals = Arrivals.of(made, {"p": 0.5})
+    less, low, high = never_difference(arrivals, ["p"], "a", ["b", "c"])
+    assert less == pytest.approx(-0.4)
+    assert low <= less <= high < 0.0
 
 
 def test_who_never_arrives_counts_as_the_cap() -> None:

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.tables import diagnosis
-from tests.benchmarks.tables.results import MADE, RESULTS, commands, compared
-from tests.benchmarks.tables.tuning import SHORT
+from tests.benchmarks.tables import diagnosis, plants
+from tests.benchmarks.tables.results import MADE, RESULTS, commands
 from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
 
 FRONT = (ROOT / README).read_text(encoding="utf-8")
@@ -40,16 +39,15 @@ def test_control_a_table_that_differs_by_a_digit_is_written_anew(tmp_path: Path)
 
 
 def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
-    drive = compared("noise_50")
-    ours, theirs = drive["gmfbo_physics"], drive["bo_ei"]
-    assert f"**{ours.median:g} in place of {theirs.median:g}**" in PROSE
-    assert f"median of {min(ours.seeds, theirs.seeds)} tunings" in PROSE
+    all_plants = plants.told()
+    ours, theirs = (all_plants.means[name] for name in (plants.OURS, "bo_ei"))
+    assert f"**{ours:.1f} in place of {theirs:.1f}**" in PROSE
+    assert f"{all_plants.seeds} studies of each axis" in PROSE
     assert f"of {len(diagnosis.judged())} simulated axes" in PROSE
-    never = compared("wrong_structure")["gmfbo_physics"]
-    arrived = round((1.0 - never.never / 100.0) * never.seeds)
-    assert f"in {arrived} of {never.seeds} studies" in PROSE
-    newest = max(MADE["tuning"][study][-11:-1] for study in SHORT)
-    assert f"Version 0.1, {newest}:" in PROSE
+    never = [100.0 * all_plants.never[name] for name in plants.METHODS]
+    others = sorted(never[1:])
+    assert f"{never[0]:.0f} % of its studies never arrived" in PROSE
+    assert f"{others[0]:.0f} to {others[-1]:.0f} % of the others'" in PROSE
     assert f"of {MADE['draw']['engine']}, {MADE['draw']['committed'][-11:-1]}:" in PROSE
     axis = (RESULTS / "emps_diagnosis/emps_diagnosis.txt").read_text("utf-8")
     said = re.search(r"^force error: ([\d.]+)% with .*, ([\d.]+)% with", axis, re.MULTILINE)

@@ -13,13 +13,6 @@ DESCRIBED = {
     "bo_ei": "no twin",
     "twin_once": "best gains of the twin",
 }
-SHORT = {
-    "noise_50": "twin's motor table wrong",
-    "missing_physics": "twin lacks physics",
-    "friction_doubling": "friction doubles midway",
-}
-"""Studies that README tells, and what it calls them."""
-
 STUDIES = ("noise_50", "missing_physics", "hardware_like", "friction_doubling")
 METHODS = (
     "gmfbo_physics", "gmfbo", "gmfbo_paper", "mfbo_caei", "mfbo_takg", "bo_ei", "twin_once",
@@ -31,9 +24,6 @@ INITIAL = ("1_10", "2_10", "3_10", "4_10", "5_10", "10_10", "2_5", "2_20", "2_30
 INITIAL_METHODS = ("gmfbo", "gmfbo_paper", "mfbo_takg", "bo_ei")
 
 
-_HALF = 50  # [%] of the seeds
-
-
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     bar = "|" + "---|" * len(head)
@@ -43,23 +33,6 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _line(cells: Sequence[str]) -> str:
     return "|" + "".join(f" {cell} |" if cell else " |" for cell in cells)
-
-
-def for_readme() -> str:
-    """Median of n* of five methods in three studies."""
-    found = [compared(study) for study in SHORT]
-    rows = [
-        [f"`{method}`, {said}", *(_median(one.get(method)) for one in found)]
-        for method, said in DESCRIBED.items()
-    ]
-    return table(["method", *SHORT.values()], rows)
-
-
-def _median(one: Compared | None) -> str:
-    """The median, or that it is above all real runs that there were."""
-    if one is None:
-        return "not run"
-    return f"{one.median:g}" if one.never < _HALF else f"> {one.median - 1.0:g}"
 
 
 def all_methods() -> str:

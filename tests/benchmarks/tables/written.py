@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.benchmarks.tables import diagnosis, tuning
+from tests.benchmarks.tables import diagnosis, plants, tuning
 
 ROOT = Path(__file__).resolve().parents[3]
 README = "README.md"
 _TUNING, _BLIND = "notebooks/docs/tuning_benchmark.md", "notebooks/docs/blind_benchmark.md"
 TABLES: tuple[tuple[str, Callable[[], str]], ...] = (
-    (README, tuning.for_readme),
+    (README, plants.for_readme),
     (README, diagnosis.for_readme),
+    (_TUNING, plants.every_plant),
     (_TUNING, tuning.all_methods),
     (_TUNING, tuning.by_noise),
     (_TUNING, tuning.by_initial_runs),
