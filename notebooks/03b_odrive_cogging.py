@@ -207,9 +207,9 @@ print("lines of the turning motor:", moving)
 
 # %% [markdown]
 # Eight lines are one cogging: they were found one after the other and then fitted together. Those
-# of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them friction that
-# depends on the position, friction by direction and a compliance are told as certain. That is more
-# than these runs can show: the motor turns one way only, and there friction and a constant torque
+# of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them friction by
+# direction, an elastic return and a compliance are told as certain. That is more than these runs
+# can show: the motor turns one way only, and there friction and a constant torque
 # are one. Runs in both directions would tell.
 
 # %%
