@@ -78,6 +78,15 @@ def test_coulomb_friction_is_said_as_an_engineer_would() -> None:
     assert text == "Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin."
 
 
+def test_friction_by_direction_says_what_differs() -> None:
+    say = CATALOGUE["asymmetric_friction"].statement
+    levels = {"level_positive": 0.2, "level_negative": 0.1}
+    assert "viscous" not in say(levels, ROTARY, ROTARY.place)
+    text = say({**levels, "viscous_difference": -0.038}, ROTARY, ROTARY.place)
+    assert "0.2 N m in positive and 0.1 N m in negative direction" in text
+    assert text.endswith("0.038 N m/(rad/s) less of viscous friction in positive direction.")
+
+
 def test_cogging_is_counted_in_cycles() -> None:
     cogging = CATALOGUE["cogging_torque"]
     line = {"wavenumber_1": 7.0, "sine_1": 0.03, "cosine_1": 0.04}

@@ -3,9 +3,10 @@
 import numpy as np
 
 from gmfbo.physics import friction
-from gmfbo.physics.effect import Effect, Values, sentence, signed
+from gmfbo.physics.effect import Effect, Units, Values, sentence, signed
 from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
+from gmfbo.units import quantity
 
 
 def _signal(states: States, parameters: Values) -> Array:
@@ -19,6 +20,22 @@ def _largest(parameters: Values, excitation: Excitation) -> float:
     """Friction at the largest recorded speed, in the direction that has more of it."""
     levels = max(parameters["level_positive"], parameters["level_negative"])
     return levels + 0.5 * abs(parameters.get("viscous_difference", 0.0)) * excitation.speed
+
+
+def _statement(parameters: Values, units: Units, place: str) -> str:
+    """Both levels, and by how much viscous friction differs, which may be all that differs."""
+    levels = sentence(
+        "Friction that differs by direction {place} is missing from the twin: about "
+        "{level_positive} in positive and {level_negative} in negative direction",
+        level_positive="torque",
+        level_negative="torque",
+    )(parameters, units, place)
+    difference = parameters.get("viscous_difference", 0.0)
+    if difference == 0.0:
+        return f"{levels}."
+    more = "more" if difference > 0.0 else "less"
+    viscous = quantity(abs(difference), units.resolve("torque/velocity"))
+    return f"{levels}, and {viscous} {more} of viscous friction in positive direction."
 
 
 asymmetric_friction = Effect(
@@ -55,12 +72,7 @@ asymmetric_friction = Effect(
     acts=friction.acts_at_reversals,
     region=friction.reversal_region,
     region_state="velocity",
-    statement=sentence(
-        "Friction of about {level_positive} in positive and {level_negative} in negative "
-        "direction {place} is missing from the twin.",
-        level_positive="torque",
-        level_negative="torque",
-    ),
+    statement=_statement,
     equation="tau = -F_p - d/2 * omega if omega > 0, +F_n + d/2 * omega if omega < 0",
     source="Armstrong-Hélouvry, 1991",
     contains=("coulomb_friction",),
