@@ -106,4 +106,4 @@ def _mean(found: Arrivals, plant: str, method: str) -> float:
 def _cell(found: Arrivals, plant: str, method: str) -> str:
     runs = found.runs[plant, method]
     never = sum(n is None for n in runs.values())
-    return f"{_mean(found, plant, method):.1f} ({never} of {len(runs)})"
+    return f"{_mean(found, plant, method):.1f} ({never})"
