@@ -56,9 +56,9 @@ def for_readme() -> str:
     ended, owed = _ended(judged()), _owed(judged())
     counts = {
         "something claimed where nothing was missing": (_of(ended, "null"), _is_claimed),
-        "a name that is not hidden": (ended, _has_false_name),
+        "a wrong name": (ended, _has_false_name),
         "named right, where the effect was large enough to see": (owed, _is_right),
-        "the same, or a set that holds it": (owed, _is_right_or_set),
+        "named right, or a set that holds it": (owed, _is_right_or_set),
         "physics outside the library: said so": (_of(ended, "outside"), _is_outside),
     }
     return table(["what", "result"], [[name, _count(*one)] for name, one in counts.items()])
