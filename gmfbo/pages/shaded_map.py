@@ -24,9 +24,9 @@ def shade_levels(values: Array) -> Array:
     Parameters
     ----------
     values : ndarray, shape (n, m)
-        Mapped values.
+        Mapped values; NaN where none is known.
     """
-    return np.asarray(np.quantile(values, np.linspace(0.0, 1.0, SHADES + 1)[1:-1]))
+    return np.asarray(np.nanquantile(values, np.linspace(0.0, 1.0, SHADES + 1)[1:-1]))
 
 
 def shade_of(value: float, levels: Array) -> str:
@@ -48,7 +48,8 @@ def shaded_cells(values: Array, levels: Array) -> list[str]:
     Parameters
     ----------
     values : ndarray, shape (n, m)
-        The first gain along the first axis, which goes to the right; the second goes upwards.
+        The first gain along the first axis, which goes to the right; the second goes upwards. A
+        cell without a value, NaN, is not drawn.
     levels : ndarray, shape (SHADES - 1,)
         Of `shade_levels`.
 
@@ -57,7 +58,7 @@ def shaded_cells(values: Array, levels: Array) -> list[str]:
     list of str
         A path for each shade that there is, in the drawing's units.
     """
-    shade = np.searchsorted(levels, values)
+    shade = np.where(np.isnan(values), -1, np.searchsorted(levels, values))
     columns, rows = values.shape
     wide, high = WIDE / columns, HIGH / rows
     paths: list[list[str]] = [[] for _ in range(SHADES)]
@@ -67,6 +68,8 @@ def shaded_cells(values: Array, levels: Array) -> list[str]:
         top = round(HIGH - (row + 1) * high)
         tall = round(HIGH - row * high) - top
         for start, end in pairwise(edges):
+            if along[start] < 0:
+                continue
             left, right = round(start * wide), round(end * wide)
             paths[int(along[start])].append(f"M{left} {top}h{right - left}v{tall}h{left - right}Z")
     return [
@@ -98,7 +101,7 @@ def shade_scale(values: Array, levels: Array, label: str) -> str:
         f'<rect class="cell s{k}" x="{k * wide:g}%" y="0" width="{wide:g}%" height="12"/>'
         for k in range(SHADES)
     )
-    ends = [float(values.min()), *levels.tolist(), float(values.max())]
+    ends = [float(np.nanmin(values)), *levels.tolist(), float(np.nanmax(values))]
     places = range(0, SHADES + 1, 2)
     texts = _scale_texts([ends[k] for k in places])
     anchors = {0: "start", SHADES: "end"}

@@ -13,7 +13,7 @@ from gmfbo.diagnosis.page.saving import CONFIRMATION_FILE
 from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
 from gmfbo.errors import InputError
 from gmfbo.files.durable import cause, write_whole
-from gmfbo.plain_words import number, words
+from gmfbo.plain_words import words
 
 FILE_NAME = CONFIRMATION_FILE
 SCHEMA = 1
@@ -141,32 +141,31 @@ class Confirmation:
     def sentence(self) -> str:
         """The outcome in plain words."""
         best, name = self.best, said(self.best.name)
-        left = f"{number(best.per_residual)} times the noise"
+        left = f"{_times_noise(best.per_residual)} times the noise"
         if self.outcome == "none":
             return (
                 f"{self.recording} supports none of them: the nearest, {name}, leaves {left}, "
-                f"where {number(self.expected)} was left of the recordings of the diagnosis. "
+                f"where {_times_noise(self.expected)} was left of the recordings of the diagnosis. "
                 "Diagnose again with this recording among the others."
             )
         if self.outcome == "cannot_tell":
             together = " and ".join(said(p.name) for p in self.alike)
-            return (
-                f"{self.recording} cannot tell {together} apart: all fit, and differ by "
-                f"{number(self.behind(self.alike[-1]))} where {number(self.threshold)} would tell."
-            )
+            return f"{self.recording} cannot tell {together} apart: all leave about {left}."
         if len(self.predictions) == 1:
             return f"{self.recording} is as {name} predicted."
         other = self.predictions[1]
-        behind = (
-            f"{said(other.name)} is {number(self.behind(other))} farther away "
-            f"({number(self.threshold)} would do)"
-        )
+        behind = f"{said(other.name)} {_times_noise(other.per_residual)} times"
         if self.outcome == "supports_in_kind":
             return (
-                f"{self.recording} supports {name} in kind, not yet in size: {behind}, but it "
-                f"leaves {left}. Diagnose again with this recording among the others."
+                f"{self.recording} supports {name} in kind, not yet in size: it leaves {left}, "
+                f"{behind}. Diagnose again with this recording among the others."
             )
-        return f"{self.recording} {self.strength} supports {name}: {behind}."
+        return f"{self.recording} {self.strength} supports {name}: it leaves {left}, {behind}."
+
+
+def _times_noise(per_residual: float) -> str:
+    """Root mean square of what is left, in standard deviations of the noise."""
+    return f"{math.sqrt(max(per_residual, 0.0)):.2g}"
 
 
 def said(name: str) -> str:

@@ -26,6 +26,23 @@ class Share:
 
 
 @dataclass(frozen=True)
+class Resembled:
+    """A law that a function without a name looks like; no claim that it acts.
+
+    Attributes
+    ----------
+    effect : str
+        Name in the catalogue.
+    share : float
+        Of the function's square that the law makes in proportion, dimensionless, beside a constant
+        and what the twin's own parameters make.
+    """
+
+    effect: str
+    share: float
+
+
+@dataclass(frozen=True)
 class Remainder:
     """What no law explains.
 
@@ -39,12 +56,15 @@ class Remainder:
         On what that signal depends: `velocity`, `position`, `command` or `time` since the start.
     where : str
         Stretch that holds more than half of it, or "throughout".
+    resembles : Resembled or None
+        Law that makes most of that signal; None where none does.
     """
 
     share: float
     port: str | None
     against: str | None
     where: str
+    resembles: Resembled | None = None
 
 
 @dataclass(frozen=True)

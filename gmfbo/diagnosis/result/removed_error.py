@@ -71,13 +71,21 @@ def explains_most(remainder: Remainder | None) -> bool:
     return remainder is not None and remainder.share < _HALF
 
 
+def resembling_words(remainder: Remainder | None) -> str:
+    """Clause on the law that a function without a name looks like; "" where there is none."""
+    likely = None if remainder is None else remainder.resembles
+    if likely is None:
+        return ""
+    return f", most like {words(likely.effect)} ({percent(likely.share)} of it)"
+
+
 def remainder_words(remainder: Remainder | None) -> str:
     """What no law explains, as a clause; empty where it is next to nothing."""
     if remainder is None or remainder.share < LEAST_TOLD:
         return ""
     told = f"{percent(min(remainder.share, 1.0))} of what is more than noise is explained by no law"
     if remainder.against is not None:
-        told += f"; it depends on the {words(remainder.against)}"
+        told += f"; it depends on the {words(remainder.against)}{resembling_words(remainder)}"
     if remainder.where != "throughout":
         told += f"; most of it is in {remainder.where}"
     return told

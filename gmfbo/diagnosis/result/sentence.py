@@ -11,6 +11,7 @@ from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
     explains_most,
     remainder_words,
+    resembling_words,
     still_follows,
 )
 from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, words
@@ -154,17 +155,18 @@ def _outside(diagnosis: Findings) -> str:
 def _function(diagnosis: Findings) -> str:
     """Clause on where something without a name acts, and on what it depends; "" if not known."""
     shape, left = diagnosis.shape, diagnosis.remainder
+    alike = resembling_words(left)
     if left is not None and left.port is not None and left.against is not None:
         place = (left.port, left.against)
         if shape is None or (shape.port, shape.against.partition(",")[0]) != place:
             port, against = map(words, place)
-            return f": it acts at the {port} port and depends on the {against}"
+            return f": it acts at the {port} port and depends on the {against}{alike}"
     if shape is None or not shape.y:
         return ""
     largest = max((abs(y) for y in shape.y if math.isfinite(y)), default=math.nan)
     return (
         f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that depends "
-        f"on the {words(shape.against)}"
+        f"on the {words(shape.against)}{alike}"
     )
 
 

@@ -9,6 +9,7 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.naming.decision import Compared, Decision
 from gmfbo.diagnosis.result.explained import Remainder
+from gmfbo.diagnosis.validating.resembled_law import resembled_law
 from gmfbo.plain_words import number
 
 
@@ -29,7 +30,8 @@ def remainder_of(case: Case, decision: Decision, share: float) -> Remainder:
     where = _where(case, compared, row, whitening)
     if unknown is None:
         return Remainder(share, None, None, where)
-    return Remainder(share, unknown.port, unknown.against, where)
+    likely = resembled_law(compared, unknown)
+    return Remainder(share, unknown.port, unknown.against, where, likely)
 
 
 def _where(case: Case, compared: Compared, row: Fitted, whitening: Whitening) -> str:

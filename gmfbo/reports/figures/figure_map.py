@@ -28,7 +28,7 @@ def draw_map(
     x, y : ndarray, shape (n,) and (m,)
         [unit of the gain]
     values : ndarray, shape (n, m)
-        Mapped values.
+        Mapped values; NaN, which is left white, where none is known.
     title : str
         Quantity with its unit.
     colours : str
@@ -37,7 +37,7 @@ def draw_map(
     from matplotlib.colors import BoundaryNorm
 
     # Costs rise steeply at the box's edge; levels by rank show the valley too.
-    levels = np.unique(np.quantile(values, np.linspace(0.0, 1.0, 16)))
+    levels = np.unique(np.nanquantile(values, np.linspace(0.0, 1.0, 16)))
     if levels.size < 3:
         levels = np.linspace(levels[0] - 0.5, levels[-1] + 0.5, 3)
     norm = BoundaryNorm(levels.tolist(), 256)

@@ -137,7 +137,8 @@ def _map_words(found: CostMap | None) -> str:
         return "Too few runs to interpolate the cost between them."
     return (
         f"Shaded: cost of the {SOURCES[found.source]}, interpolated between {found.runs} of its "
-        "runs. The scale has ten shades, each with as much area of the map. A real run has the "
+        "runs, and white where it was not run, or only as it was before. The scale has ten shades, "
+        "each with as much area of the map. A real run has the "
         "shade of its own cost: where it stands out, the twin is wrong."
     )
 

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
+from scipy.spatial import ConvexHull, QhullError
 
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import Run
@@ -18,6 +19,8 @@ Array = NDArray[np.float64]
 _ALL_AT_ONCE = 600  # runs; the time of a spline through all grows with their cube
 _NEIGHBOURS = 60
 _SMOOTHING = 1e-6
+_PLANE = 2  # gains whose runs have a hull that is quick to find; of more, their range stands for it
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,7 @@ class InterpolatedObjective:
     source: str
     runs: int
     _spline: RBFInterpolator
+    _sides: Array
 
     @classmethod
     def of(cls, review: StudyReview) -> Self | None:
@@ -63,13 +67,28 @@ class InterpolatedObjective:
         near = None if len(points) <= _ALL_AT_ONCE else _NEIGHBOURS
         try:
             spline = RBFInterpolator(points, costs, smoothing=_SMOOTHING, neighbors=near)
-        except np.linalg.LinAlgError:
+            sides = ConvexHull(points).equations if gains == _PLANE else _range_of(points)
+        except (np.linalg.LinAlgError, QhullError):
             return None  # all runs on one line
-        return cls(source, len(points), spline)
+        return cls(source, len(points), spline, sides)
 
     def at(self, points: Array) -> Array:
-        """Cost g, shape (q,), at points of the unit cube, shape (q, d)."""
-        return np.asarray(self._spline(points), dtype=float)
+        """Cost g, shape (q,), at points of the unit cube, shape (q, d); NaN where no run is near.
+
+        Beyond its points a spline goes on at will: a corner that nothing was run in would be the
+        best of all.
+        """
+        costs = np.asarray(self._spline(points), dtype=float)
+        beyond = points @ self._sides[:, :-1].T + self._sides[:, -1]
+        costs[np.any(beyond > _ROUNDING, axis=1)] = np.nan
+        return costs
+
+
+def _range_of(points: Array) -> Array:
+    """Sides of the range of some points: outward normals, then offsets, shape (2 d, d + 1)."""
+    normals = np.eye(points.shape[1])
+    least, most = np.column_stack([-normals, points.min(axis=0)]), -points.max(axis=0)
+    return np.concatenate([least, np.column_stack([normals, most])])
 
 
 def _values(review: StudyReview, runs: Sequence[Run]) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
-from gmfbo.diagnosis.result.explained import Remainder
+from gmfbo.diagnosis.result.explained import Remainder, Resembled
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import interval, number, percent, quantity
@@ -121,6 +121,13 @@ def test_what_is_left_beside_right_values_is_told_and_not_called_nothing() -> No
     assert none.startswith("Nothing that is known here is missing, though more than noise is left")
     little = replace(nothing(), remainder=Remainder(0.004, None, None, "throughout")).sentence
     assert little == nothing().sentence
+
+
+def test_a_function_is_told_with_the_law_that_it_looks_like() -> None:
+    like = Remainder(1.0, "torque", "velocity", "throughout", Resembled("coulomb_friction", 0.93))
+    told = replace(outside(), shape=None, remainder=like).sentence
+    assert "depends on the velocity, most like coulomb friction (93 % of it)" in told
+    assert "most like" not in replace(outside(), remainder=replace(like, resembles=None)).sentence
 
 
 def test_what_has_no_name_is_told_with_its_largest_size() -> None:
