@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.benchmarks.plants.arrival import read_lines
+from tests.benchmarks.plants.run import RESULTS as PLANT_RESULTS
 from tests.benchmarks.tables import diagnosis, plants
 from tests.benchmarks.tables.results import MADE, RESULTS, commands
 from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
@@ -56,6 +58,20 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     assert said is not None
     before, after = map(float, said.groups())
     assert f"**{before:.0f} % to {after:.1f} %**" in PROSE
+
+
+def test_figures_of_the_plants_are_those_of_the_results() -> None:
+    page = (ROOT / "notebooks/docs/tuning_benchmark.md").read_text(encoding="utf-8")
+    text, made = re.sub(r"\s+", " ", page), MADE["plants"]
+    ratio, low, high = plants.told().ratio
+    assert f"needs {ratio:.2f} [{low:.2f}, {high:.2f}] of the runs of the better" in text
+    less, most, least = (-100.0 * value for value in plants.told().never_less)
+    assert f"{less:.0f} [{least:.0f}, {most:.0f}] points less often" in text
+    assert made["command"] in text
+    assert f"Engine of {made['engine']}, committed with {made['committed']}" in text
+    lines = read_lines(PLANT_RESULTS)
+    assert {line["commit"][:8] for line in lines} == {made["engine"]}
+    assert f"{len(lines)} studies" in text
 
 
 def test_every_result_that_is_told_says_command_commit_and_date() -> None:
