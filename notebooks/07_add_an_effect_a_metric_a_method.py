@@ -122,7 +122,8 @@ BELLOWS = 2.0  # [N.m/rad3]
 time, rng = np.arange(600) * 1e-3, np.random.default_rng(0)
 with AugmentedTwin(FmuTwin(AXIS), substeps=10) as axis:
     for number, (hertz, size) in enumerate([(1.2, 0.5), (1.8, 0.35), (2.5, 0.6)]):
-        wave = {"reference": size * np.sin(2.0 * np.pi * hertz * time)}
+        turn = 2.0 * np.pi * hertz * time
+        wave = {"reference": size * (0.7 * np.sin(turn) + 0.3 * np.sin(2.6 * turn))}
         plan = axis.plan(Recording(time=time, signals=wave), {})
         noise = 3e-5 * rng.standard_normal(time.size)  # [rad]
         run = axis.run(

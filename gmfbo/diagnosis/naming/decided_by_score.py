@@ -212,21 +212,43 @@ def _model(
     said: Sequence[Claim],
     above: Mapping[frozenset[str], Mapping[str, float]],
 ) -> Row:
-    """The mode of the most believed row with one of each set, and nothing else that could be.
-
-    Which one of a set fits best depends on the others. Where no such row was fitted, the most
-    believed one with all that is said, or else of all.
-    """
+    """The mode of the row that a model holds."""
     scored, ledger = compared.scored, compared.ledger
     fits = RowFits(compared.search.problem, ledger.noise_of)
     order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
+    chosen = row_to_hold(order, said, above)
+    row = ledger.rows[scored.best if chosen is None else chosen]
+    return fits.to_the_end(ledger.whitening, row)
+
+
+def row_to_hold(
+    order: Sequence[frozenset[str]],
+    said: Sequence[Claim],
+    above: Mapping[frozenset[str], Mapping[str, float]],
+) -> frozenset[str] | None:
+    """The most believed row with one of each set, and nothing else; None where none has them all.
+
+    Which one of a set fits best depends on the others. Where no such row was fitted, what else it
+    holds changes nothing in these recordings; but a limit just above them would act in larger ones.
+
+    Parameters
+    ----------
+    order : sequence of frozenset of str
+        Rows, the most believed first.
+    said : sequence of Claim
+        What is told.
+    above : mapping of frozenset of str to mapping of str to float
+        Probability, by row and element, that a size is above its floor.
+    """
     told = {row: {name for _, name in _held(said, row)} for row in order}
     holding = [row for row in order if "" not in told[row]]
-    alone = [
-        row for row in holding if not any(_is_there(name, above[row]) for name in row - told[row])
+    alone = [row for row in holding if row == told[row]]
+    still = [
+        row
+        for row in holding
+        if not any(_is_there(name, above.get(row, {})) for name in row - told[row])
     ]
-    chosen = next(iter((*alone, *holding)), scored.best)
-    return fits.to_the_end(ledger.whitening, ledger.rows[chosen])
+    return next(iter((*alone, *still, *holding)), None)
 
 
 def _is_there(name: str, shares: Mapping[str, float]) -> bool:

@@ -64,7 +64,7 @@ class Validated:
         Whether they are met no better with it: it changes them, as much is left beyond noise as
         without, and they do not contradict the twin without it.
     nominal_is_better : bool
-        Whether they prefer the twin as it came.
+        Whether they prefer the twin as it came, or each of their signals is met worse than by it.
     squares : Squares
         What the held-out stretches leave.
     """
@@ -247,7 +247,8 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         part,
         contradicts_names(gains, distance),
         distance > SAME and squares.gain_nothing and not contradicts_names(-gains, distance),
-        contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after)),
+        contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after))
+        or {one.augmented > one.nominal for one in signals.values()} == {True},
         squares,
     )
 
