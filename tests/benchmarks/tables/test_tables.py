@@ -45,7 +45,7 @@ def test_figures_in_the_text_of_readme_are_those_of_the_results() -> None:
     fitted = "identify_then_optimise"
     ours, known, theirs = (all_plants.means[name] for name in (plants.OURS, fitted, "bo_ei"))
     assert f"**{ours:.1f}, not {known:.1f} or {theirs:.1f}**" in PROSE
-    assert f"{known:.1f} by a model fitted to the runs, {theirs:.1f} without a model" in PROSE
+    assert f"fitted to the runs needs {known:.1f}, no model {theirs:.1f}." in PROSE
     assert f"{all_plants.seeds} studies of each axis" in PROSE
     assert f"of {len(diagnosis.judged())} simulated axes" in PROSE
     never = [100.0 * all_plants.never[name] for name in plants.METHODS]
