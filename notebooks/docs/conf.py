@@ -64,6 +64,7 @@ numpydoc_xref_ignore = "all"
 DEFAULT_LINKS.clear()  # of str, ndarray and so on; they need a network
 
 LONGEST_IN_ONE_PIECE = 24  # characters
+COLUMNS_OF_A_WIDE_TABLE = 3
 
 
 class CommandHelp(Directive):
@@ -86,10 +87,13 @@ class CommandHelp(Directive):
 
 
 def keep_together(app: Any, doctree: nodes.document, name: str) -> None:
-    """Keep an option in one piece, and a number with its per cent: no line breaks there."""
+    """Keep an option in one piece, a number with its per cent, and a last column of words wide."""
     for code in doctree.findall(nodes.literal):
         if len(code.astext()) <= LONGEST_IN_ONE_PIECE:
             code["classes"].append("short")
+    for row in doctree.findall(nodes.row):
+        if len(row) > COLUMNS_OF_A_WIDE_TABLE and len(row[-1].astext()) > LONGEST_IN_ONE_PIECE:
+            row[-1]["classes"].append("words")
     for text in list(doctree.findall(nodes.Text)):
         joined = re.sub(r"(?<=\d) %", "\N{NO-BREAK SPACE}%", text)
         if joined != text and not isinstance(text.parent, nodes.literal | nodes.literal_block):
