@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.inadequacy import motion_of
 from gmfbo.diagnosis.comparison.numbers import MOST
+from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.naming.decision import Compared
 from gmfbo.diagnosis.result.explained import Resembled
 from gmfbo.diagnosis.runs.simulated import Simulated
 
 Array = NDArray[np.float64]
-
-_ROUNDING = 1e-12  # of a signal's square: less is nothing
 
 
 def resembled_law(compared: Compared, unknown: Unknown) -> Resembled | None:
@@ -33,13 +34,13 @@ def resembled_law(compared: Compared, unknown: Unknown) -> Resembled | None:
     """
     function, port = unknown.function.fitted, unknown.port
     made = np.concatenate([function.amplitudes @ own for own in function.kind.signals])
-    plain = np.concatenate([_plain(run, port) for run in function.left.runs], axis=1)
+    plain = _plain(unknown.function.problem, function.left, port)
     found = []
     for elements, row in compared.ledger.rows.items():
         effects = row.hypothesis.effects
         if len(elements) != 1 or len(effects) != 1 or effects[0].law.port != port:
             continue
-        law = np.concatenate([acting(run, port) for run in row.runs])
+        law = np.concatenate([_acting(run, port) for run in row.runs])
         found.append((share_made(made, law, plain), effects[0].effect))
     share, name = max(found, default=(0.0, ""))
     return Resembled(name, share) if share > MOST else None
@@ -58,31 +59,25 @@ def share_made(made: Array, law: Array, plain: Array) -> float:
     both = np.stack([made, law], axis=1)
     rest = both - plain.T @ np.linalg.lstsq(plain.T, both, rcond=None)[0]
     squares = rest.T @ rest
-    if np.any(np.diag(squares) <= _ROUNDING * np.sum(both**2, axis=0)):
+    rounding = made.size * np.finfo(made.dtype).eps * np.sum(both**2, axis=0)
+    if np.any(np.diag(squares) <= rounding):
         return 0.0
     return max(float(squares[0, 1]), 0.0) ** 2 / float(squares[0, 0] * squares[1, 1])
 
 
-def acting(run: Simulated, port: str) -> Array:
-    """What acts at a port, without the loop that holds an open-loop twin.
-
-    Parameters
-    ----------
-    run : Simulated
-        A simulated recording.
-    port : str
-        One that the twin has.
-    """
+def _acting(run: Simulated, port: str) -> Array:
+    """What acts at a port, without the loop that holds an open-loop twin."""
     added = run.response.ports[port]
     return added - run.response.effort if port == "torque" else added
 
 
-def _plain(run: Simulated, port: str) -> Array:
+def _plain(problem: Problem, fitted: Fitted, port: str) -> Array:
     """A constant, and what a twin's own parameters make at the port, shape (n, rows)."""
-    states, position = run.response.states, run.response.states["position"]
     if port == "torque":
-        velocity = states.get("velocity", np.gradient(position))
-        columns = [velocity, np.gradient(velocity)]
+        velocities = motion_of(problem, fitted).velocities
+        columns = [velocities, [np.gradient(own) for own in velocities]]
     else:
-        columns = [states.get("command", position) if port == "command" else position]
-    return np.stack([np.ones(position.size), *columns])
+        state = "command" if port == "command" else "position"
+        columns = [[run.response.states[state] for run in fitted.runs]]
+    joined = [np.concatenate(column) for column in columns]
+    return np.stack([np.ones(joined[0].size), *joined])

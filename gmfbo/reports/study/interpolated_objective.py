@@ -73,7 +73,7 @@ class InterpolatedObjective:
         return cls(source, len(points), spline, sides)
 
     def at(self, points: Array) -> Array:
-        """Cost g, shape (q,), at points of the unit cube, shape (q, d); NaN where no run is near.
+        """Cost g, shape (q,), at points of the unit cube, shape (q, d); NaN beyond its runs.
 
         Beyond its points a spline goes on at will: a corner that nothing was run in would be the
         best of all.
@@ -86,9 +86,9 @@ class InterpolatedObjective:
 
 def _range_of(points: Array) -> Array:
     """Sides of the range of some points: outward normals, then offsets, shape (2 d, d + 1)."""
-    normals = np.eye(points.shape[1])
-    least, most = np.column_stack([-normals, points.min(axis=0)]), -points.max(axis=0)
-    return np.concatenate([least, np.column_stack([normals, most])])
+    axes = np.eye(points.shape[1])
+    offsets = np.concatenate([points.min(axis=0), -points.max(axis=0)])
+    return np.column_stack([np.concatenate([-axes, axes]), offsets])
 
 
 def _values(review: StudyReview, runs: Sequence[Run]) -> tuple[Array, Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
+
+Array = NDArray[np.float64]
 
 CAP = 20
 """Real runs after the initial ones up to which a study counts; who never arrives counts as this."""
@@ -80,6 +82,16 @@ class Arrivals:
         values = [CAP if known[seed] is None else min(known[seed] or 1, CAP) for seed in seeds]
         return np.array(values, dtype=float)
 
+    def mean(self, plant: str, method: str) -> float:
+        """Restricted mean of the runs to target over all seeds of a method on a plant."""
+        return float(self.capped(plant, method, sorted(self.runs[plant, method])).mean())
+
+    def geometric_mean(self, plants: Sequence[str], method: str) -> float:
+        """The same over some plants, those that the method was run on; NaN without any."""
+        have = [plant for plant in plants if self.runs.get((plant, method))]
+        logs = [np.log(self.mean(plant, method)) for plant in have]
+        return float(np.exp(np.mean(logs))) if logs else float("nan")
+
     def seeds(self, plant: str, methods: Sequence[str]) -> list[int]:
         """Seeds that all these methods have on a plant."""
         sets = [set(self.runs.get((plant, method), {})) for method in methods]
@@ -105,26 +117,17 @@ def ratio_of_means(
         With a 95 % interval by a paired bootstrap over seeds within each plant.
     """
     names = [method, *rivals]
-    tables = []
-    for plant in plants:
-        seeds = arrivals.seeds(plant, names)
-        if seeds:
-            tables.append(np.stack([arrivals.capped(plant, name, seeds) for name in names]))
-    if not tables:
-        return (float("nan"),) * 3
-    rng = np.random.default_rng(0)
+    tables = [
+        np.stack([arrivals.capped(plant, name, seeds) for name in names])
+        for plant in plants
+        if (seeds := arrivals.seeds(plant, names))
+    ]
 
-    def ratio(means: NDArray[np.float64]) -> NDArray[np.float64]:
-        # (..., plants, methods) to (...,)
+    def ratio(means: Array) -> Array:
         logs = np.log(means).mean(axis=-2)
         return np.asarray(np.exp(logs[..., 0] - logs[..., 1:].min(axis=-1)))
 
-    drawn = []
-    for table in tables:
-        rows = rng.integers(table.shape[1], size=(DRAWS, table.shape[1]))
-        drawn.append(table[:, rows].mean(axis=2).T)
-    low, high = np.quantile(ratio(np.stack(drawn, axis=1)), [0.025, 0.975])
-    return float(ratio(np.stack([t.mean(axis=1) for t in tables]))), float(low), float(high)
+    return _with_interval(tables, ratio)
 
 
 def never_difference(
@@ -143,16 +146,32 @@ def never_difference(
         for p in plants
         if (seeds := arrivals.seeds(p, names))
     ]
+    sizes = np.array([table.shape[1] for table in tables], dtype=float)
+
+    def difference(means: Array) -> Array:
+        shares = np.einsum("p,...pm->...m", sizes / sizes.sum(), means)
+        return np.asarray(shares[..., 0] - shares[..., 1:].min(axis=-1))
+
+    return _with_interval(tables, difference)
+
+
+def _with_interval(
+    tables: Sequence[Array], statistic: Callable[[Array], Array]
+) -> tuple[float, float, float]:
+    """A statistic of means, (..., plants, methods) to (...,), of tables (methods, seeds).
+
+    With a 95 % interval by a bootstrap over the seeds of each plant, paired over methods.
+    """
+    if not tables:
+        return (float("nan"),) * 3
     rng = np.random.default_rng(0)
-    drawn = np.zeros((DRAWS, len(names)))
+    drawn = []
     for table in tables:
         rows = rng.integers(table.shape[1], size=(DRAWS, table.shape[1]))
-        drawn += table[:, rows].sum(axis=2).T
-    count = sum(table.shape[1] for table in tables)
-    shares = drawn / count
-    whole = sum(table.sum(axis=1) for table in tables) / count
-    low, high = np.quantile(shares[:, 0] - shares[:, 1:].min(axis=1), [0.025, 0.975])
-    return float(whole[0] - whole[1:].min()), float(low), float(high)
+        drawn.append(table[:, rows].mean(axis=2).T)
+    low, high = np.quantile(statistic(np.stack(drawn, axis=1)), [0.025, 0.975])
+    whole = np.stack([table.mean(axis=1) for table in tables])
+    return float(statistic(whole)), float(low), float(high)
 
 
 def clearly_worse(

@@ -75,11 +75,8 @@ def _at(
     for plant in plants:
         cells = [_cell(arrivals, plant, method) for method in methods]
         rows.append(f"{plant:15s}" + "".join(f"{cell:>{width}s}" for cell in cells))
-    means = []
-    for method in methods:
-        have = [p for p in counted if arrivals.runs.get((p, method))]
-        each = [arrivals.capped(p, method, arrivals.seeds(p, [method])).mean() for p in have]
-        means.append(f"{np.exp(np.mean(np.log(each))):.2f}" if each else "")
+    found = [arrivals.geometric_mean(counted, method) for method in methods]
+    means = ["" if np.isnan(mean) else f"{mean:.2f}" for mean in found]
     rows.append(f"{'geometric mean':15s}" + "".join(f"{cell:>{width}s}" for cell in means))
     nevers = [f"{100 * arrivals.never(counted, method):.0f} %" for method in methods]
     rows.append(f"{'never, pooled':15s}" + "".join(f"{cell:>{width}s}" for cell in nevers))
@@ -103,8 +100,7 @@ def _cell(arrivals: Arrivals, plant: str, method: str) -> str:
     if not found:
         return ""
     never = sum(n is None for n in found.values())
-    mean = arrivals.capped(plant, method, sorted(found)).mean()
-    return f"{mean:.1f} {never}/{len(found)}"
+    return f"{arrivals.mean(plant, method):.1f} {never}/{len(found)}"
 
 
 def _costs(lines: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
