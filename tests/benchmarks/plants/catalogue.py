@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -35,6 +35,8 @@ class Plant:
         What of `rules.py` gives the gains of the textbook; empty where no rule fits.
     package : str
         Package that plays it, beside gmfbo's own; empty for none.
+    twin : str
+        File of its folder, in place of the study's; empty for none.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Plant:
     friction: str = ""
     rule: str = ""
     package: str = ""
+    twin: str = ""
 
     def check(self) -> None:
         """Raise if the package that plays it is missing; else each run would count as failed.
@@ -63,7 +66,11 @@ class Plant:
 
     def study(self) -> Study:
         """Its study file, read."""
-        return Study.read(self.folder / "study.toml")
+        study = Study.read(self.folder / "study.toml")
+        if not self.twin:
+            return study
+        is2 = study.file.is2.model_copy(update={"twin": self.twin})
+        return replace(study, file=study.file.model_copy(update={"is2": is2}))
 
 
 PLANTS = {

@@ -252,15 +252,24 @@ def commit() -> str:
 
 def run_all(plants: Sequence[str], methods: Sequence[str], seeds: range, out: Path) -> None:
     """Make all studies that are missing, seed by seed, so that what is there is balanced."""
+    run_plants([PLANTS[name] for name in plants], methods, seeds, out)
+
+
+def run_plants(
+    plants: Sequence[Plant], methods: Sequence[str], seeds: Sequence[int], out: Path
+) -> None:
+    """The same for plants that need not be those of the catalogue."""
     # Results of this benchmark are no part of what made them.
     known = commit()
-    command = "python -m tests.benchmarks.plants.run " + " ".join(sys.argv[1:])
+    module = Path(sys.argv[0]).stem
+    command = f"python -m tests.benchmarks.plants.{module} " + " ".join(sys.argv[1:])
     for seed in seeds:
-        for name in plants:
+        for plant in plants:
+            name = plant.name
             missing = [m for m in methods if seed not in finished(out / name / f"{m}.jsonl")]
             if not missing:
                 continue
-            with Judge.open(PLANTS[name]) as judge:
+            with Judge.open(plant) as judge:
                 initial = judge.study.file.budget.initial_is1
                 for method in missing:
                     line = Line(name, method, seed, initial, command, known)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -68,23 +67,25 @@ class Target:
         return self.shares["0.05"] <= MOST_OF_BOX
 
 
-def read_truth(path: Path) -> dict[str, NDArray[np.float64]]:
-    """Columns of a truth file by name, shape (m,)."""
-    names = path.read_text(encoding="utf-8").partition("\n")[0].split(",")
-    return dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2).T, strict=True))
+def read_truth(text: str) -> dict[str, NDArray[np.float64]]:
+    """Columns of a truth file's content by name, shape (m,)."""
+    names, *rows = text.splitlines()
+    return dict(zip(names.split(","), np.loadtxt(rows, delimiter=",", ndmin=2).T, strict=True))
 
 
-def target_of(judge: Judge) -> Target:
+def target_of(judge: Judge, text: str | None = None) -> Target:
     """Scale of a plant whose truth has been made.
 
     Parameters
     ----------
     judge : Judge
         Of the plant.
+    text : str, optional
+        Its truth file's content, in place of that of its folder.
     """
     from tests.benchmarks.plants.rules import quiet_rule_gains
 
-    truth = read_truth(judge.plant.folder / "truth.csv")
+    truth = read_truth(text or (judge.plant.folder / "truth.csv").read_text(encoding="utf-8"))
     cost = judge.cost(truth)
     row = int(np.argmin(cost))
     best = np.array([truth[name][row] for name in judge.gains.space.names])
