@@ -34,6 +34,10 @@ _USUAL = (
     "transport_delay",
     "sensor_eccentricity",
 )
+_LOGGED = {
+    "held": "the value still in force when the row was measured",
+    "new": "the value just computed from the row's measurement",
+}
 _NUMBERS = re.compile(r"\s*[-+]?\d[\d.,e+-]*( \.\.\.)?")
 _MOST_ALONE = 6  # recordings that have a column of their own
 _MOST_FINDINGS = 8
@@ -160,7 +164,7 @@ def _rows(facts: RecordingFacts) -> str:
 
 def _columns(check: Check) -> list[str]:
     """Table of the compared columns: coarsest resolution and largest misalignment of all files."""
-    rows = [("column", "resolution", "noise", "peak", "late ms", "scale", "logged")]
+    rows = [("column", "resolution", "noise", "peak", "late ms", "scale")]
     names = dict.fromkeys(n for f in check.recordings.values() for n in f.alignment)
     for name in names:
         facts = [f for f in check.recordings.values() if name in f.alignment and name in f.columns]
@@ -179,10 +183,14 @@ def _columns(check: Check) -> list[str]:
                 _peak(max((max(abs(c.low), abs(c.high)), c.limit, c.unit) for c in own)),
                 f"{round(1e3 * late, 2) + 0.0:.2f}" if math.isfinite(late) else "-",
                 f"{scale:.3f}" if math.isfinite(scale) else "-",
-                check.logged.get(name, ""),
             )
         )
-    return _table(rows)
+    told = [
+        line
+        for name, logged in check.logged.items()
+        for line in wrapped(f"each row holds {_LOGGED[logged]}", f"{words(name)}: ")
+    ]
+    return [*_table(rows), *told]
 
 
 def _peak(told: tuple[float, float | None, str]) -> str:

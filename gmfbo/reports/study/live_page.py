@@ -102,7 +102,7 @@ def _head(review: StudyReview, state: State, seconds_left: float | None) -> str:
             f'<span class="nowrap">{escape(name)} = {escape(_gain(review, name, value))}</span>'
             for name, value in best.gains.items()
         )
-        headline = f"Best gains so far: {gains}"
+        headline = f"Best gains{'' if state == 'ended' else ' so far'}: {gains}"
     return (
         f'<header>{top}<h1 id="verdict">{headline}</h1>{_progress(review, state, seconds_left)}'
         "</header>"

@@ -114,7 +114,8 @@ def test_the_page_follows_the_study_and_stays_when_it_ends(tmp_path: Path) -> No
     assert "Waiting for the first run" in waiting
     assert RELOAD in waiting
     assert RELOAD in running
-    assert "Best gains so far" in running
+    assert "Best gains so far: " in running
+    assert "Best gains: " in ended
     assert RELOAD not in ended
 
 
@@ -162,7 +163,7 @@ def test_watching_writes_the_page_too(tmp_path: Path, capsys: pytest.CaptureFixt
     folder, out = write_example_study(tmp_path), tmp_path / "page.html"
     assert main(["watch", str(folder), "--html", str(out)]) == 0
     page = out.read_text(encoding="utf-8")
-    assert "Best gains so far" in page
+    assert "Best gains" in page
     assert RELOAD not in page
     assert main(["watch", str(folder), "--html", str(tmp_path / "page.txt")]) == 2
     assert "expected a file name that ends in .html" in capsys.readouterr().err
