@@ -7,7 +7,9 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
+from tests.examples.screenshot import IMAGES, SCHEMES
 from tests.readme_blocks import README, ROOT, Typed, difference, type_in, typed_blocks
 
 MOST_WORDS = 1350
@@ -76,7 +78,7 @@ def test_no_sentence_of_readme_is_long() -> None:
 EXPLAINED = {
     "FMUs?": "exported as an FMU",
     "twins?": "**A digital twin**",
-    "twin file": "The **twin file**",
+    "twin file": "The [**twin file**]",
     "noise floor": "The **noise floor**",
     "effects?": "An **effect**",
     "ports?": "A **port**",
@@ -113,6 +115,14 @@ def test_every_file_that_readme_links_to_is_there() -> None:
     named = [one or other for one, other in targets]
     assert len(named) > 20
     assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_picture_shows_the_numbers_that_stand_below_it(scheme: str) -> None:
+    with Image.open(IMAGES / f"report-{scheme}.png") as picture:
+        headline = picture.info["Description"]
+    (errors,) = re.findall(r"^- \*\*(.+?)\*\*: error of the torque", README, re.MULTILINE)
+    assert f"falls from {errors} (" in headline
 
 
 @pytest.fixture(scope="module")

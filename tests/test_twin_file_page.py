@@ -28,7 +28,8 @@ def models_in(kind: object) -> list[type[BaseModel]]:
 
 def keys() -> set[str]:
     """Keys of the twin file and of its tables."""
-    found, waiting = set(TwinFile.model_fields), [TwinFile, ColumnEntry]
+    found: set[str] = set()
+    waiting: list[type[BaseModel]] = [TwinFile, ColumnEntry]
     while waiting:
         model = waiting.pop()
         found |= set(model.model_fields)

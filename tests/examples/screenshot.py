@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import html
 import io
+import re
 import sys
 import tempfile
 from pathlib import Path
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from tests.pages.headless_browser import NO_BROWSER, Browser, browser_path
 
@@ -35,15 +38,24 @@ def take(report: Path, browser: Browser, scheme: str) -> bytes:
     Returns
     -------
     bytes
-        PNG with a palette.
+        PNG with a palette; its `Description` is the headline that it shows.
     """
     page = report.read_text(encoding="utf-8")
     shot = browser.picture(page, WIDE, HIGH, SCHEMES[scheme])
     with Image.open(io.BytesIO(shot)) as picture:
         reduced = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     written = io.BytesIO()
-    reduced.save(written, "PNG", optimize=True)
+    described = PngInfo()
+    described.add_text("Description", headline_of(page))
+    reduced.save(written, "PNG", optimize=True, pnginfo=described)
     return written.getvalue()
+
+
+def headline_of(page: str) -> str:
+    """Words of a report's first line."""
+    (headline,) = re.findall(r'<h1 id="verdict">(.*?)</h1>', page, re.DOTALL)
+    words = html.unescape(re.sub(r"<[^>]*>", "", headline))
+    return " ".join(words.split())
 
 
 if __name__ == "__main__":
