@@ -22,6 +22,7 @@ from botorch.acquisition.analytic import PosteriorMean
 from botorch.exceptions.warnings import OptimizationWarning
 from botorch.generation.gen import gen_candidates_scipy
 from botorch.models.model import Model
+from linear_operator.utils.warnings import NumericalWarning
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
@@ -38,6 +39,9 @@ SOBOL_POINTS = 1024
 # Points nearer than this count as the same: a simulator's repeat carries no information and makes
 # the covariance singular.
 SAME_POINT = 1e-6
+
+NO_VARIANCE = "Negative variance values detected"
+"""GPyTorch's warning where a variance is zero to rounding, as at gains that were repeated."""
 
 
 @dataclass(frozen=True)
@@ -201,7 +205,8 @@ def _evaluate(
     acquisition: AcquisitionFunction, points: NDArray[np.float64], column: float
 ) -> NDArray[np.float64]:
     inputs = torch.tensor(np.hstack([points, np.full((len(points), 1), column)]), dtype=DTYPE)
-    with exact_algebra(), torch.no_grad():
+    with exact_algebra(), torch.no_grad(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=NO_VARIANCE, category=NumericalWarning)
         return np.asarray(acquisition(inputs[:, None, :]).numpy(), dtype=float)
 
 
@@ -224,6 +229,7 @@ def _polish(
             fixed_features={**fixed, dimension: column},
         )
     for warning in caught:
-        if not issubclass(warning.category, OptimizationWarning):
+        known = str(warning.message).startswith(NO_VARIANCE)
+        if not known and not issubclass(warning.category, OptimizationWarning):
             warnings.warn(warning.message, stacklevel=2)
     return np.clip(polished[:, 0, :-1].detach().numpy(), 0.0, 1.0)

@@ -39,9 +39,15 @@ def test_own_metrics_are_not_told_in_seconds(case: CaseFolder) -> None:
     assert not re.search(r"(energy|peak torque|iae) +[\d.]+ s", answer.out)
 
 
-def test_a_time_that_was_not_reached_is_called_never(case: CaseFolder) -> None:
-    answer = case.gmfbo("tune const.toml")
-    slow = case.gmfbo("tune v0.6.toml")
-    assert "never (within" not in answer.out
-    # Noise beyond the band: the settling time is not reached though the run settled.
-    assert "settling time never (within 0.8 s)" in slow.out or "0.7" not in slow.out
+def test_a_response_whose_noise_leaves_the_band_is_told(case: CaseFolder) -> None:
+    answer = case.gmfbo("tune v0.6.toml")
+    assert answer.code == 0, answer.err
+    assert "Warning" not in answer.err
+    assert "the noise of speed leaves the band of 2 % until the end" in answer.out
+    assert "widen [objective] band or set its filter" in answer.out
+
+
+def test_gains_at_the_end_of_a_logarithmic_box_are_told(case: CaseFolder) -> None:
+    answer = case.gmfbo("tune log12.toml")
+    assert answer.code == 0, answer.err
+    assert re.search(r"best \S+ = \S+ lies at the (upper|lower) end", answer.out)
