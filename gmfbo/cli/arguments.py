@@ -44,7 +44,8 @@ Recordings = Annotated[
     list[Path],
     typer.Argument(
         metavar="REC...",
-        help="Recordings of the real axis: .csv, .h5, .mat, .parquet, .mf4 or .tdms.",
+        help="Recordings of the real axis: .csv, .h5, .mat, .parquet, .mf4 or .tdms; a study "
+        "folder stands for its real runs.",
     ),
 ]
 

@@ -52,9 +52,11 @@ def check(
     from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
     from gmfbo.diagnosis import check as run_check
     from gmfbo.diagnosis.checking.text import check_lines
+    from gmfbo.tuning.study.real_run_files import with_runs_of_studies
 
+    runs = with_runs_of_studies(recordings)
     with DiagnosisDisplay(console) as display:
-        seen = run_check(twin, recordings, seed=seed, progress=display.show, jobs=jobs)
+        seen = run_check(twin, runs, seed=seed, progress=display.show, jobs=jobs)
     for line in check_lines(seen, every=every):
         typer.echo(line)
     if json is not None:

@@ -31,6 +31,7 @@ MANUAL = Manual(
     examples={
         "What four recordings say:": "gmfbo diagnose axis.toml run*.csv --out found",
         "And its page at the end:": "gmfbo diagnose axis.toml run*.csv --out found --open",
+        "What the real runs of a study say:": ("gmfbo diagnose axis.toml axis.study --out found"),
         "With two of them outside every choice:": (
             "gmfbo diagnose axis.toml 1.csv 2.csv --validate 3.csv 4.csv --out found"
         ),
@@ -95,14 +96,16 @@ def diagnose(
     outside the fit do not contradict, and gives the error on unseen recordings before and after.
     Parameters are printed in SI with 95 % intervals.
     """
+    from gmfbo.tuning.study.real_run_files import with_runs_of_studies
+
     _check_effects(twin, assume or [], exclude or [])
     _check_folder(out)
 
     diagnose_and_show(
         twin,
-        recordings,
+        with_runs_of_studies(recordings),
         out,
-        validate=validate or None,
+        validate=with_runs_of_studies(validate or []) or None,
         assume=tuple(assume or ()),
         exclude=tuple(exclude or ()),
         seed=seed,

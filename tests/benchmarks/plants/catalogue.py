@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from gmfbo.recordings.recording import Recording
 from gmfbo.tuning.study.study import Study
+from gmfbo.tuning.study_file.safety_section import SafetySection
 from tests.benchmarks.plants.truths import blind_plants, cart, mujoco_plants, rotary, thermal
 from tests.benchmarks.plants.truths.conditions import Conditions
 
@@ -37,6 +38,8 @@ class Plant:
         Package that plays it, beside gmfbo's own; empty for none.
     twin : str
         File of its folder, in place of the study's; empty for none.
+    safety : mapping of str to (float, float)
+        Envelope of its study, by signal; the published studies have none.
     """
 
     name: str
@@ -45,6 +48,7 @@ class Plant:
     rule: str = ""
     package: str = ""
     twin: str = ""
+    safety: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def check(self) -> None:
         """Raise if the package that plays it is missing; else each run would count as failed.
@@ -67,10 +71,12 @@ class Plant:
     def study(self) -> Study:
         """Its study file, read."""
         study = Study.read(self.folder / "study.toml")
-        if not self.twin:
-            return study
-        is2 = study.file.is2.model_copy(update={"twin": self.twin})
-        return replace(study, file=study.file.model_copy(update={"is2": is2}))
+        changes: dict[str, Any] = {}
+        if self.twin:
+            changes["is2"] = study.file.is2.model_copy(update={"twin": self.twin})
+        if self.safety:
+            changes["safety"] = SafetySection(ranges=dict(self.safety))
+        return replace(study, file=study.file.model_copy(update=changes))
 
 
 PLANTS = {
