@@ -22,7 +22,7 @@ from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run, has_settled
 from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
-from gmfbo.tuning.study_file.study_file import parse_study
+from gmfbo.tuning.study_file.study_file import as_begun, parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
 from gmfbo.tuning.twin.learned import learned_lines
 
@@ -156,7 +156,7 @@ class StudyReview:
         standing = standing_events(events, {trial.number for trial in trials})
         counted = in_order([trial for trial in trials if trial.number not in undone], standing)
         return cls(
-            file,
+            as_begun(file, events),
             location,
             placed_runs(counted, standing, file.budget),
             tuple(standing),

@@ -17,7 +17,7 @@ from gmfbo.tuning.drift.drift import Drift
 from gmfbo.tuning.history.incumbent import best_run
 from gmfbo.tuning.history.standing import UNDO, standing_events, undone_numbers
 from gmfbo.tuning.query.method import Recommendation
-from gmfbo.tuning.study_file.study_file import parse_study, read_study_file
+from gmfbo.tuning.study_file.study_file import as_begun, parse_study, read_study_file
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
 if TYPE_CHECKING:
@@ -71,18 +71,20 @@ class Study:
         StoreError
             The folder or packed file is none of a study.
         """
+        from gmfbo.recordings.store.study_folder import StudyStore
+
         path = Path(path)
         if path.suffix.lower() == ".toml":
             file, text = read_study_file(path)
-            return cls(file, text, path.parent, path.parent / file.folder_name)
-        from gmfbo.recordings.store.study_folder import StudyStore
-
+            folder = path.parent / file.folder_name
+            return cls(as_begun(file, _events_of(folder)), text, path.parent, folder)
         with StudyStore.open(path) as store:
             text, events = store.study_text, store.events()
         name = path.name.removesuffix(path.suffix)
         file = parse_study(text, label=f"{path}: study.toml", default_name=name)
         begun = [event for event in events if event["event"] == "begin"]
-        return cls(file, text, path / begun[-1]["origin"] if begun else path.parent, path)
+        origin = path / begun[-1]["origin"] if begun else path.parent
+        return cls(as_begun(file, events), text, origin, path)
 
     @property
     def begun(self) -> bool:
@@ -183,7 +185,8 @@ class Study:
                 "them by --resume, or give another 'out'"
             )
         label = f"{self.location}/study.toml"
-        begun_with = parse_study(store.study_text, label=label, default_name=self.file.name)
+        text = parse_study(store.study_text, label=label, default_name=self.file.name)
+        begun_with = as_begun(text, store.events())
         differing = _differing(begun_with, self.file)
         if differing:
             raise StudyFileError(
@@ -218,9 +221,11 @@ class Study:
                     "back, or give another 'out'"
                 )
         origin = os.path.relpath(self.origin.resolve(), self.location.resolve())
-        version = {} if begun else {"objective_version": OBJECTIVE_VERSION}
+        first: dict[str, Any] = {}
+        if not begun:
+            first = {"objective_version": OBJECTIVE_VERSION, "method": self.file.method}
         place = Path(origin).as_posix()
-        store.log("begin", origin=place, twins=twins, units=dict(units), **version)
+        store.log("begin", origin=place, twins=twins, units=dict(units), **first)
 
     @staticmethod
     def objective_version(store: TrialStore) -> int:
@@ -258,6 +263,16 @@ class Study:
             return head + ">"
         gains = ", ".join(f"{name} = {value:.4g}" for name, value in best.gains.items())
         return f"{head}, best g = {best.objective:.4g} at {gains}>"
+
+
+def _events_of(folder: Path) -> list[dict[str, Any]]:
+    """Log of a study that was begun there; what is wrong with it is told when it is opened."""
+    from gmfbo.recordings.store.study_reading import FolderReading
+
+    try:
+        return FolderReading(folder).event_lines().events
+    except StoreError:
+        return []
 
 
 def _differing(one: StudyFile, other: StudyFile) -> list[str]:

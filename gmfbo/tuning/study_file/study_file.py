@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,26 @@ def read_study_file(path: Path) -> tuple[StudyFile, str]:
         reason = getattr(error, "strerror", None) or reason
         raise StudyFileError(f"{path}: cannot read the study file: {reason}") from None
     return parse_study(text, label=path.name, default_name=path.stem), text
+
+
+FIRST_DEFAULT = "gmfbo_physics"
+"""Default method when begun studies did not log theirs yet."""
+
+
+def as_begun(file: StudyFile, events: Sequence[Mapping[str, Any]]) -> StudyFile:
+    """The study file with the method that the study was begun with, where the file states none.
+
+    Parameters
+    ----------
+    file : StudyFile
+        As read.
+    events : sequence of mapping
+        Of the study's log; empty before it was begun.
+    """
+    begun = [event for event in events if event["event"] == "begin"]
+    if not begun or "method" in file.model_fields_set:
+        return file
+    return file.model_copy(update={"method": begun[0].get("method", FIRST_DEFAULT)})
 
 
 def _finding(detail: dict[str, Any]) -> str:

@@ -80,8 +80,8 @@ def _as_words(value: object) -> object:
 
 Parameters = dict[str, Annotated[float | Literal["seed"], PlainValidator(_number_or_seed)]]
 
-DEFAULT_METHOD = "gmfbo_physics"
-"""Method with the fewest real runs on the project's studies: `tests/benchmarks/results`."""
+DEFAULT_METHOD = "gmfbo_estimated"
+"""Method that was run on all plants of `tests/benchmarks/plants`, with fewest real runs there."""
 
 KNOWN_METRICS = (*METRICS, *TRACKING_METRICS, *COMMAND_METRICS)
 """Metrics that need no function of the user."""

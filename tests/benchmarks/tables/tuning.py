@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from tests.benchmarks.tables.results import MADE, Compared, commands, compared, fewer_runs
 
 DESCRIBED = {
-    "gmfbo_physics": "the default",
+    "gmfbo_physics": "then the default",
     "gmfbo": "twin corrected, not explained",
     "gmfbo_paper": "as published",
     "bo_ei": "no twin",
