@@ -29,11 +29,14 @@ class PlantAxis:
     plant : Plant
         What is played.
     seed : int or None
-        Of the study; None plays without noise and at mean friction.
+        Of the study; None plays without noise.
+    quiet : Conditions
+        Of the runs without noise.
     """
 
     plant: Plant
     seed: int | None = None
+    quiet: Conditions = QUIET
     runs: int = 0
     _fmus: FmuTwin | None = field(default=None, repr=False)
 
@@ -65,7 +68,7 @@ class PlantAxis:
 
     def _conditions(self) -> Conditions:
         if self.seed is None:
-            return QUIET
+            return self.quiet
         rng = np.random.default_rng([self.seed, _STREAM, self.runs])
         return Conditions(1.0 + FRICTION_SPREAD * float(rng.uniform(-1.0, 1.0)), rng)
 
@@ -75,8 +78,11 @@ class PlantAxis:
         """Noise comes from `[is1] noise` of the study file here."""
         if self._fmus is None:
             self._fmus = FmuTwin(self.plant.folder / "truth.toml", isolated=False)
-        friction = {self.plant.friction: conditions.friction}
-        return self._fmus.run(gains, reference, parameters=friction)
+        changed = {self.plant.friction: conditions.friction}
+        if conditions.inertia != 1.0:
+            name = self.plant.inertia
+            changed[name] = conditions.inertia * self._fmus.nominal(name)
+        return self._fmus.run(gains, reference, parameters=changed)
 
     def close(self) -> None:
         """End the FMUs."""

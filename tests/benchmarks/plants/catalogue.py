@@ -32,6 +32,8 @@ class Plant:
         Plays the plant; None where `truth.toml` does.
     friction : str
         Parameter of `truth.toml` that is the factor of the friction.
+    inertia : str
+        Parameter of `truth.toml` that is the inertia.
     rule : str
         What of `rules.py` gives the gains of the textbook; empty where no rule fits.
     package : str
@@ -45,6 +47,7 @@ class Plant:
     name: str
     truth: Truth | None = None
     friction: str = ""
+    inertia: str = ""
     rule: str = ""
     package: str = ""
     twin: str = ""
@@ -82,10 +85,15 @@ class Plant:
 PLANTS = {
     plant.name: plant
     for plant in (
-        Plant("drive_twin", friction="friction.scale", rule="pd"),
+        Plant("drive_twin", friction="friction.scale", inertia="load.inertia", rule="pd"),
         Plant("servo_axis", blind_plants.servo_axis, rule="pd"),
         Plant("linear_axis", blind_plants.linear_axis, rule="cascade_p_p"),
-        Plant("split_drive", friction="plant.friction.scale", rule="cascade_p_pi"),
+        Plant(
+            "split_drive",
+            friction="plant.friction.scale",
+            inertia="plant.load.inertia",
+            rule="cascade_p_pi",
+        ),
         Plant("two_mass", rotary.two_mass, rule="cascade_p_p"),
         Plant("velocity_loop", rotary.velocity_loop, rule="pi"),
         Plant("temperature", thermal.temperature, rule="pi"),

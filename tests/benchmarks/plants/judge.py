@@ -19,6 +19,7 @@ from gmfbo.tuning.study.study_terms import experiment_of
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from tests.benchmarks.plants.axis import PlantAxis
 from tests.benchmarks.plants.catalogue import Plant
+from tests.benchmarks.plants.truths.conditions import QUIET, Conditions
 
 
 @dataclass(eq=False)
@@ -49,16 +50,20 @@ class Judge:
     axis: PlantAxis
 
     @classmethod
-    def open(cls, plant: Plant) -> Self:
+    def open(cls, plant: Plant, study: Study | None = None, quiet: Conditions = QUIET) -> Self:
         """Open a plant's study.
 
         Parameters
         ----------
         plant : Plant
             One of the catalogue.
+        study : Study, optional
+            In place of its own.
+        quiet : Conditions
+            Friction and inertia of all runs.
         """
-        study = plant.study()
-        axis = PlantAxis(plant)
+        study = study or plant.study()
+        axis = PlantAxis(plant, quiet=quiet)
         sources = StudySources.open(study.file, study.origin, is1=axis)
         gains = GainChoice.combine(sources.gains, study.file.gains, sources.parameters)
         experiment = experiment_of(study, sources, None)

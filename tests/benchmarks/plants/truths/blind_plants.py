@@ -51,6 +51,7 @@ def _play(
     deviation: float,
 ) -> dict[str, Vector]:
     rubbed = {name: conditions.friction * values[name] for name in FRICTION}
+    rubbed["inertia"] = conditions.inertia * values["inertia"]
     wanted = reference.signal("reference")
     noise = conditions.noise(deviation, PREROLL + len(wanted))
     try:

@@ -38,6 +38,7 @@ def pendulum(
     speed, spin = Rate(FILTER_TIME, SAMPLE), Rate(FILTER_TIME, SAMPLE)
     x = v = a = w = force = command = 0.0
     h, share = SAMPLE / SUBSTEPS, -math.expm1(-SAMPLE / SUBSTEPS / LAG)
+    cart, bob = conditions.inertia * CART, conditions.inertia * BOB
     coulomb, out = conditions.friction * COULOMB, np.empty((3, rows))
     for k, target in enumerate(wanted.tolist()):
         seen = X_COUNT * math.floor((x + noise[0][k]) / X_COUNT + 0.5)
@@ -50,7 +51,7 @@ def pendulum(
             force += share * (command - force)
             s, c = math.sin(a), math.cos(a)
             net = force - VISCOUS * v - coulomb * math.tanh(v / 2e-3)
-            push = (net + BOB * s * (LENGTH * w * w - GRAVITY * c)) / (CART + BOB * s * s)
+            push = (net + bob * s * (LENGTH * w * w - GRAVITY * c)) / (cart + bob * s * s)
             w += h * (GRAVITY * s - push * c) / LENGTH
             v += h * push
             x += h * v

@@ -12,7 +12,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Conditions:
-    """Friction and noise of one run.
+    """Friction, inertia and noise of one run.
 
     Attributes
     ----------
@@ -20,10 +20,13 @@ class Conditions:
         Factor of the plant's friction; 1 is its mean.
     rng : numpy.random.Generator or None
         Draws the measurement noise; None makes a run without noise.
+    inertia : float
+        Factor of what is moved, or heated.
     """
 
     friction: float = 1.0
     rng: np.random.Generator | None = None
+    inertia: float = 1.0
 
     def noise(self, deviation: float, rows: int) -> Vector:
         """White noise, shape (rows,), of this standard deviation; zeros without noise.

@@ -72,10 +72,16 @@ def _play(
     model: Any = _model(text)
     data: Any = mujoco.MjData(model)
     level = float(model.dof_frictionloss[0])
+    moved = [
+        (part, part.copy()) for part in (model.body_mass, model.body_inertia, model.dof_armature)
+    ]
     wanted = reference.signal("reference")
     noise, out = conditions.noise(deviation, len(wanted)), np.empty((2, len(wanted)))
     command, waiting = 0.0, [0.0] * delay
     model.dof_frictionloss[0] = conditions.friction * level
+    for part, mean in moved:
+        part[:] = conditions.inertia * mean
+    mujoco.mj_setConst(model, data)
     try:
         for k, target in enumerate(wanted.tolist()):
             reading = COUNT * math.floor((float(data.qpos[0]) + noise[k]) / COUNT + 0.5)
@@ -88,6 +94,8 @@ def _play(
                 raise Fallen("the motor races")
     finally:
         model.dof_frictionloss[0] = level
+        for part, mean in moved:
+            part[:] = mean
     named = {"position": out[0], "current": out[1]}
     return {"time": reference.time, "reference": wanted, **named}
 

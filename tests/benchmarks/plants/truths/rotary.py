@@ -62,6 +62,16 @@ class Rotary:
     damping: float = 0.0
     quantum: float = 2.0 * math.pi / 65536
 
+    def under(self, conditions: Conditions) -> Rotary:
+        """The plant with the friction and the inertia of a run."""
+        return replace(
+            self,
+            coulomb=conditions.friction * self.coulomb,
+            breakaway=conditions.friction * self.breakaway,
+            inertia=conditions.inertia * self.inertia,
+            load_inertia=conditions.inertia * self.load_inertia,
+        )
+
     def friction(self, velocity: float) -> float:
         """Torque of the friction [N m]; the sign is smoothed over 10 mrad/s."""
         level = self.coulomb + self.breakaway * math.exp(-((velocity / self.slow) ** 2))
@@ -123,11 +133,7 @@ def _of_position(
 ) -> dict[str, Vector]:
     wanted = reference.signal("reference")
     noise = conditions.noise(deviation, len(wanted))
-    rubbed = replace(
-        plant,
-        coulomb=conditions.friction * plant.coulomb,
-        breakaway=conditions.friction * plant.breakaway,
-    )
+    rubbed = plant.under(conditions)
     position, current, _ = rubbed.play(law, wanted, noise, speed=None)
     return {"time": reference.time, "reference": wanted, "position": position, "current": current}
 
@@ -199,7 +205,7 @@ def velocity_loop(
     """A spindle whose speed comes from a coarse encoder by way of a filter of 2 ms."""
     wanted = reference.signal("reference")
     law = Pid(_short(gains), sample=SAMPLE, limits=(-20.0, 20.0), anti_windup=50.0)
-    rubbed = replace(SPINDLE, coulomb=conditions.friction * SPINDLE.coulomb)
+    rubbed = SPINDLE.under(conditions)
     noise = conditions.noise(3e-4, len(wanted))
     _, current, speed = rubbed.play(law, wanted, noise, speed=Rate(2e-3, SAMPLE))
     return {"time": reference.time, "reference": wanted, "velocity": speed, "current": current}

@@ -35,6 +35,7 @@ def temperature(
     )
     body = seen = AMBIENT
     power, waiting = 0.0, deque([0.0] * round(DEAD_TIME / SAMPLE))
+    capacity = conditions.inertia * CAPACITY
     share, h = -math.expm1(-SAMPLE / SUBSTEPS / SENSOR_TIME), SAMPLE / SUBSTEPS
     out = np.empty((2, len(wanted)))
     for k, target in enumerate(wanted.tolist()):
@@ -46,6 +47,6 @@ def temperature(
         for _ in range(SUBSTEPS):
             lost = conditions.friction * LOSS * (body - AMBIENT)
             lost += RADIATION * (body**4 - AMBIENT**4)
-            body += h / CAPACITY * (arrived - lost)
+            body += h / capacity * (arrived - lost)
             seen += share * (body - seen)
     return {"time": reference.time, "reference": wanted, "temperature": out[0], "power": out[1]}
