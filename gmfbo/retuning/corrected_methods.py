@@ -73,7 +73,7 @@ def _complete(twin: FmuTwin, folder: Path) -> TwinRefiner:
 
 
 def _diagnose(twin: FmuTwin, folder: Path) -> TwinRefiner:
-    return PhysicsRefiner(twin, folder, with_usual_physics, complete)
+    return PhysicsRefiner(twin, folder, complete, asks_again=True)
 
 
 _CALIBRATION = (
@@ -82,7 +82,7 @@ _CALIBRATION = (
 
 GMFBO_PHYSICS = OnCorrectedTwin(
     name="gmfbo_physics",
-    summary="gmfbo_estimated, and a diagnosis of what that does not explain",
+    summary="gmfbo on a twin whose parameters, tables and missing physics are estimated",
     reference=_CALIBRATION + "as gmfbo",
     searching=Gmfbo(),
     refine=_diagnose,

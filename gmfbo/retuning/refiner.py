@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -45,9 +45,8 @@ STRANGE = 3.0
 """Times the error so far from which one new run may be that of a changed plant. The next one tells:
 a twin estimated from runs before and after a change hides it from the watch."""
 
-DIAGNOSED_AT = (3, 10, 30)
-"""Numbers of real runs since the plant changed at which the diagnosis may be asked: once takes as
-long as all the rest of a study of twenty runs."""
+DIAGNOSED_AT = (2, 3, 5, 8, 16, 32)
+"""Numbers of real runs since the plant changed at which the diagnosis may be asked again."""
 
 MOST_DIAGNOSED = 4
 """Most real runs given to the diagnosis; later runs resemble the best one, and cost time."""
@@ -115,8 +114,7 @@ class PhysicsRefiner:
     After the initial real runs, and after each run with a surprising error, the uncertain
     parameters and tables are estimated from all real runs since the plant changed. If the error
     is so large that the plant may have changed, the next run is awaited first. If a signal is
-    still not explained, a completer adds the usual physics; if that does not suffice either, a
-    diagnosis is asked, and what it names replaces the usual physics where it fits better. A
+    still not explained, a completer adds physics: the usual one, or what a diagnosis names. A
     corrected twin that predicts the next real runs worse than the twin as given
     is withdrawn, and the twin stays as given until the plant changes.
 
@@ -127,9 +125,10 @@ class PhysicsRefiner:
     folder : Path
         Folder for files of the versions.
     completer : callable, optional
-        Adds the usual physics, once; without it, parameters and tables alone are estimated.
-    diagnosis : callable, optional
-        Finds missing physics, at several numbers of runs.
+        Adds or finds missing physics; without it, parameters and tables alone are estimated.
+    asks_again : bool
+        Whether the completer is asked at several numbers of runs, as a diagnosis is; otherwise
+        once.
     """
 
     def __init__(
@@ -137,10 +136,11 @@ class PhysicsRefiner:
         twin: FmuTwin,
         folder: Path,
         completer: Completer | None = None,
-        diagnosis: Completer | None = None,
+        *,
+        asks_again: bool = False,
     ) -> None:
         self._given, self._folder = twin, folder
-        self._completer, self._diagnosis = completer, diagnosis
+        self._completer, self._asks_again = completer, asks_again
         self._newest: _Version | None = None
         self._opened: list[FmuTwin] = []
 
@@ -173,11 +173,13 @@ class PhysicsRefiner:
         begun = known or Estimate.begin(version.unknowns, len(signals))
         estimate = Calibration(version.unknowns, runs).estimate(begun)
         reason = f"estimated from {_runs(len(runs))}"
-        for completer in self._asked(version, seen, len(runs)):
-            if _unexplained(estimate, runs):
-                completed = self._completed(completer, history, trials, signals, version, estimate)
-                if completed is not None and _is_better(completed[1], estimate):
-                    version, estimate, reason = completed
+        asks = version.model is self._given
+        if self._asks_again:
+            asks = any(seen < count <= len(runs) for count in DIAGNOSED_AT)
+        if asks and _unexplained(estimate, runs):
+            completed = self._completed(history, trials, signals, version, estimate)
+            if completed is not None and _is_better(completed[1], estimate):
+                version, estimate, reason = completed
         begins = changed or not version.first
         first = history.of("IS1")[-1].number if begins else version.first
         self._newest = replace(
@@ -238,16 +240,8 @@ class PhysicsRefiner:
         errors = np.sqrt(np.mean((simulated - run.measured) ** 2, axis=1))
         return float(np.max(errors / estimate.errors))
 
-    def _asked(self, version: _Version, seen: int, count: int) -> Iterator[Completer]:
-        """Completers in turn: the usual physics once, a diagnosis at its numbers of real runs."""
-        if self._completer is not None and version.model is self._given:
-            yield self._completer
-        if self._diagnosis is not None and any(seen < at <= count for at in DIAGNOSED_AT):
-            yield self._diagnosis
-
     def _completed(
         self,
-        completer: Completer,
         history: History,
         trials: Sequence[Trial],
         signals: Sequence[str],
@@ -255,14 +249,15 @@ class PhysicsRefiner:
         estimate: Estimate,
     ) -> tuple[_Version, Estimate, str] | None:
         """Estimated twin with the physics that the completer adds, and why."""
+        if self._completer is None:
+            return None
         values = version.unknowns.settings(estimate.x)
         names = {name for table in version.unknowns.tables for name in table.parameters}
-        folder = self._folder / f"{self._version.number + 1:05d}"
-        found = completer(
+        found = self._completer(
             self._given,
             {name: value for name, value in values.items() if name in names},
             plain_recordings(_spread(trials), self._given, history.experiment),
-            folder / "diagnosed" if completer is self._diagnosis else folder,
+            self._folder / f"{self._version.number + 1:05d}",
             seed=history.study.seed,
         )
         if found is None:

@@ -14,8 +14,7 @@ from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.study_folder import StudyStore
 from gmfbo.retuning.corrected_methods import GMFBO_ESTIMATED, OnCorrectedTwin
 from gmfbo.retuning.missing_physics import Completion
-from gmfbo.retuning.refiner import Completer, PhysicsRefiner
-from gmfbo.retuning.usual_physics import with_usual_physics
+from gmfbo.retuning.refiner import PhysicsRefiner
 from gmfbo.sources.fmu_file.models import models_folder
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
@@ -106,12 +105,9 @@ def test_negative_control_nothing_is_added_to_a_twin_that_explains_the_axis(
     assert all(version["augmented"] is None for version in versions)
 
 
-@pytest.mark.parametrize(
-    ("usual", "friction", "expected"),
-    [(None, 0.3, [3]), (None, 0.0, []), (with_usual_physics, 0.3, [])],
-)
-def test_a_diagnosis_is_asked_where_neither_values_nor_usual_physics_explain_three_runs(
-    tmp_path: Path, usual: Completer | None, friction: float, expected: list[int]
+@pytest.mark.parametrize(("friction", "expected"), [(0.3, [2, 3]), (0.0, [])])
+def test_a_diagnosis_is_asked_at_two_and_three_runs_that_are_not_explained(
+    tmp_path: Path, friction: float, expected: list[int]
 ) -> None:
     asked = []
 
@@ -126,7 +122,7 @@ def test_a_diagnosis_is_asked_where_neither_values_nor_usual_physics_explain_thr
         asked.append(len(recordings))
         return None
 
-    method = replace(METHOD, refine=lambda t, f: PhysicsRefiner(t, f, usual, spy))
+    method = replace(METHOD, refine=lambda t, f: PhysicsRefiner(t, f, spy, asks_again=True))
     physics = {"coulomb_friction.level": friction, "coulomb_friction.deflection": 1e-4}
     tuned(tmp_path / "asked", physics if friction else {}, method)
     assert asked == expected
