@@ -70,7 +70,10 @@ def test_proposals_that_leave_the_envelope_on_draws_of_the_twin_are_withheld(
     study = run(linear_study(tmp_path, section, method="random", iterations=4))
     with Tuner(study) as tuner:
         events = tuner.history.store.events()
-    assert any(event["event"] == "withheld" for event in events)
+    withheld = {e["number"]: e["gains"] for e in events if e["event"] == "withheld"}
+    assert withheld
+    asked = {e["number"]: e["gains"] for e in events if e["event"] == "ask"}
+    assert all(asked[number] != gains for number, gains in withheld.items())
     # As published the same seed makes unsafe runs: see the test above.
     assert real(study, "unsafe") == []
 
