@@ -146,7 +146,8 @@ class Proposals:
         if len(held) == len(self.gains.space):
             wished = self.gains.values(self.gains.space.point(held))
             return self._doubts_told(TrialRequest(number, "IS1", wished), state)
-        if real < max(budget.initial_is1, len(self.starts)):
+        # While nothing is told, a method has nothing to learn from.
+        if real < max(budget.initial_is1, len(self.starts)) or not self.history.of("IS1"):
             return self._first(real, state)
         repeat = None if self.recorded or held else self._repeat(state)
         if repeat is not None:
@@ -170,16 +171,29 @@ class Proposals:
 
     def _first(self, real: int, state: TuningState) -> TrialRequest:
         """One of the first runs; `real` runs were asked for before."""
-        study, number = self.history.study, self.history.next_number
-        count = study.budget.initial_is1
-        points = initial_points(self.gains.space, study.seed, Stream.INITIAL_IS1, count)
-        # Gains that are known to be safe replace the first of the Latin hypercube.
-        points = np.vstack([self.starts, points[len(self.starts) :]])
-        point = state.hold(points[real])
-        if real < len(self.starts) and np.array_equal(point, points[real]):
+        number, planned = self.history.next_number, self._first_points(real + 1)
+        point = state.hold(planned[real])
+        if real < len(self.starts) and np.array_equal(point, planned[real]):
             # The user vouches for these, whatever the twin says, and wherever others wait.
             return TrialRequest(number, "IS1", self.history.gains_at(point))
-        return self._checked(TrialRequest(number, "IS1", self._allowed(state, point)), state)
+        gains = self._allowed(state, point)
+        if real >= self.history.study.budget.initial_is1:
+            gains = self._not_run_yet(state, gains)
+        return self._checked(TrialRequest(number, "IS1", gains), state)
+
+    def _first_points(self, count: int) -> NDArray[np.float64]:
+        """Known-safe gains and Latin hypercubes, at least `count` points, shape (n, d)."""
+        study, space = self.history.study, self.gains.space
+        many = study.budget.initial_is1
+        points = initial_points(space, study.seed, Stream.INITIAL_IS1, many)
+        # Gains that are known to be safe replace the first of the Latin hypercube.
+        points = np.vstack([self.starts, points[len(self.starts) :]])
+        further = 0
+        while len(points) < count:
+            further += 1
+            more = initial_points(space, study.seed, Stream.INITIAL_IS1, many, further)
+            points = np.vstack([points, more])
+        return points
 
     def _weighed(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
         """The request with a note where it hardly promises a gain; of the last runs a repetition.
