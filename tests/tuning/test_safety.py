@@ -188,3 +188,31 @@ def test_an_envelope_of_unknown_signals_and_starts_outside_are_refused(tmp_path:
         linear_study(tmp_path / "d", "[safety]\nx = 3\n")
     with pytest.raises(StudyFileError, match=r"\[safety\]: expression 'open\(1\) < 2'"):
         linear_study(tmp_path / "e", '[safety]\nexpression = "open(1) < 2"\n')
+
+
+@pytest.mark.parametrize(
+    ("kp", "now", "message"),
+    [
+        (
+            "values = [50, 100, 150]",
+            80,
+            r"\[gains\] now: expected 'kp' to be one of 50, 100, 150, got 80",
+        ),
+        ("low = 40, high = 320, integer = true", 80.5, r"'kp' to be one of 40, 41, .*, got 80\.5"),
+    ],
+)
+def test_gains_in_force_that_a_gain_may_not_take_are_refused(
+    tmp_path: Path, kp: str, now: float, message: str
+) -> None:
+    gains = f"[gains]\nkp = {{ {kp}, now = {now} }}\nkv = {{ low = 90, high = 200, now = 120 }}\n"
+    with pytest.raises(StudyFileError, match=message) as refused:
+        Tuner(linear_study(tmp_path / "now", gains))
+    assert "\n" not in str(refused.value)
+    start = f"[gains]\nkp = {{ {kp} }}\n[safety]\nstart = [[{now}, 120.0]]\n"
+    with pytest.raises(StudyFileError, match=r"\[safety\] start: expected 'kp' to be one of"):
+        Tuner(linear_study(tmp_path / "start", start))
+    allowed = gains.replace(f"now = {now}", "now = 100")
+    with Tuner(linear_study(tmp_path / "allowed", allowed, iterations=0)) as tuner:  # control
+        request = tuner.ask()
+    assert request is not None
+    assert request.gains["kp"] == 100.0
