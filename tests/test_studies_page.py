@@ -32,6 +32,7 @@ def test_the_study_file_on_the_page_says_what_the_page_says_it_does() -> None:
     assert study.constraints == {"overshoot": 5.0}
     assert study.safety.envelope.ranges["torque_command"] == (-150.0, 150.0)
     assert study.own_metrics == {"effort"}
+    assert study.objective.units == {"effort": "N.m"}
 
 
 def test_the_metric_on_the_page_is_a_root_mean_square(tmp_path: Path) -> None:

@@ -353,12 +353,13 @@ class StudyReview:
 
     @cached_property
     def metric_units(self) -> Mapping[str, str]:
-        """Unit of each metric that depends on the signals."""
+        """Unit of each metric that depends on the signals, and of the user's own as stated."""
         logged = self.logged("normalise")
-        return logged[-1].get("units", {}) if logged else {}
+        units = logged[-1].get("units", {}) if logged else {}
+        return {**units, **self.file.objective.units}
 
     def unit_of(self, metric: str) -> str:
-        """Unit of a metric; empty for a user's own.
+        """Unit of a metric; empty for a user's own without a stated one.
 
         Parameters
         ----------
