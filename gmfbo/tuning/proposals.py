@@ -134,9 +134,8 @@ class Proposals:
 
     def _safe_gains(self) -> Mapping[str, float]:
         """Gains of the last run inside the envelope, or those in force; empty without either."""
-        inside = [trial.gains for trial in self.history.of("IS1") if trial.status == "ok"]
-        if inside:
-            return inside[-1]
+        if self._inside:
+            return self._inside[-1]
         return self.history.gains_at(self.starts[0]) if len(self.starts) else {}
 
     def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
@@ -290,8 +289,14 @@ class Proposals:
 
     def _stayed_inside(self, gains: Mapping[str, float]) -> bool:
         """Whether a real run at these gains ended well, inside the envelope."""
-        inside = (one.gains for one in self.history.of("IS1") if one.status == "ok")
+        inside = self._inside
         return any(all(same_gain(one[name], gains[name]) for name in gains) for one in inside)
+
+    @property
+    def _inside(self) -> list[Mapping[str, float]]:
+        """Gains of the real runs that ended well, inside the envelope; a row of a table says no."""
+        real = self.history.of("IS1")
+        return [trial.gains for trial in real if trial.status == "ok" and not trial.bare]
 
     def _state(self, held: Mapping[str, float]) -> TuningState:
         """State from which the next query is chosen.

@@ -173,6 +173,17 @@ class StudyReview:
         """Real runs in order, those of an earlier study included."""
         return self.of("IS1")
 
+    def signal_unit(self, signal: str) -> str:
+        """Unit of a signal of the real runs, as an FMU spells it; empty where none has one.
+
+        Parameters
+        ----------
+        signal : str
+            Its name.
+        """
+        units = (run.trial.recording.units.get(signal, "") for run in self.real)
+        return next(filter(None, units), "")
+
     def of(self, source: str) -> tuple[Run, ...]:
         """Runs of one source, in order.
 

@@ -310,7 +310,7 @@ class StudyFile(Section):
     seed: int = Field(0, ge=0)
     method: str = DEFAULT_METHOD
     out: str | None = None
-    earlier: str | None = None  # a study whose real runs are taken over
+    earlier: str | None = None  # real runs to take over: a study, a folder of recordings, a table
     is1: PlantSection
     is2: TwinSection
     gains: dict[str, Annotated[GainRange, BeforeValidator(_as_range)]] = {}

@@ -171,7 +171,8 @@ class BelievedTwins:
     def _inside(self, state: TuningState) -> list[Trial]:
         """Real runs that stayed inside, at the held values where gains are held."""
         unit_point = self.history.unit_point
-        runs = [trial for trial in self.history.of("IS1") if trial.status == "ok"]
+        real = self.history.of("IS1")
+        runs = [trial for trial in real if trial.status == "ok" and not trial.bare]
         points = [unit_point(trial.gains) for trial in runs]
         return [run for run, at in zip(runs, points, strict=True) if _same(at, state.hold(at))]
 
