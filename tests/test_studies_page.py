@@ -11,6 +11,7 @@ import pytest
 from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording
 from gmfbo.tuning.methods import METHODS
+from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
@@ -32,6 +33,7 @@ def test_the_study_file_on_the_page_says_what_the_page_says_it_does() -> None:
     assert study.constraints == {"overshoot": 5.0}
     assert study.safety.envelope.ranges["torque_command"] == (-150.0, 150.0)
     assert study.own_metrics == {"effort"}
+    assert study.objective.units == {"effort": "N.m"}
 
 
 def test_the_metric_on_the_page_is_a_root_mean_square(tmp_path: Path) -> None:
@@ -64,3 +66,17 @@ def test_methods_printed_on_the_page_are_those_there_are() -> None:
 
 def test_nothing_on_the_page_waits_to_be_filled_in() -> None:
     assert not re.findall(r"^@[A-Z]+@$", TEXT, re.MULTILINE)
+
+
+def test_the_table_on_the_page_is_taken_over(tmp_path: Path) -> None:
+    (table,) = [block.lstrip("\n") for block in TEXT.split("```") if ";who" in block]
+    study = write_study(tmp_path, budget="is1_runs = 1")
+    (tmp_path / "results.csv").write_text(table, encoding="utf-8")
+    path = tmp_path / "axis.toml"
+    text = path.read_text(encoding="utf-8").replace("[is1]", 'earlier = "results.csv"\n[is1]', 1)
+    path.write_text(text, encoding="utf-8")
+    with Tuner(Study.read(path), is1=AnalyticAxis(), is2=AnalyticAxis(inertia=0.2)) as tuner:
+        assert tuner.run().earlier == 2
+    first = next(trial for trial in study.trials if trial.source == "IS1")
+    assert first.gains == pytest.approx({"ctl.Kp": 60.0, "ctl.Kd": 6.5})
+    assert first.metrics["rise_time"] == pytest.approx(0.035)

@@ -41,13 +41,13 @@ def units_of_metrics(signal_unit: str, command_unit: str) -> dict[str, str]:
 
 
 def metric_unit(name: str, units: Mapping[str, str] | None = None) -> str:
-    """Unit of a metric; none for a user's own.
+    """Unit of a metric; none for a user's own without a stated one.
 
     Parameters
     ----------
     name : str
         As it is stored; `overshoot[2]` is that of the second reference.
     units : mapping of str to str, optional
-        As a study has logged them; without it those of step metrics.
+        As a study has logged or stated them; without it those of step metrics.
     """
     return {**_STEP_UNITS, "phase_margin": "deg", **(units or {})}.get(name.partition("[")[0], "")

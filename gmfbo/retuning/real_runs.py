@@ -23,11 +23,11 @@ MOST_SAMPLES = 300
 
 
 def usable_trials(history: History) -> list[Trial]:
-    """Real runs that ended well, without those from before the plant changed."""
+    """Real runs with signals that ended well, without those from before the plant changed."""
     return [
         trial
         for trial in history.of("IS1")
-        if trial.status == "ok" and trial.number > history.changed_after
+        if trial.status == "ok" and not trial.bare and trial.number > history.changed_after
     ]
 
 

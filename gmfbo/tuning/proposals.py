@@ -14,6 +14,7 @@ from gmfbo.plain_words import words
 from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.move_limit import LIMIT_TOLD
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.history.worth import (
     CONFIRMATIONS,
@@ -31,6 +32,7 @@ from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.real_axis import RealAxis
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
+from gmfbo.tuning.told.told_gains import same_gain
 from gmfbo.tuning.twin.believed_twins import BelievedTwins
 from gmfbo.tuning.twin_corrections import TwinCorrections
 
@@ -132,26 +134,20 @@ class Proposals:
 
     def _safe_gains(self) -> Mapping[str, float]:
         """Gains of the last run inside the envelope, or those in force; empty without either."""
-        inside = [trial.gains for trial in self.history.of("IS1") if trial.status == "ok"]
-        if inside:
-            return inside[-1]
+        if self._inside:
+            return self._inside[-1]
         return self.history.gains_at(self.starts[0]) if len(self.starts) else {}
 
     def _propose(self, held: Mapping[str, float]) -> TrialRequest | None:
         state, number = self._state(held), self.history.next_number
         seed, budget = self.history.study.seed, self.history.study.budget
         real = len(self.history.of("IS1")) + len(self.history.waiting)
-        if real < max(budget.initial_is1, len(self.starts)):
-            points = initial_points(self.gains.space, seed, Stream.INITIAL_IS1, budget.initial_is1)
-            # Gains that are known to be safe replace the first of the Latin hypercube.
-            points = np.vstack([self.starts, points[len(self.starts) :]])
-            known = real < len(self.starts)
-            # Known-safe gains may lie next to each other, and are asked for at once all the same.
-            allowing = self.history.state(held) if known else state
-            asked = TrialRequest(number, "IS1", self._allowed(allowing, state.hold(points[real])))
-            return asked if known else self._checked(asked)
         if len(held) == len(self.gains.space):
-            return TrialRequest(number, "IS1", self.gains.values(self.gains.space.point(held)))
+            wished = self.gains.values(self.gains.space.point(held))
+            return self._doubts_told(TrialRequest(number, "IS1", wished), state)
+        # While nothing is told, a method has nothing to learn from.
+        if real < max(budget.initial_is1, len(self.starts)) or not self.history.of("IS1"):
+            return self._first(real, state)
         repeat = None if self.recorded or held else self._repeat(state)
         if repeat is not None:
             return TrialRequest(number, "IS1", repeat.gains, None, repeat.why)
@@ -170,7 +166,33 @@ class Proposals:
                 note = f"{note} moved to gains that may be run".lstrip()
             gains = self._not_run_yet(state, allowed)
         asked = TrialRequest(number, proposal.source, gains, proposal.mismatch, note, expected)
-        return self._within_margins(self._checked(self._weighed(asked, state)))
+        return self._within_margins(self._checked(self._weighed(asked, state), state))
+
+    def _first(self, real: int, state: TuningState) -> TrialRequest:
+        """One of the first runs; `real` runs were asked for before."""
+        number, planned = self.history.next_number, self._first_points(real + 1)
+        point = state.hold(planned[real])
+        if real < len(self.starts) and np.array_equal(point, planned[real]):
+            # The user vouches for these, whatever the twin says, and wherever others wait.
+            return TrialRequest(number, "IS1", self.history.gains_at(point))
+        gains = self._allowed(state, point)
+        if real >= self.history.study.budget.initial_is1:
+            gains = self._not_run_yet(state, gains)
+        return self._checked(TrialRequest(number, "IS1", gains), state)
+
+    def _first_points(self, count: int) -> NDArray[np.float64]:
+        """Known-safe gains and Latin hypercubes, at least `count` points, shape (n, d)."""
+        study, space = self.history.study, self.gains.space
+        many = study.budget.initial_is1
+        points = initial_points(space, study.seed, Stream.INITIAL_IS1, many)
+        # Gains that are known to be safe replace the first of the Latin hypercube.
+        points = np.vstack([self.starts, points[len(self.starts) :]])
+        further = 0
+        while len(points) < count:
+            further += 1
+            more = initial_points(space, study.seed, Stream.INITIAL_IS1, many, further)
+            points = np.vstack([points, more])
+        return points
 
     def _weighed(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
         """The request with a note where it hardly promises a gain; of the last runs a repetition.
@@ -218,22 +240,63 @@ class Proposals:
         note = f"not run on the axis: {'; '.join(told)} (from the twin)"
         return replace(asked, source="IS2", note=note, expected=None)
 
-    def _checked(self, asked: TrialRequest) -> TrialRequest:
-        """The request, or another where the twin, as uncertain as it is, leaves the envelope."""
+    @property
+    def _believed(self) -> BelievedTwins | None:
+        """Twins that proposals are tried on; None without an envelope or a twin that may run."""
         history = self.history
-        if asked.source != "IS1" or not (history.envelope and history.ranked):
-            return asked
+        if not (history.envelope and history.ranked):
+            return None
         if self.recorded is not None or history.twin_used_up:
+            return None
+        return BelievedTwins(self.corrections.runs.source, history)
+
+    def _checked(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
+        """The request, or another where the twin, as uncertain as it is, leaves the envelope."""
+        twins = self._believed
+        if asked.source != "IS1":
             return asked
-        twins = BelievedTwins(self.corrections.runs.source, history)
-        withheld = twins.withheld(asked.gains, asked.number)
-        if withheld is None:
-            return asked
-        history.store.log(
-            "withheld", number=asked.number, gains=dict(asked.gains), leaving=withheld.leaving
+        doubted = None if twins is None else twins.doubt(asked.gains, state, asked.number)
+        if doubted is None:
+            return self._limits_told(asked, state)
+        note = f"{asked.note} {doubted.note}".lstrip()
+        if not doubted.withheld:
+            return self._limits_told(replace(asked, note=note), state)
+        self.history.store.log(
+            "withheld", number=asked.number, gains=dict(asked.gains), leaving=doubted.leaving
         )
-        note = f"{asked.note} {withheld.note}".lstrip()
-        return replace(asked, gains=dict(withheld.gains), note=note, expected=None)
+        asked = replace(asked, gains=dict(doubted.gains), note=note, expected=None)
+        return self._limits_told(asked, state)
+
+    def _doubts_told(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
+        """The request for gains that are all held, with a note on what the twin thinks of them."""
+        twins = self._believed
+        if twins is None or self._stayed_inside(asked.gains):
+            return self._limits_told(asked, state)
+        note = twins.leaving_note(asked.gains, asked.number)
+        return self._limits_told(replace(asked, note=note), state)
+
+    def _limits_told(self, asked: TrialRequest, state: TuningState) -> TrialRequest:
+        """The request, with a note where held gains pass a limit that proposals keep to."""
+        if not state.fixed or self._stayed_inside(asked.gains):
+            return asked
+        keep_out, point = self.history.keep_out(), self.history.unit_point(asked.gains)[None, :]
+        notes = [asked.note] if asked.note else []
+        if keep_out.moves is not None and not keep_out.moves.admits(point)[0]:
+            notes.append(f"the held gains exceed the step limit, {LIMIT_TOLD}")
+        if not replace(keep_out, moves=None).admits(point)[0]:
+            notes.append("the held gains lie beside some at which axis or twin left the envelope")
+        return replace(asked, note="; ".join(notes))
+
+    def _stayed_inside(self, gains: Mapping[str, float]) -> bool:
+        """Whether a real run at these gains ended well, inside the envelope."""
+        inside = self._inside
+        return any(all(same_gain(one[name], gains[name]) for name in gains) for one in inside)
+
+    @property
+    def _inside(self) -> list[Mapping[str, float]]:
+        """Gains of the real runs that ended well, inside the envelope; a row of a table says no."""
+        real = self.history.of("IS1")
+        return [trial.gains for trial in real if trial.status == "ok" and not trial.bare]
 
     def _state(self, held: Mapping[str, float]) -> TuningState:
         """State from which the next query is chosen.

@@ -107,8 +107,8 @@ class Tuner:
                 RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
             )
             meter = terms.margin_meter(study, self._sources, self.experiment)
-            files = (self.gains, self.experiment, self._sources.reading)
-            self._earlier = EarlierRuns.find(study, *files)
+            own_part = (self.gains, self.experiment, self._sources)
+            self._earlier = EarlierRuns.find(study, *own_part)
             opened = store or closing.enter_context(study.open_for_writing(resume=resume))
             self._store = StandingStore(opened)
             correction = self.method.correction
@@ -393,7 +393,7 @@ class Tuner:
         """Take over the runs of an earlier study, each as a real run of this one; once."""
         for position in range(len(self.history.of("IS1")), len(self._earlier)):
             self._twin.follow_up()  # of the one before
-            taken = self.history.taken_over(self._earlier.read(position))
+            taken = self._earlier.take(position, self.history)
             self._announce("initial", self.history.write(taken))
 
     def _announce(self, phase: Phase, trial: Trial) -> None:

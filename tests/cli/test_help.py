@@ -130,6 +130,12 @@ def test_brackets_of_a_help_text_are_shown(capsys: pytest.CaptureFixture[str]) -
     assert "[s]" in help_of("watch", capsys)
 
 
+def test_compare_says_which_plants_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    told = " ".join(help_of("compare", capsys).split())
+    assert "must be an FMU" not in told
+    assert "for a command or a Python function a table tells it, `[compare] truth = FILE`" in told
+
+
 def test_the_page_of_commands_lists_every_command_and_readme_leads_there() -> None:
     listed = (ROOT / "notebooks/docs/commands.md").read_text(encoding="utf-8")
     for name in COMMANDS:

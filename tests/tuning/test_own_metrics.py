@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gmfbo.cli.tuning.objective_text import objective_table
+from gmfbo.cli.tuning.study_result import metric_lines
 from gmfbo.errors import InputError, OwnMetricsError, StudyFileError
 from gmfbo.objective.own_metrics import OwnMetrics
 from gmfbo.recordings.recording import Recording
+from gmfbo.reports.study.page import study_page
+from gmfbo.reports.study.page_json import study_content
+from gmfbo.reports.study.review import StudyReview
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.linear_study import linear_study
 
@@ -73,6 +79,30 @@ def test_a_limit_on_an_own_metric_is_kept(tmp_path: Path) -> None:
         tuner.run()
     assert study.best is not None
     assert study.best.metrics["peak"] <= 5.0
+
+
+def test_the_stated_unit_of_an_own_metric_is_shown_in_terminal_and_report(tmp_path: Path) -> None:
+    weights = section(tmp_path, "effort", "rise_time = 1.0, effort = 1.0, peak = 0.0")
+    study = linear_study(tmp_path, weights + 'units = { effort = "V" }\n', iterations=0)
+    with Tuner(study) as tuner:
+        tuner.run()
+    assert study.best is not None
+    lines = metric_lines(study, study.best)
+    shown = {line.split()[0]: line for line in lines}
+    assert re.search(r"^effort +[\d.]+ V$", shown["effort"])
+    assert re.search(r"^peak +[\d.]+$", shown["peak"])  # control: none was stated
+    assert study.objective is not None
+    (told,) = [
+        line
+        for line in objective_table(study.objective, study.best.metrics, study.metric_units, "")
+        if "effort" in line
+    ]
+    assert re.search(r"mean [\d.]+ V, spread [\d.]+ V", told)
+    review = StudyReview.read(study.location)
+    assert study_content(review)["metrics"]["effort"] == "V"
+    page = study_page(review)
+    assert page.count("effort [V]") >= 2  # first screen and table of the runs
+    assert "peak [" not in page
 
 
 def test_a_metric_of_the_scored_signal_is_foreseen_by_the_corrected_twin(tmp_path: Path) -> None:

@@ -70,7 +70,10 @@ def test_proposals_that_leave_the_envelope_on_draws_of_the_twin_are_withheld(
     study = run(linear_study(tmp_path, section, method="random", iterations=4))
     with Tuner(study) as tuner:
         events = tuner.history.store.events()
-    assert any(event["event"] == "withheld" for event in events)
+    withheld = {e["number"]: e["gains"] for e in events if e["event"] == "withheld"}
+    assert withheld
+    asked = {e["number"]: e["gains"] for e in events if e["event"] == "ask"}
+    assert all(asked[number] != gains for number, gains in withheld.items())
     # As published the same seed makes unsafe runs: see the test above.
     assert real(study, "unsafe") == []
 
@@ -185,3 +188,31 @@ def test_an_envelope_of_unknown_signals_and_starts_outside_are_refused(tmp_path:
         linear_study(tmp_path / "d", "[safety]\nx = 3\n")
     with pytest.raises(StudyFileError, match=r"\[safety\]: expression 'open\(1\) < 2'"):
         linear_study(tmp_path / "e", '[safety]\nexpression = "open(1) < 2"\n')
+
+
+@pytest.mark.parametrize(
+    ("kp", "now", "message"),
+    [
+        (
+            "values = [50, 100, 150]",
+            80,
+            r"\[gains\] now: expected 'kp' to be one of 50, 100, 150, got 80",
+        ),
+        ("low = 40, high = 320, integer = true", 80.5, r"'kp' to be one of 40, 41, .*, got 80\.5"),
+    ],
+)
+def test_gains_in_force_that_a_gain_may_not_take_are_refused(
+    tmp_path: Path, kp: str, now: float, message: str
+) -> None:
+    gains = f"[gains]\nkp = {{ {kp}, now = {now} }}\nkv = {{ low = 90, high = 200, now = 120 }}\n"
+    with pytest.raises(StudyFileError, match=message) as refused:
+        Tuner(linear_study(tmp_path / "now", gains))
+    assert "\n" not in str(refused.value)
+    start = f"[gains]\nkp = {{ {kp} }}\n[safety]\nstart = [[{now}, 120.0]]\n"
+    with pytest.raises(StudyFileError, match=r"\[safety\] start: expected 'kp' to be one of"):
+        Tuner(linear_study(tmp_path / "start", start))
+    allowed = gains.replace(f"now = {now}", "now = 100")
+    with Tuner(linear_study(tmp_path / "allowed", allowed, iterations=0)) as tuner:  # control
+        request = tuner.ask()
+    assert request is not None
+    assert request.gains["kp"] == 100.0

@@ -114,10 +114,11 @@ def compare(
 ) -> None:
     """Compare tuning methods on the same seeds of a study.
 
-    The plant must be an FMU: it is run over a grid, and each method is held against the true
-    optimum. Tables count the real runs until a method is within 2 % of the way from the optimum
-    to the median. Each finished run is kept: repeat the command to go on after a stop, or with
-    more seeds.
+    Each method is held against the true optimum of the plant. An FMU is run over a grid for it;
+    for a command or a Python function a table tells it, `[compare] truth = FILE` in the study
+    file. Tables count the real runs until a method is within 2 % of the way from the optimum to
+    the median. Each finished run is kept: repeat the command to go on after a stop, or with more
+    seeds.
     """
     from gmfbo.errors import InputError
     from gmfbo.studies.campaign import Settings

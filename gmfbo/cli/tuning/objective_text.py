@@ -34,6 +34,8 @@ def metric_text(name: str, value: float, units: Mapping[str, str], never: float 
     # A mean over references is never the horizon unless each of them is.
     if unit == "s" and name.partition("[")[0] in METRICS and value >= never * (1.0 - 1e-9):
         return f"never (within {never:g} s)"
+    if math.isnan(value):
+        return "not measured"
     digits = {"%": ".2f", "s": ".4f"}.get(unit, ".5g")
     of_twin = " (from the twin)" if name in MARGINS else ""
     return f"{value:{digits}} {unit}".rstrip() + of_twin

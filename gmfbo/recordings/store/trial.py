@@ -75,3 +75,8 @@ class Trial:
     uncorrected: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     std: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def bare(self) -> bool:
+        """Whether gains and metrics of the run are known, but no signal: a row of a table."""
+        return self.status == "ok" and not self.recording.signals

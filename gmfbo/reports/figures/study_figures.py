@@ -25,7 +25,7 @@ from gmfbo.reports.figures.figure_style import (
     new_figure,
     save_figure,
 )
-from gmfbo.reports.figures.trajectory_figure import signal_unit, trajectories
+from gmfbo.reports.figures.trajectory_figure import trajectories
 from gmfbo.reports.study.charts import error_series, mismatch_series
 from gmfbo.reports.study.gain_map import cost_map
 from gmfbo.reports.study.review import StudyReview
@@ -66,6 +66,7 @@ def draw_study(review: StudyReview, folder: Path) -> list[Path]:
         figures["gains"] = gains(review)
     if review.real:
         figures["best_observed"] = best_observed(review)
+    if any(not run.trial.bare for run in review.real):
         figures["trajectories"] = trajectories(review)
     if review.mismatch or review.correction:
         figures["mismatch_and_trust"] = mismatch_and_trust(review)
@@ -239,7 +240,7 @@ def mismatch_and_trust(review: StudyReview) -> Figure:
     right.plot(at, corrected, "o-", color=BLUE, markersize=3.0, label="corrected, held out")
     signal = review.file.objective.signal
     right.set(xlabel=_QUERIES, yscale="log")
-    right.set_ylabel(axis_label(f"RMS error of {words(signal)}", signal_unit(review, signal)),
+    right.set_ylabel(axis_label(f"RMS error of {words(signal)}", review.signal_unit(signal)),
                      parse_math=False)  # fmt: skip
     right.legend(frameon=False, fontsize=7.0)
     count_along(left, middle, right)

@@ -19,6 +19,7 @@ from gmfbo.reports.figures.figure_style import (
 )
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_marks import SOURCES
+from gmfbo.tuning.history.incumbent import best_run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +37,8 @@ def trajectories(
     review : StudyReview
         The study as it is shown.
     number : int, optional
-        Trial number of the real run, or of a run that it caused; the best real run unless given.
+        Trial number of the real run, or of a run that it caused; the best with signals unless
+        given.
     signal : str, optional
         Signal to draw; the scored one unless given.
 
@@ -52,6 +54,8 @@ def trajectories(
     """
     real = _real_run(review, number)
     name = signal or review.file.objective.signal
+    if real.bare:
+        raise InputError(f"run {real.number} is a row of a table, without signals; name another")
     if name not in real.recording.signals:
         raise InputError(
             f"expected a signal of run {real.number}, got '{name}'; known are "
@@ -61,8 +65,8 @@ def trajectories(
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     _draw_above(above, review, real, name)
     _draw_below(below, review, real, name)
-    above.set_ylabel(axis_label(words(name), signal_unit(review, name)), parse_math=False)
-    below.set_ylabel(axis_label("real less twin", signal_unit(review, name)), parse_math=False)
+    above.set_ylabel(axis_label(words(name), review.signal_unit(name)), parse_math=False)
+    below.set_ylabel(axis_label("real less twin", review.signal_unit(name)), parse_math=False)
     below.set_xlabel("time [s]")
     handles, labels = above.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
@@ -112,9 +116,11 @@ def _draw_twin(axes: Axes, trial: Trial, name: str) -> None:
 
 def _real_run(review: StudyReview, number: int | None) -> Trial:
     if number is None:
-        if review.best is None:
+        # A row of a table has nothing to draw.
+        best = best_run((r.trial for r in review.real if not r.trial.bare), review.limits)
+        if best is None:
             raise InputError("expected a study with a real run that succeeded; name a run")
-        return review.best
+        return review.best if review.best and not review.best.bare else best
     asked = review.trials.get(number)
     real = review.trials.get(asked.parent) if asked and asked.parent else asked
     if real is None or real.source != "IS1":
@@ -122,8 +128,3 @@ def _real_run(review: StudyReview, number: int | None) -> Trial:
         raise InputError(f"expected a real run or one that belongs to it, got {number}; real runs "
                          f"are {known}")  # fmt: skip
     return real
-
-
-def signal_unit(review: StudyReview, signal: str) -> str:
-    """Unit of a signal of the real runs, as an FMU spells it; none where there is no real run."""
-    return review.real[0].trial.recording.units.get(signal, "") if review.real else ""

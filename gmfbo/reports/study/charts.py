@@ -153,7 +153,7 @@ def error_chart(review: StudyReview) -> str:
     if not x.size:
         return ""
     signal = review.file.objective.signal
-    unit = unit_text(review.real[0].trial.recording.units.get(signal, "")) or "1"
+    unit = unit_text(review.signal_unit(signal)) or "1"
     lines = [
         Line("twin", "before dots", x, twin),
         Line("corrected twin, held out", "after dots", x, corrected),

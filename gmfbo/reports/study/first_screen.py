@@ -103,7 +103,7 @@ def _comparison(review: StudyReview, content: Mapping[str, Any]) -> str:
         share = one["change"]
         rows.append(
             [
-                f"{escape(label)} [{unit}]" if unit else escape(label),
+                f"{escape(label)} [{escape(unit)}]" if unit else escape(label),
                 _or_dash((*path, "first"), one["first"]),
                 _or_dash((*path, "best"), one["best"]),
                 _change((*path, "change"), share),

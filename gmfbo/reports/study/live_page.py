@@ -156,7 +156,7 @@ def _learned_words(review: StudyReview) -> str:
     if not 0.0 <= after < before:
         return paragraph("At the newest real run, correcting the twin did not lower its error.")
     signal = review.file.objective.signal
-    unit = review.real[0].trial.recording.units.get(signal, "")
+    unit = review.signal_unit(signal)
     scale = scale_for(before, unit)
     old, new = (number(error / scale.factor) for error in (before, after))
     return paragraph(

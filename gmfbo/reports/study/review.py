@@ -173,6 +173,17 @@ class StudyReview:
         """Real runs in order, those of an earlier study included."""
         return self.of("IS1")
 
+    def signal_unit(self, signal: str) -> str:
+        """Unit of a signal of the real runs, as an FMU spells it; empty where none has one.
+
+        Parameters
+        ----------
+        signal : str
+            Its name.
+        """
+        units = (run.trial.recording.units.get(signal, "") for run in self.real)
+        return next(filter(None, units), "")
+
     def of(self, source: str) -> tuple[Run, ...]:
         """Runs of one source, in order.
 
@@ -353,12 +364,13 @@ class StudyReview:
 
     @cached_property
     def metric_units(self) -> Mapping[str, str]:
-        """Unit of each metric that depends on the signals."""
+        """Unit of each metric that depends on the signals, and of the user's own as stated."""
         logged = self.logged("normalise")
-        return logged[-1].get("units", {}) if logged else {}
+        units = logged[-1].get("units", {}) if logged else {}
+        return {**units, **self.file.objective.units}
 
     def unit_of(self, metric: str) -> str:
-        """Unit of a metric; empty for a user's own.
+        """Unit of a metric; empty for a user's own without a stated one.
 
         Parameters
         ----------

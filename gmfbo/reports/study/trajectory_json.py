@@ -26,7 +26,8 @@ _DIGITS = 5
 
 def _shown_signals(review: StudyReview) -> dict[str, str]:
     """Signals of the real runs that a page shows, with their units; that of the cost first."""
-    real = review.real or review.runs
+    # A row of a table has no signals.
+    real = [run for run in review.real if not run.trial.bare] or review.runs
     first = real[0].trial.recording
     scored, reference = review.file.objective.signal, review.file.reference.signal
     names = [scored, *(n for n in first.signals if n not in (scored, reference))]

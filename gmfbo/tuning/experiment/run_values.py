@@ -50,7 +50,7 @@ def values_of_runs(
     Parameters
     ----------
     real : sequence of Trial
-        Real runs in order; those that ended early have no values.
+        Real runs in order; those that ended early, and rows of a table, have no values.
     beside : sequence of Trial or None
         The twin's run at the same gains, where there is one.
     experiment : ExperimentSeries
@@ -60,7 +60,7 @@ def values_of_runs(
     since, target = experiment.after_step(MOST_SAMPLES)
     found: dict[str, list[tuple[int, float]]] = {}
     for row, (trial, twin) in enumerate(zip(real, beside, strict=True)):
-        if trial.status != "ok":
+        if trial.status != "ok" or trial.bare:
             continue
         measured = sampled(trial, times, signal)
         values = {f"mean {signal}": float(measured.mean())}

@@ -61,7 +61,8 @@ class Caution:
         if not self.envelope:
             return KeepOut(moves=moves)
         # A run that broke down shows neither safety nor danger.
-        safe = [self._point(trial.gains) for trial in real if trial.status == "ok"]
+        inside = [trial for trial in real if trial.status == "ok" and not trial.bare]
+        safe = [self._point(trial.gains) for trial in inside]
         unsafe = [self._point(trial.gains) for trial in real if trial.status == "unsafe"]
         unsafe += [self._point(trial.gains) for trial in twin if self._twin_leaves(trial)]
         width = len(self.space)

@@ -328,12 +328,6 @@ class History:
             failed = ended_by(run, "failed", str(refused))
             return failed, self.experiment.metrics(failed)
 
-    def taken_over(self, trial: Trial) -> Trial:
-        """A real run of an earlier study as the next trial of this one, with this one's cost."""
-        judged = self.envelope.judge(trial.recording)
-        taken = self.trial("IS1", trial.gains, judged, twin=trial.twin)
-        return replace(taken, started=trial.started, seconds=trial.seconds)
-
     def priced(self, trial: Trial) -> Trial:
         """A trial with its cost, once the initial twin runs are done; always finite."""
         metrics = {name: self._finite(name, value) for name, value in trial.metrics.items()}

@@ -16,6 +16,9 @@ FACTOR = 2.0
 SHARE = 0.1
 """Most change of a gain in one run, as a share of its range; it counts where it is more."""
 
+LIMIT_TOLD = "a factor of two or a tenth of the range from the nearest gains that settled"
+"""The limit in words."""
+
 _SLACK = 1e-9
 
 

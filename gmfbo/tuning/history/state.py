@@ -170,8 +170,9 @@ class TuningState:
         trajectories : ndarray, shape (q, m)
             The scored signal.
         """
-        real = [one.recording for one in self.trials if one.source == "IS1" and one.status == "ok"]
-        noise = max(map(self.experiment.noise, real), default=0.0)
+        real = [one for one in self.trials if one.source == "IS1" and one.status == "ok"]
+        measured = (self.experiment.noise(one.recording) for one in real if not one.bare)
+        noise = max(measured, default=0.0)
         return self.experiment.late_error_of(times, trajectories, noise)
 
     def of(self, *sources: SourceName) -> tuple[Observation, ...]:

@@ -112,6 +112,8 @@ def _by_measurement(state: TuningState) -> tuple[float, int]:
     signal, found = state.experiment.signal, []
     for trial in [one for one in state.trials if one.number in counted][-MOST_RUNS:]:
         run = trial.recording
+        if trial.bare:
+            continue
         sampled = np.isfinite(run.signal(signal))
         times, values = run.time[sampled], run.signal(signal)[sampled]
         noise = state.experiment.noise(run)

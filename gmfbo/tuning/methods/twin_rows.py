@@ -71,7 +71,8 @@ def numbers_beside(state: TuningState, times: NDArray[np.float64]) -> tuple[str,
     if state.unsettled:  # the cost is how far runs are from settling
         return ()
     weighed = [name for name in state.objective.weights if name not in METRICS]
-    run = next((one for one in state.trials if one.status == "ok"), None) if weighed else None
+    sampled = (one for one in state.trials if one.status == "ok" and not one.bare)
+    run = next(sampled, None) if weighed else None
     if run is None:
         return ()
     found = state.experiment.metrics_of(times, _sampled(run, times, state.experiment.signal))
@@ -144,8 +145,8 @@ def _sampled(
     signal: str,
     values: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
-    """The signal of a run, or other values of it, at given times, shape (m,); NaN if it failed."""
-    if trial is None or trial.status != "ok":
+    """The signal of a run, or other values, at given times, shape (m,); NaN if it is unknown."""
+    if trial is None or trial.status != "ok" or trial.bare:
         return np.full(times.size, np.nan)
     recording = trial.recording
     return at_times(recording, recording.signal(signal) if values is None else values, times)

@@ -40,7 +40,9 @@ def stream(seed: int, purpose: Stream, *numbers: int) -> np.random.Generator:
     return np.random.default_rng([seed, int(purpose), *numbers])
 
 
-def initial_points(space: GainSpace, seed: int, purpose: Stream, count: int) -> NDArray[np.float64]:
+def initial_points(
+    space: GainSpace, seed: int, purpose: Stream, count: int, further: int = 0
+) -> NDArray[np.float64]:
     """Latin hypercube of the unit cube, shape (count, d).
 
     Parameters
@@ -53,5 +55,8 @@ def initial_points(space: GainSpace, seed: int, purpose: Stream, count: int) -> 
         `INITIAL_IS1`, `INITIAL_IS2` or `SURVEY`.
     count : int
         Number of points.
+    further : int
+        Number of the hypercubes before this one.
     """
-    return space.to_unit(space.latin_hypercube(count, stream(seed, purpose)))
+    numbers = (further,) if further else ()
+    return space.to_unit(space.latin_hypercube(count, stream(seed, purpose, *numbers)))

@@ -143,8 +143,12 @@ class Study:
 
     @property
     def metric_units(self) -> dict[str, str]:
-        """Unit of each metric that depends on the signals; empty for studies that logged none."""
-        return dict((self._last("normalise") or {}).get("units", {}))
+        """Unit of each metric that depends on the signals, and of the user's own as stated.
+
+        Studies of former versions logged none.
+        """
+        logged = (self._last("normalise") or {}).get("units", {})
+        return {**logged, **self.file.objective.units}
 
     @property
     def earlier_logged(self) -> dict[str, Any] | None:

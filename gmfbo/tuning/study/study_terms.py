@@ -192,7 +192,7 @@ def in_force(study: Mapping[str, GainRange], gains: GainChoice) -> NDArray[np.fl
     Raises
     ------
     StudyFileError
-        Only some of the tuned gains say what is in force.
+        Only some tuned gains say what is in force, or one says a value that it may not take.
     """
     names = gains.space.names
     now = {name: one.now for name, one in study.items() if one.now is not None and name in names}
@@ -204,7 +204,17 @@ def in_force(study: Mapping[str, GainRange], gains: GainChoice) -> NDArray[np.fl
                 f"[gains] '{name}': expected now = VALUE, the value in force today, as for "
                 f"'{next(iter(now))}'; give it for each tuned gain or for none"
             )
-    return gains.space.to_unit(gains.space.point({name: now[name] for name in names}))[None, :]
+    now = {name: now[name] for name in names}
+    _check_allowed(gains, now, "[gains] now")
+    return gains.space.to_unit(gains.space.point(now))[None, :]
+
+
+def _check_allowed(gains: GainChoice, values: Mapping[str, float], label: str) -> None:
+    """Raise for values that the gains may not take; others near by would be run instead."""
+    try:
+        gains.check_fixed(values, label=label)
+    except InputError as error:
+        raise StudyFileError(f"{error}; widen [gains] or change it") from None
 
 
 def starts_of(study: StudyFile, gains: GainChoice) -> NDArray[np.float64]:
@@ -238,7 +248,8 @@ def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]
     Raises
     ------
     StudyFileError
-        A point lacks a value for a tuned gain, or lies outside the box.
+        A point lacks a value for a tuned gain, lies outside the box, or has a value that a gain may
+        not take.
     """
     names = gains.space.names
     for values in section.start:
@@ -247,12 +258,7 @@ def known_safe(section: SafetySection, gains: GainChoice) -> NDArray[np.float64]
                 f"[safety] start: expected one value for each of {', '.join(names)}, "
                 f"got {list(values)}"
             )
-        for gain, value in zip(gains.space.gains, values, strict=True):
-            if not gain.low <= value <= gain.high:
-                raise StudyFileError(
-                    f"[safety] start: expected '{gain.name}' within [{gain.low:g}, "
-                    f"{gain.high:g}], got {value:g}; widen [gains]"
-                )
+        _check_allowed(gains, gains.space.named(values), "[safety] start")
     points = np.reshape(np.array(section.start, dtype=float), (-1, len(names)))
     return gains.space.to_unit(points)
 

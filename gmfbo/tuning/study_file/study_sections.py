@@ -28,6 +28,7 @@ from gmfbo.tuning.study_file.safety_section import SafetySection
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
+UnitText = Annotated[str, Field(pattern=r"^[^\s<>&\"]([^<>&\"\n]{0,18}[^\s<>&\"])?$")]
 
 
 def _number_or_seed(value: object) -> float | Literal["seed"]:
@@ -242,6 +243,7 @@ class ObjectiveSection(Section):
         points=10
     )
     metrics: str | None = None  # FILE.py:FUNCTION of the user
+    units: dict[str, UnitText] = {}  # of the user's own metrics
     band: Annotated[float, Field(gt=0.0, lt=1.0)] = SETTLING_BAND  # share of the step
     filter: NotNegative = 0.0  # [s] of the low-pass that the response is smoothed by
     command: str | None = None  # signal; without it the twin file's state of that name
@@ -308,7 +310,7 @@ class StudyFile(Section):
     seed: int = Field(0, ge=0)
     method: str = DEFAULT_METHOD
     out: str | None = None
-    earlier: str | None = None  # a study whose real runs are taken over
+    earlier: str | None = None  # real runs to take over: a study, a folder of recordings, a table
     is1: PlantSection
     is2: TwinSection
     gains: dict[str, Annotated[GainRange, BeforeValidator(_as_range)]] = {}
@@ -343,6 +345,19 @@ class StudyFile(Section):
                 self.objective.check_metric(name)
             except ValueError as error:
                 raise ValueError(f"[constraints]: {error}") from None
+        return self
+
+    @model_validator(mode="after")
+    def _units_of_own_metrics(self) -> Self:
+        for name in self.objective.units:
+            if name in KNOWN_METRICS or name in MARGINS:
+                raise ValueError(f"[objective] units: the unit of '{name}' is known; leave it out")
+            if name not in self.own_metrics:
+                raise ValueError(
+                    f"[objective] units: no metric '{name}' of your own has a weight or a limit"
+                    + did_you_mean(name, self.own_metrics)
+                    + " (a weight of 0 shows it alone)"
+                )
         return self
 
     @property

@@ -112,11 +112,11 @@ class CorrectedRuns:
         return correction
 
     def _pair(self, real: Trial) -> Pair | None:
-        """Signals of a real run and of the twin at its gains; None where either run failed."""
+        """Signals of a real run and of the twin at its gains; None without a pair of them."""
         from gmfbo.correction.trajectory_gp import Pair
 
         beside = self.history.children(real, "IS2")
-        if real.status != "ok" or not beside or beside[0].status != "ok":
+        if real.status != "ok" or real.bare or not beside or beside[0].status != "ok":
             return None
         signal, twin = self.history.experiment.signal, beside[0].recording
         time = real.recording.time

@@ -11,6 +11,7 @@ from gmfbo.tuning.study_file.study_file import parse_study, read_study_file
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
 SOURCES = '[is1]\ntwin = "plant.toml"\n[is2]\ntwin = "twin.toml"\n'
+OWN = '[objective]\nmetrics = "mine.py:effort"\nweights = { effort = 1.0 }\n'
 
 FULL = """
 name = "axis 3"
@@ -102,6 +103,13 @@ def test_known_normalising_constants_are_taken() -> None:
         ),
         (SOURCES + "[objective]\nweights = { rise = 1 }", "no metric 'rise'; did you mean 'rise_t"),
         (SOURCES + "[objective]\nweights = { rise_time = 0 }", "weights: expected at least one ab"),
+        (
+            SOURCES + OWN + 'units = { efort = "N.m" }',
+            r"\[objective\] units: no metric 'efort' of your own .*; did you mean 'effort'\?",
+        ),
+        (SOURCES + OWN + 'units = { overshoot = "1" }', "the unit of 'overshoot' is known; leave"),
+        (SOURCES + '[objective]\nunits = { effort = "N.m" }', "no metric 'effort' of your own"),
+        (SOURCES + OWN + 'units = { effort = "<b>" }', r"units\.effort: String should match patt"),
         (SOURCES + "[objective]\nnormalise = 11", "at most initial_is2 = 10, got 11"),
         (SOURCES + "[objective]\nnormalise = { mean = { rise_time = 1 } }", "both mean and std"),
         (

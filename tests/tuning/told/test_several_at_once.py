@@ -9,13 +9,16 @@ import pytest
 from gmfbo.errors import InputError
 from gmfbo.reports.study.page import study_page
 from gmfbo.reports.study.review import StudyReview
+from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.request import TrialRequest
 from gmfbo.tuning.study.study import Study
 from gmfbo.tuning.told.undo import take_back
 from gmfbo.tuning.tuner import Tuner
 from tests.tuning.analytic_axis import AnalyticAxis, write_study
+from tests.tuning.methods.quick_methods import QUICK
 
 BUDGET = "is1_runs = 6\ninitial_is1 = 2\ninitial_is2 = 10"
+QUERIES = "iterations = 6\ninitial_is1 = 2\ninitial_is2 = 10"
 PLANT = AnalyticAxis()
 
 
@@ -45,6 +48,26 @@ def test_as_many_runs_as_wanted_are_asked_for_and_asked_again(study: Study) -> N
         assert filled[:2] == [three[0], three[2]]
         assert filled[2].number == 14
         assert len(tuner.ask(parallel=9)) == 5  # the budget's six, one of them told
+
+
+@pytest.mark.parametrize("name", sorted(METHODS))
+def test_more_than_the_first_runs_are_asked_for_before_any_is_told(
+    tmp_path: Path, name: str
+) -> None:
+    study = write_study(tmp_path, method=name, budget=QUERIES)
+    twin = AnalyticAxis(inertia=0.2, friction=0.4)
+    with Tuner(study, is1=PLANT, is2=twin, method=QUICK[name]) as tuner:
+        first = tuner.ask(parallel=2)
+        five = tuner.ask(parallel=5)
+        assert five[:2] == first
+        assert len({tuple(request.gains.values()) for request in five}) == 5
+        assert all(request.note == "" for request in five)
+        tuner.gains.check_fixed(five[-1].gains)  # lies in the box
+    with Tuner(study, is1=PLANT, is2=twin, method=QUICK[name]) as tuner:
+        assert tuner.ask(parallel=5) == five
+        tell(tuner, five[4].number, five[4])
+        assert tuner.ask() == five[0]
+        assert tuner.ask(parallel=5)[:4] == five[:4]  # one more by the method, or runs of the twin
 
 
 def test_runs_told_in_another_order_are_kept_in_that_order(study: Study) -> None:
