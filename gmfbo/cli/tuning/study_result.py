@@ -13,6 +13,7 @@ from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.plain_words import words
+from gmfbo.tuning.history.incumbent import none_settled
 
 if TYPE_CHECKING:
     from gmfbo.recordings.store.trial import Trial
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     """Print the gains that a study recommends, the best run, remarks, and what counts.
 
+    Where there is nothing to recommend, that comes first.
+
     Parameters
     ----------
     study : Study or StudyReview
@@ -32,6 +35,10 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     result : TuningResult
         Its result.
     """
+    if result.best is None:
+        console.print("no real run succeeded, so there are no gains to take")
+    elif not result.settled:
+        console.print(f"{none_settled(result.is1_runs)}; below is the least bad run")
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
         f"{result.is2_runs + result.is3_runs:,} simulated"
@@ -124,13 +131,7 @@ def _print_entry(name: str, text: str) -> None:
 
 def _print_gains(study: Study | StudyReview, result: TuningResult) -> None:
     if result.best is None:
-        console.print("no real run succeeded, so there are no gains to take")
         return
-    if not result.settled:
-        console.print(
-            f"no real run settled (of {result.is1_runs}), so no gains are recommended; "
-            "below is the least bad run"
-        )
     if result.recommendation is not None:
         advised = result.recommendation
         console.print(f"recommended        {gains_text(advised.gains)}")

@@ -11,6 +11,7 @@ from gmfbo.objective.mismatch import query_cost, source_lengthscale
 from gmfbo.pages.html_page import embedded_json
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import Run
+from gmfbo.tuning.history.incumbent import has_settled
 
 
 def study_content(review: StudyReview) -> dict[str, Any]:
@@ -48,6 +49,8 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         "best": review.best.number if review.best else None,
         "first": review.first.number if review.first else None,
         "best_real_run": _place(review),
+        "settled": review.settled,
+        "ended": review.ended,
         "comparison": _comparison(review),
         "recommendation": _recommendation(review),
         **_on_the_way(review),
@@ -119,6 +122,7 @@ def _run(run: Run) -> dict[str, Any]:
         "objective": _number(trial.objective),
         "metrics": {name: _number(value) for name, value in trial.metrics.items()},
         "status": trial.status,
+        "settled": has_settled(trial),
         "started": trial.started,
         "seconds": _number(trial.seconds),
         "parent": trial.parent,

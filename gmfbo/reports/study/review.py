@@ -201,6 +201,11 @@ class StudyReview:
         )
 
     @property
+    def best_words(self) -> str:
+        """What the best real run is called: where none settled, it is only the least bad."""
+        return "best" if self.settled else "least bad"
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What the best gains alone do not tell."""
         weights, real = self.file.objective.weights, [run.trial for run in self.real]

@@ -9,8 +9,10 @@ from html import escape
 from gmfbo.pages.html_page import folded, table
 from gmfbo.pages.marked_number import marked_count, marked_number, unit_text
 from gmfbo.plain_words import words
+from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import ROLES, Run
+from gmfbo.tuning.history.incumbent import has_settled
 
 
 def runs_tables(review: StudyReview) -> str:
@@ -68,6 +70,11 @@ def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> 
     return table(heads, rows, numbers=numbers, style="wide runs", best=best)
 
 
+def _ended(trial: Trial) -> str:
+    """How a run ended: a status of `ok` alone does not say whether it settled."""
+    return "not settled" if trial.status == "ok" and not has_settled(trial) else trial.status
+
+
 def _row(
     run: Run, path: tuple[str, int], gains: Sequence[str], metrics: Sequence[str]
 ) -> list[str]:
@@ -84,6 +91,6 @@ def _row(
             marked_number((*path, "metrics", name), trial.metrics.get(name, math.nan), digits=4)
             for name in metrics
         ),
-        escape(trial.status),
+        escape(_ended(trial)),
         marked_number((*path, "cost"), run.cost, digits=4),
     ]
