@@ -21,7 +21,7 @@ from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run, has_settled
 from gmfbo.tuning.history.remarks import remarks_on
-from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
+from gmfbo.tuning.history.standing import END, in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
 from gmfbo.tuning.twin.learned import learned_lines
@@ -336,9 +336,13 @@ class StudyReview:
 
     @property
     def ended(self) -> bool:
-        """Whether the study ended, and was not continued since."""
-        last = [e["event"] for e in self.events if e["event"] in ("ask", "tell", "recommendation")]
-        return bool(last) and last[-1] == "recommendation"
+        """Whether the study ended, and was not continued since.
+
+        Studies of former versions logged no end: there the recommendation stands for it.
+        """
+        ends, known = ("recommendation", END), [entry["event"] for entry in self.events]
+        told = [event for event in known if event in ("ask", "tell", *ends)]
+        return bool(told) and told[-1] in ends
 
     @property
     def metrics(self) -> tuple[str, ...]:
