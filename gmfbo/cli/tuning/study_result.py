@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.cli.console import console, gains_text, whole_words
-from gmfbo.cli.tuning.objective_text import metric_text, objective_table
+from gmfbo.cli.tuning.objective_text import objective_table
 from gmfbo.errors import SimulationError
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
@@ -96,17 +95,11 @@ def metric_lines(study: Study | StudyReview, trial: Trial) -> list[str]:
     trial : Trial
         A run that ended well.
     """
-    file, units, objective = study.file, study.metric_units, study.objective
-    worst = objective.worst if objective is not None else {}
-    lines = []
-    for name in shown_metrics(file, trial.metrics):
-        kind, bracket, number = name.partition("[")
-        never = worst.get(kind, math.inf)
-        if bracket:
-            never = file.references[int(number[:-1]) - 1].horizon
-        told = metric_text(name, trial.metrics[name], units, never)
-        lines.append(f"{words(name):<15} {told}")
-    return lines
+    told = study.metric_words
+    return [
+        f"{words(name):<15} {told.text(name, trial.metrics[name])}"
+        for name in shown_metrics(study.file, trial.metrics)
+    ]
 
 
 def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
@@ -150,5 +143,5 @@ def _print_counts(study: Study | StudyReview, best: Trial) -> None:
         return
     normalise = study.file.objective.normalise
     samples = "the study file" if normalise.points is None else f"{normalise.points} twin runs"
-    for line in objective_table(objective, best.metrics, study.metric_units, samples):
+    for line in objective_table(objective, best.metrics, study.metric_words, samples):
         console.print(line, markup=False)

@@ -18,6 +18,7 @@ from gmfbo.pages.marked_number import (
 from gmfbo.pages.svg_chart import Line, legend, line_chart
 from gmfbo.plain_words import number, percent, words
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.metric_cells import metric_cell, metric_head
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.tuning.history.incumbent import none_settled
 
@@ -106,15 +107,14 @@ def _comparison(review: StudyReview, content: Mapping[str, Any]) -> str:
     rows = []
     for name, one in compared.items():
         path = ("comparison", name)
-        unit = unit_text(review.unit_of(name))
-        label = "objective g" if name == "objective" else words(name)
-        share = one["change"]
+        label = "objective g" if name == "objective" else metric_head(review, name)
+        first, best = (np.nan if one[which] is None else one[which] for which in ("first", "best"))
         rows.append(
             [
-                f"{escape(label)} [{unit}]" if unit else escape(label),
-                _or_dash((*path, "first"), one["first"]),
-                _or_dash((*path, "best"), one["best"]),
-                _change((*path, "change"), share),
+                escape(label),
+                metric_cell(review, name, (*path, "first"), first),
+                metric_cell(review, name, (*path, "best"), best),
+                _change((*path, "change"), one["change"]),
             ]
         )
     heads = ["", "first real run", f"{review.best_words} real run", "change"]
@@ -126,10 +126,6 @@ def _change(path: tuple[str, ...], share: float | None) -> str:
         return marked(path, "-")
     text = percent(share).removesuffix(" %")
     return marked(path, text, factor=0.01) + f"{NO_BREAK}%"
-
-
-def _or_dash(path: tuple[str, ...], value: float | None) -> str:
-    return marked_number(path, float("nan") if value is None else value, digits=4)
 
 
 def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:

@@ -15,8 +15,11 @@ from gmfbo.errors import StoreError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.metric_units import metric_unit
+from gmfbo.objective.metric_words import MetricWords
+from gmfbo.objective.metrics import worst_metrics
 from gmfbo.pages.marked_number import unit_text
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.descent import Descent
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run, has_settled
@@ -30,28 +33,6 @@ if TYPE_CHECKING:
     from gmfbo.tuning.drift.drift import Drift
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Descent:
-    """Progress of the best real run; n real runs.
-
-    Attributes
-    ----------
-    numbers : tuple of int
-        Of the trials.
-    cost : ndarray, shape (n,)
-        [real runs] Cost of all runs up to that one.
-    objective : ndarray, shape (n,)
-        Cost g of the run, dimensionless.
-    best : ndarray, shape (n,)
-        Least cost so far; NaN before the first run that succeeded.
-    """
-
-    numbers: tuple[int, ...]
-    cost: Array
-    objective: Array
-    best: Array
 
 
 @dataclass(frozen=True)
@@ -208,8 +189,8 @@ class StudyReview:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What the best gains alone do not tell."""
-        weights, real = self.file.objective.weights, [run.trial for run in self.real]
-        return remarks_on(real, self.best, weights=weights, limits=self.limits, space=self.space)
+        real = [run.trial for run in self.real]
+        return remarks_on(self.file, real, self.best, self.space, self.metric_words)
 
     @property
     def first(self) -> Trial | None:
@@ -365,6 +346,15 @@ class StudyReview:
         """Unit of each metric that depends on the signals."""
         logged = self.logged("normalise")
         return logged[-1].get("units", {}) if logged else {}
+
+    @cached_property
+    def metric_words(self) -> MetricWords:
+        """Words for metrics."""
+        # Studies of one reference and no metrics of the user's own did not log the worst case.
+        known = self.objective
+        worst = known.worst if known else worst_metrics(self.file.reference.horizon)
+        horizons = [reference.horizon for reference in self.file.references]
+        return MetricWords.of(self.metric_units, worst, horizons)
 
     def unit_of(self, metric: str) -> str:
         """Unit of a metric; empty for a user's own.

@@ -111,7 +111,8 @@ if (viewer) {
   const describe = (run) => {
     const gains = Object.entries(run.gains).map(([name, value]) => `${name} = ${short(value)}`);
     const metrics = Object.entries(run.metrics).filter(([name]) => name in study.metrics)
-      .map(([name, value]) => `${name.replace(/_/g, " ")} ${short(value)} ${study.metrics[name]}`.trim());
+      .map(([name, value]) => `${name.replace(/_/g, " ")} `
+        + (run.never[name] || `${short(value)} ${study.metrics[name]}`.trim()));
     const early = run.status === "ok" ? "" : `, ${run.status}`;
     const ended = run.status === "ok" && !run.settled ? ", not settled" : early;
     const best = run.number === study.best ? `, the ${bestWords}` : "";
