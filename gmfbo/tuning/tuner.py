@@ -102,11 +102,9 @@ class Tuner:
             self.experiment = terms.experiment_of(study, self._sources, own)
             starts = terms.starts_of(study.file, self.gains)
             terms.check_signals(study.file.safety, self._sources)
-            real = self._sources.is1
-            recorded = (
-                RecordedChoice.within(real, self.gains) if isinstance(real, RecordedGrid) else None
-            )
-            meter = terms.margin_meter(study, self._sources, self.experiment)
+            real, recorded = self._sources.is1, None
+            if isinstance(real, RecordedGrid):
+                recorded = RecordedChoice.within(real, self.gains)
             own_part = (self.gains, self.experiment, self._sources)
             self._earlier = EarlierRuns.find(study, *own_part)
             opened = store or closing.enter_context(study.open_for_writing(resume=resume))
@@ -119,7 +117,7 @@ class Tuner:
                 self.gains,
                 survey=correction.survey if correction else 0,
                 earlier=len(self._earlier),
-                meter=meter,
+                meter=terms.margin_meter(study, self._sources, self.experiment),
                 ranked=terms.ranked(study, self._store, self.method),
                 starts=starts,
                 limited=self.study.objective_version(self._store) >= 2,
@@ -193,6 +191,7 @@ class Tuner:
             trial = self._twin.query(request.gains)
             self._waiting.twin = None
             self._announce("query", trial)
+        self._waiting.over = not waiting
         return waiting if parallel is not None else next(iter(waiting), None)
 
     def tell(
@@ -329,10 +328,11 @@ class Tuner:
         self._watch = Watch(self.history, progress)
 
     def result(self) -> TuningResult:
-        """Best and recommended gains as of now; the recommendation is also logged."""
+        """Best and recommended gains as of now; logged, as is the end where no run is wanted."""
         recommendation = self._proposals.recommended()
         if recommendation is not None:
             self._store.log("recommendation", **asdict(recommendation))
+        self._waiting.log_end()
         self._store.refresh_index()
         return TuningResult.of(
             self.history,

@@ -15,7 +15,7 @@ pytestmark = [needs_case(CASE), pytest.mark.slow]
 @pytest.mark.parametrize(
     ("study", "said"),
     [
-        ("c", "no run meets the limit rise_time <= 0.0001; the nearest has 0.0"),
+        ("c", "no run meets the limit rise time <= 0.0001; the nearest has 0.0"),
         ("const", "all 6 runs score the same"),
         ("h1", "all 4 runs score the same"),
     ],

@@ -94,7 +94,7 @@ def test_the_stated_unit_of_an_own_metric_is_shown_in_terminal_and_report(tmp_pa
     assert study.objective is not None
     (told,) = [
         line
-        for line in objective_table(study.objective, study.best.metrics, study.metric_units, "")
+        for line in objective_table(study.objective, study.best.metrics, study.metric_words, "")
         if "effort" in line
     ]
     assert re.search(r"mean [\d.]+ V, spread [\d.]+ V", told)

@@ -99,11 +99,11 @@ def _print_end(tuner: Tuner, json: bool) -> None:
     from gmfbo.tuning.told.next_run import remove_next_run
 
     remove_next_run(tuner.study.location, len(tuner.experiment.parts))
+    result = tuner.result()
     if json:
         typer.echo("null")
         return
     typer.echo("the budget is used up: nothing more to try")
-    result = tuner.result()
     print_result(tuner.study, result)
     refuse_without_success(result)
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.cli.console import console, gains_text, whole_words
-from gmfbo.cli.tuning.objective_text import metric_text, objective_table
+from gmfbo.cli.tuning.objective_text import objective_table
 from gmfbo.errors import SimulationError
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.plain_words import words
+from gmfbo.tuning.history.incumbent import none_settled
 
 if TYPE_CHECKING:
     from gmfbo.recordings.store.trial import Trial
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     """Print the gains that a study recommends, the best run, remarks, and what counts.
 
+    Where there is nothing to recommend, that comes first.
+
     Parameters
     ----------
     study : Study or StudyReview
@@ -32,6 +34,10 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     result : TuningResult
         Its result.
     """
+    if result.best is None:
+        console.print("no real run succeeded, so there are no gains to take")
+    elif not result.settled:
+        console.print(f"{none_settled(result.is1_runs)}; below is the least bad run")
     console.print(
         f"{study.file.name}: {study.file.method}, {result.is1_runs} real runs, "
         f"{result.is2_runs + result.is3_runs:,} simulated"
@@ -89,17 +95,11 @@ def metric_lines(study: Study | StudyReview, trial: Trial) -> list[str]:
     trial : Trial
         A run that ended well.
     """
-    file, units, objective = study.file, study.metric_units, study.objective
-    worst = objective.worst if objective is not None else {}
-    lines = []
-    for name in shown_metrics(file, trial.metrics):
-        kind, bracket, number = name.partition("[")
-        never = worst.get(kind, math.inf)
-        if bracket:
-            never = file.references[int(number[:-1]) - 1].horizon
-        told = metric_text(name, trial.metrics[name], units, never)
-        lines.append(f"{words(name):<15} {told}")
-    return lines
+    told = study.metric_words
+    return [
+        f"{words(name):<15} {told.text(name, trial.metrics[name])}"
+        for name in shown_metrics(study.file, trial.metrics)
+    ]
 
 
 def shown_metrics(file: StudyFile, metrics: Mapping[str, float]) -> list[str]:
@@ -124,13 +124,7 @@ def _print_entry(name: str, text: str) -> None:
 
 def _print_gains(study: Study | StudyReview, result: TuningResult) -> None:
     if result.best is None:
-        console.print("no real run succeeded, so there are no gains to take")
         return
-    if not result.settled:
-        console.print(
-            f"no real run settled (of {result.is1_runs}), so no gains are recommended; "
-            "below is the least bad run"
-        )
     if result.recommendation is not None:
         advised = result.recommendation
         console.print(f"recommended        {gains_text(advised.gains)}")
@@ -149,5 +143,5 @@ def _print_counts(study: Study | StudyReview, best: Trial) -> None:
         return
     normalise = study.file.objective.normalise
     samples = "the study file" if normalise.points is None else f"{normalise.points} twin runs"
-    for line in objective_table(objective, best.metrics, study.metric_units, samples):
+    for line in objective_table(objective, best.metrics, study.metric_words, samples):
         console.print(line, markup=False)

@@ -193,5 +193,7 @@ def _print_told(tuner: Tuner, request: TrialRequest, trial: Trial, *, named: boo
     if trial.status == "ok" and not has_settled(trial):
         typer.echo("not settled: it ranks below each run that settled")
     if (best := tuner.history.best) is not None:
-        typer.echo(f"best so far  trial {best.number}: {gains_text(best.gains)}")
+        settled = tuner.history.settled or not tuner.history.ranked
+        label = "best so far" if settled else "least bad"
+        typer.echo(f"{label:<12} trial {best.number}: {gains_text(best.gains)}")
         typer.echo(f"             objective {best.objective:.4f}")

@@ -80,7 +80,7 @@ class WatchDisplay:
         }
         if step.best_gains is not None:
             best = f"{gains_text(step.best_gains)}, objective {step.best_objective:.4f}"
-            facts["best"] = Text(best, style="bold")
+            facts[self._follower.review.best_words] = Text(best, style="bold")
         mismatch = "" if step.mismatch is None else f", mismatch {step.mismatch:.2f}"
         runs = f"{counts['IS1']} real, {counts['IS2']:,} of the twin, {counts['IS3']:,} corrected"
         facts["runs"] = Text(f"{runs}{mismatch}")

@@ -128,8 +128,9 @@ def _gain_map(review: StudyReview) -> Figure:
                 SOURCES[source])  # fmt: skip
     if review.best is not None:
         best = review.best.gains
+        label = f"{review.best_words} real run"
         axes.plot(best[first], best[second], "*", color=ORANGE, markeredgecolor="k",
-                  markersize=13, linestyle="none", label="best real run")  # fmt: skip
+                  markersize=13, linestyle="none", label=label)  # fmt: skip
     axes.set_xlabel(gain_label(first, review.gain_unit(first)), parse_math=False)
     axes.set_ylabel(gain_label(second, review.gain_unit(second)), parse_math=False)
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
@@ -162,7 +163,7 @@ def best_observed(review: StudyReview) -> Figure:
     left, right = figure.subplots(1, 2, sharey=True)
     count = np.arange(1.0, len(descent.numbers) + 1.0)
     for axes, x in ((left, count), (right, descent.cost)):
-        axes.step(x, descent.best, where="post", color=BLUE, label="best so far")
+        axes.step(x, descent.best, where="post", color=BLUE, label=f"{review.best_words} so far")
         _points(axes, x.tolist(), descent.objective.tolist(), _MARKS["IS1"], "real runs")
     left.set(xlabel="real runs [1]", ylabel=_OBJECTIVE)
     right.set_xlabel("cost of all runs [real runs]")

@@ -29,7 +29,7 @@ def descent_charts(review: StudyReview) -> str:
     if not descent.numbers:
         return ""
     count = np.arange(1.0, len(descent.numbers) + 1.0)
-    told = legend([Line("best so far", "after", count, count)])
+    told = legend([Line(f"{review.best_words} so far", "after", count, count)])
     charts = [
         _descent(review, count, CountAxis.over([count], 0.0, WIDE, 0.5), "real runs"),
         _descent(

@@ -18,7 +18,9 @@ from gmfbo.pages.marked_number import (
 from gmfbo.pages.svg_chart import Line, legend, line_chart
 from gmfbo.plain_words import number, percent, words
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.metric_cells import metric_cell, metric_head
 from gmfbo.reports.study.review import StudyReview
+from gmfbo.tuning.history.incumbent import none_settled
 
 NO_BREAK = "\u00a0"
 
@@ -66,7 +68,13 @@ def _head(review: StudyReview, content: Mapping[str, Any]) -> str:
         return f'<header>{top}<h1 id="verdict">{headline}</h1></header>'
     gains = _gains_html(("runs", _run_place(review, best), "gains"), best.gains)
     found = marked_count(("best_real_run",), content["best_real_run"])
-    headline = f"Best gains: {gains}, found at real run {found} of {real}"
+    if review.settled:
+        headline = f"Best gains: {gains}, found at real run {found} of {real}"
+    elif review.ended:
+        told = none_settled(real)
+        headline = f"{told[0].upper()}{told[1:]}. Least bad: {gains}, at real run {found}"
+    else:
+        headline = f"No real run of {real} has settled yet. Least bad so far: {gains}"
     return f'<header>{top}<h1 id="verdict">{headline}</h1>{_lead(review, content)}</header>'
 
 
@@ -86,11 +94,12 @@ def _lead(review: StudyReview, content: Mapping[str, Any]) -> str:
 
 
 def _state(review: StudyReview) -> tuple[str, str]:
+    state = "ended" if review.ended else "not ended"
     if review.best is None:
-        return "no gains", "missing_physics"
-    if review.ended:
-        return "ended", "none"
-    return "not ended", "parameters"
+        return f"{state}, no gains", "missing_physics"
+    if not review.settled:
+        return f"{state}, none settled", "missing_physics"
+    return state, "none" if review.ended else "parameters"
 
 
 def _comparison(review: StudyReview, content: Mapping[str, Any]) -> str:
@@ -98,18 +107,17 @@ def _comparison(review: StudyReview, content: Mapping[str, Any]) -> str:
     rows = []
     for name, one in compared.items():
         path = ("comparison", name)
-        unit = unit_text(review.unit_of(name))
-        label = "objective g" if name == "objective" else words(name)
-        share = one["change"]
+        label = "objective g" if name == "objective" else metric_head(review, name)
+        first, best = (np.nan if one[which] is None else one[which] for which in ("first", "best"))
         rows.append(
             [
-                f"{escape(label)} [{escape(unit)}]" if unit else escape(label),
-                _or_dash((*path, "first"), one["first"]),
-                _or_dash((*path, "best"), one["best"]),
-                _change((*path, "change"), share),
+                escape(label),
+                metric_cell(review, name, (*path, "first"), first),
+                metric_cell(review, name, (*path, "best"), best),
+                _change((*path, "change"), one["change"]),
             ]
         )
-    heads = ["", "first real run", "best real run", "change"]
+    heads = ["", "first real run", f"{review.best_words} real run", "change"]
     return table(heads, rows, numbers=(1, 2, 3), style="wide errors")
 
 
@@ -118,10 +126,6 @@ def _change(path: tuple[str, ...], share: float | None) -> str:
         return marked(path, "-")
     text = percent(share).removesuffix(" %")
     return marked(path, text, factor=0.01) + f"{NO_BREAK}%"
-
-
-def _or_dash(path: tuple[str, ...], value: float | None) -> str:
-    return marked_number(path, float("nan") if value is None else value, digits=4)
 
 
 def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
@@ -170,10 +174,11 @@ def responses_panel(review: StudyReview) -> str:
         values = first.recording.signal(signal)
         lines.append(Line(f"first, run {first.number}", "before", first.recording.time, values))
     values = best.recording.signal(signal)
-    lines.append(Line(f"best, run {best.number}", "after", best.recording.time, values))
+    label = f"{review.best_words}, run {best.number}"
+    lines.append(Line(label, "after", best.recording.time, values))
     chart = line_chart(
         lines,
-        title=f"{words(signal)} of the first and the best real run",
+        title=f"{words(signal)} of the first and the {review.best_words} real run",
         x_label="time [s]",
         y_label=f"{words(signal)} [{unit}]" if unit else words(signal),
     )

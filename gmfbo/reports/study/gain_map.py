@@ -188,7 +188,8 @@ def _along(review: StudyReview, column: int) -> Line:
 def _legend(review: StudyReview) -> str:
     shown: Sequence[str] = [source for source in SOURCES if review.of(source)]
     kinds = [(source, SOURCES[source]) for source in shown]
-    return mark_legend([*kinds, ("best", "best real run")] if review.best else kinds)
+    best = [("best", f"{review.best_words} real run")] if review.best else []
+    return mark_legend([*kinds, *best])
 
 
 def _best(review: StudyReview) -> Run | None:

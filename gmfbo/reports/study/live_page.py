@@ -14,6 +14,7 @@ from gmfbo.reports.study.charts import error_chart, mismatch_chart, version_list
 from gmfbo.reports.study.first_screen import responses_panel
 from gmfbo.reports.study.gain_map import gain_map
 from gmfbo.reports.study.review import StudyReview
+from gmfbo.tuning.history.incumbent import none_settled
 from gmfbo.tuning.study_file.study_sections import BudgetSection
 
 State = Literal["running", "ended", "interrupted"]
@@ -90,6 +91,8 @@ def _reloading(written: str) -> str:
 def _head(review: StudyReview, state: State, seconds_left: float | None) -> str:
     file, best = review.file, review.best
     word, style = _STATES[state]
+    if best is not None and not review.settled:
+        word, style = f"{word}, none settled", "missing_physics"
     top = (
         f'<div class="top"><span>Tuning of <b>{escape(file.name)}</b></span>'
         f'<span class="badge {style}">{word}</span>'
@@ -102,11 +105,22 @@ def _head(review: StudyReview, state: State, seconds_left: float | None) -> str:
             f'<span class="nowrap">{escape(name)} = {escape(_gain(review, name, value))}</span>'
             for name, value in best.gains.items()
         )
-        headline = f"Best gains{'' if state == 'ended' else ' so far'}: {gains}"
+        headline = f"{_found(review, state)}: {gains}"
     return (
         f'<header>{top}<h1 id="verdict">{headline}</h1>{_progress(review, state, seconds_left)}'
         "</header>"
     )
+
+
+def _found(review: StudyReview, state: State) -> str:
+    """What the best gains are, which come next."""
+    so_far = "" if state == "ended" else " so far"
+    if review.settled:
+        return f"Best gains{so_far}"
+    told = "no real run has settled yet"
+    if state == "ended":
+        told = none_settled(len(review.real))
+    return f"{told[0].upper()}{told[1:]}. Least bad{so_far}"
 
 
 def _gain(review: StudyReview, name: str, value: float) -> str:

@@ -7,10 +7,12 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from gmfbo.objective.metric_words import MetricWords
 from gmfbo.objective.mismatch import query_cost, source_lengthscale
 from gmfbo.pages.html_page import embedded_json
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import Run
+from gmfbo.tuning.history.incumbent import has_settled
 
 
 def study_content(review: StudyReview) -> dict[str, Any]:
@@ -48,10 +50,12 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         "best": review.best.number if review.best else None,
         "first": review.first.number if review.first else None,
         "best_real_run": _place(review),
+        "settled": review.settled,
+        "ended": review.ended,
         "comparison": _comparison(review),
         "recommendation": _recommendation(review),
         **_on_the_way(review),
-        "runs": [_run(run) for run in review.runs],
+        "runs": [_run(run, review.metric_words) for run in review.runs],
     }
     return content
 
@@ -107,8 +111,9 @@ def study_json(content: dict[str, Any]) -> str:
     return embedded_json("study", json.dumps(content, separators=(",", ":"), allow_nan=False))
 
 
-def _run(run: Run) -> dict[str, Any]:
+def _run(run: Run, words: MetricWords) -> dict[str, Any]:
     trial = run.trial
+    known = trial.metrics.items()
     told = {
         "number": trial.number,
         "source": trial.source,
@@ -117,8 +122,10 @@ def _run(run: Run) -> dict[str, Any]:
         "cost": run.cost,
         "gains": {name: _number(value) for name, value in trial.gains.items()},
         "objective": _number(trial.objective),
-        "metrics": {name: _number(value) for name, value in trial.metrics.items()},
+        "metrics": {name: _number(value) for name, value in known},
+        "never": {n: words.text(n, value) for n, value in known if words.is_never(n, value)},
         "status": trial.status,
+        "settled": has_settled(trial),
         "started": trial.started,
         "seconds": _number(trial.seconds),
         "parent": trial.parent,
@@ -145,13 +152,22 @@ def _comparison(review: StudyReview) -> dict[str, dict[str, float | None]]:
         name: {
             "first": _number(before),
             "best": _number(after),
-            # The cost may cross zero, so a share of it would have no meaning.
-            "change": _number((after - before) / before)
-            if name != "objective" and before > 0.0
-            else None,
+            "change": _change(review.metric_words, name, before, after),
         }
         for name, (before, after) in rows.items()
     }
+
+
+def _change(words: MetricWords, name: str, before: float, after: float) -> float | None:
+    """Relative change of a metric; None where a share has no meaning."""
+    # The cost may cross zero, and the horizon that stands for "never" is no measured time.
+    if (
+        name == "objective"
+        or before <= 0.0
+        or any(words.is_never(name, v) for v in (before, after))
+    ):
+        return None
+    return _number((after - before) / before)
 
 
 def _recommendation(review: StudyReview) -> dict[str, Any] | None:

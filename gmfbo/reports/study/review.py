@@ -15,13 +15,16 @@ from gmfbo.errors import StoreError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.metric_units import metric_unit
+from gmfbo.objective.metric_words import MetricWords
+from gmfbo.objective.metrics import worst_metrics
 from gmfbo.pages.marked_number import unit_text
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.descent import Descent
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run, has_settled
 from gmfbo.tuning.history.remarks import remarks_on
-from gmfbo.tuning.history.standing import in_order, standing_events, undone_numbers
+from gmfbo.tuning.history.standing import END, in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import as_begun, parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
 from gmfbo.tuning.twin.learned import learned_lines
@@ -30,28 +33,6 @@ if TYPE_CHECKING:
     from gmfbo.tuning.drift.drift import Drift
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Descent:
-    """Progress of the best real run; n real runs.
-
-    Attributes
-    ----------
-    numbers : tuple of int
-        Of the trials.
-    cost : ndarray, shape (n,)
-        [real runs] Cost of all runs up to that one.
-    objective : ndarray, shape (n,)
-        Cost g of the run, dimensionless.
-    best : ndarray, shape (n,)
-        Least cost so far; NaN before the first run that succeeded.
-    """
-
-    numbers: tuple[int, ...]
-    cost: Array
-    objective: Array
-    best: Array
 
 
 @dataclass(frozen=True)
@@ -212,10 +193,15 @@ class StudyReview:
         )
 
     @property
+    def best_words(self) -> str:
+        """What the best real run is called: where none settled, it is only the least bad."""
+        return "best" if self.settled else "least bad"
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What the best gains alone do not tell."""
-        weights, real = self.file.objective.weights, [run.trial for run in self.real]
-        return remarks_on(real, self.best, weights=weights, limits=self.limits, space=self.space)
+        real = [run.trial for run in self.real]
+        return remarks_on(self.file, real, self.best, self.space, self.metric_words)
 
     @property
     def first(self) -> Trial | None:
@@ -342,9 +328,13 @@ class StudyReview:
 
     @property
     def ended(self) -> bool:
-        """Whether the study ended, and was not continued since."""
-        last = [e["event"] for e in self.events if e["event"] in ("ask", "tell", "recommendation")]
-        return bool(last) and last[-1] == "recommendation"
+        """Whether the study ended, and was not continued since.
+
+        Studies of former versions logged no end: there the recommendation stands for it.
+        """
+        ends, known = ("recommendation", END), [entry["event"] for entry in self.events]
+        told = [event for event in known if event in ("ask", "tell", *ends)]
+        return bool(told) and told[-1] in ends
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -368,6 +358,15 @@ class StudyReview:
         logged = self.logged("normalise")
         units = logged[-1].get("units", {}) if logged else {}
         return {**units, **self.file.objective.units}
+
+    @cached_property
+    def metric_words(self) -> MetricWords:
+        """Words for metrics."""
+        # Studies of one reference and no metrics of the user's own did not log the worst case.
+        known = self.objective
+        worst = known.worst if known else worst_metrics(self.file.reference.horizon)
+        horizons = [reference.horizon for reference in self.file.references]
+        return MetricWords.of(self.metric_units, worst, horizons)
 
     def unit_of(self, metric: str) -> str:
         """Unit of a metric; empty for a user's own without a stated one.

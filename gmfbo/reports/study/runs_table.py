@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from html import escape
 
 from gmfbo.pages.html_page import folded, table
-from gmfbo.pages.marked_number import marked_count, marked_number, unit_text
-from gmfbo.plain_words import words
+from gmfbo.pages.marked_number import marked_count, marked_number
+from gmfbo.recordings.store.trial import Trial
+from gmfbo.reports.study.metric_cells import metric_cell, metric_head
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import ROLES, Run
+from gmfbo.tuning.history.incumbent import has_settled
 
 
 def runs_tables(review: StudyReview) -> str:
@@ -47,30 +49,30 @@ def _taken_back(review: StudyReview) -> str:
 
 
 def _table(review: StudyReview, runs: Sequence[Run], places: dict[int, int]) -> str:
-    gains = list(review.space.names)
-    metrics = review.metrics
     heads = [
         "run",
         "source",
         "what for",
         "query",
-        *gains,
+        *review.space.names,
         "objective",
-        *(f"{words(name)} [{unit}]" if (unit := unit_text(review.unit_of(name))) else words(name)
-          for name in metrics),
+        *(metric_head(review, name) for name in review.metrics),
         "ended",
         "cost so far",
-    ]  # fmt: skip
-    rows = [_row(run, ("runs", places[run.trial.number]), gains, metrics) for run in runs]
+    ]
+    rows = [_row(review, run, ("runs", places[run.trial.number])) for run in runs]
     best = next((k for k, run in enumerate(runs) if run.trial is review.best), None)
     ended = heads.index("ended")
     numbers = [*range(heads.index("query"), ended), ended + 1]
     return table(heads, rows, numbers=numbers, style="wide runs", best=best)
 
 
-def _row(
-    run: Run, path: tuple[str, int], gains: Sequence[str], metrics: Sequence[str]
-) -> list[str]:
+def _ended(trial: Trial) -> str:
+    """How a run ended: a status of `ok` alone does not say whether it settled."""
+    return "not settled" if trial.status == "ok" and not has_settled(trial) else trial.status
+
+
+def _row(review: StudyReview, run: Run, path: tuple[str, int]) -> list[str]:
     trial = run.trial
     number = marked_count((*path, "number"), trial.number)
     return [
@@ -78,12 +80,15 @@ def _row(
         trial.source,
         escape(ROLES[run.role]),
         marked_count((*path, "query"), run.query),
-        *(marked_number((*path, "gains", name), trial.gains[name], digits=4) for name in gains),
+        *(
+            marked_number((*path, "gains", name), trial.gains[name], digits=4)
+            for name in review.space.names
+        ),
         marked_number((*path, "objective"), trial.objective, digits=4),
         *(
-            marked_number((*path, "metrics", name), trial.metrics.get(name, math.nan), digits=4)
-            for name in metrics
+            metric_cell(review, name, (*path, "metrics", name), trial.metrics.get(name, math.nan))
+            for name in review.metrics
         ),
-        escape(trial.status),
+        escape(_ended(trial)),
         marked_number((*path, "cost"), run.cost, digits=4),
     ]

@@ -3,6 +3,7 @@
 // list, or by the arrow keys.
 const study = embedded("study"), trajectories = embedded("trajectories");
 const runs = new Map(study.runs.map((run) => [run.number, run]));
+const bestWords = study.settled ? "best" : "least bad";
 const NAMES = { IS1: "real", IS2: "twin", IS3: "corrected twin" };
 const short = (value, digits = 4) => value === null ? "-" : String(Number(value.toPrecision(digits)));
 const swatch = (style) => {
@@ -66,7 +67,7 @@ if (responses) {
   const { first, best } = responses.panel.dataset;
   const lines = [line("floor", "reference", trajectories.reference || { t: [], y: [] }),
     first === best ? null : line("before", "first", column(first, study.signal)),
-    line("after", "best", column(best, study.signal))].filter((one) => one && one.time.length);
+    line("after", bestWords, column(best, study.signal))].filter((one) => one && one.time.length);
   responses.live.hold({ charts: [lines], read: lines.slice().reverse(), whole: spanOf(lines),
     unit: readable(unitOf(study.signal)) });
 }
@@ -110,9 +111,11 @@ if (viewer) {
   const describe = (run) => {
     const gains = Object.entries(run.gains).map(([name, value]) => `${name} = ${short(value)}`);
     const metrics = Object.entries(run.metrics).filter(([name]) => name in study.metrics)
-      .map(([name, value]) => `${name.replace(/_/g, " ")} ${short(value)} ${study.metrics[name]}`.trim());
-    const ended = run.status === "ok" ? "" : `, ${run.status}`;
-    const best = run.number === study.best ? ", the best" : "";
+      .map(([name, value]) => `${name.replace(/_/g, " ")} `
+        + (run.never[name] || `${short(value)} ${study.metrics[name]}`.trim()));
+    const early = run.status === "ok" ? "" : `, ${run.status}`;
+    const ended = run.status === "ok" && !run.settled ? ", not settled" : early;
+    const best = run.number === study.best ? `, the ${bestWords}` : "";
     told.replaceChildren(text("b", `Run ${run.number}`),
       ` ${NAMES[run.source]} (${run.source})${best}${ended}: ${gains.join(", ")}; `,
       text("b", `objective ${short(run.objective)}`), `; ${metrics.join(", ")}`);

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from gmfbo.objective.margins import AT_LEAST
 from gmfbo.pages.html_page import paragraph
-from gmfbo.pages.marked_number import unit_text
 from gmfbo.pages.svg_axis import Axis
 from gmfbo.pages.svg_frame import HIGH, WIDE, framed
-from gmfbo.plain_words import words
+from gmfbo.reports.study.metric_cells import metric_head
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_marks import run_mark
 from gmfbo.reports.study.run_roles import Run
@@ -99,6 +98,5 @@ def _figure(review: StudyReview, runs: Sequence[Run], pair: tuple[str, str], *, 
 
 
 def _label(review: StudyReview, name: str) -> str:
-    unit = unit_text(review.unit_of(name))
     better = ", more is better" if name in AT_LEAST else ""
-    return f"{words(name)} [{unit}]{better}" if unit else f"{words(name)}{better}"
+    return metric_head(review, name) + better

@@ -13,6 +13,7 @@ from gmfbo.errors import OwnMetricsError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.metric_units import units_of_metrics
+from gmfbo.objective.metric_words import MetricWords
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.recordings.store.trial import SourceName, Trial
 from gmfbo.tuning.drift.drift import Drift
@@ -27,12 +28,10 @@ from gmfbo.tuning.history.known_margins import KnownMargins
 from gmfbo.tuning.history.observing import aged, observed
 from gmfbo.tuning.history.query_cost import IS1_COST, TWIN_COST
 from gmfbo.tuning.history.ranked import by_rank
-from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import StandingStore, real_runs_at_ask
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.history.trials_by_source import TrialsBySource
 from gmfbo.tuning.history.twin_budget import EVENT, TwinBudget
-from gmfbo.tuning.history.worth import worth_remarks
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.study_file.study_sections import StudyFile
 
@@ -217,13 +216,11 @@ class History:
         return any(has_settled(trial) for trial in self.of("IS1"))
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        """What the best gains alone do not tell; see `remarks_on`."""
-        weights = self.study.objective.weights
-        remarks = remarks_on(
-            self.of("IS1"), self.best, weights=weights, limits=self.limits, space=self.gains.space
-        )
-        return (*remarks, *worth_remarks(self.store.events()))
+    def metric_words(self) -> MetricWords:
+        """Words for metrics."""
+        units = self.units_of(self.trials[0].recording) if self.trials else {}
+        worst = self._objective.worst if self._objective else {}
+        return MetricWords.of(units, worst, [one.horizon for one in self.study.references])
 
     @property
     def changed_after(self) -> int:

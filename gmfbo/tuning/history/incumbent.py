@@ -43,6 +43,17 @@ def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial |
     )
 
 
+def none_settled(runs: int | str) -> str:
+    """Sentence that no real run settled, without its first capital and its full stop.
+
+    Parameters
+    ----------
+    runs : int or str
+        Number of real runs, or how a page writes it.
+    """
+    return f"no real run settled (of {runs}), so no gains are recommended"
+
+
 def has_settled(trial: Trial) -> bool:
     """Whether a run ended well and settled, or is of a study that does not ask for it."""
     return trial.status == "ok" and (trial.late_error or 0.0) <= 1.0

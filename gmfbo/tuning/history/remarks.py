@@ -8,42 +8,44 @@ import numpy as np
 
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.margins import AT_LEAST
+from gmfbo.objective.metric_words import MetricWords
 from gmfbo.plain_words import words
 from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.space import GainSpace
 from gmfbo.tuning.history.incumbent import has_settled
+from gmfbo.tuning.study_file.study_sections import StudyFile
 
 AT_BOUND = 0.01
 """Share of a gain's range, as it is searched, within which a gain lies at its bound."""
 
 
 def remarks_on(
+    study: StudyFile,
     real: Sequence[Trial],
     best: Trial | None,
-    *,
-    weights: Mapping[str, float],
-    limits: Limits,
     space: GainSpace,
+    told: MetricWords,
 ) -> tuple[str, ...]:
     """Sentences on failed runs, limits that no run meets, metrics without effect, and bounds.
 
     Parameters
     ----------
+    study : StudyFile
+        With objective and limits.
     real : sequence of Trial
         Real runs, in order.
     best : Trial or None
         Best of them.
-    weights : mapping of str to float
-        Of the objective, by metric.
-    limits : Limits
-        On metrics.
     space : GainSpace
         Box of the tuned gains.
+    told : MetricWords
+        Words for the metrics.
     """
     finished = [trial for trial in real if trial.status == "ok"]
-    found = [*_failed(real), *_unsettled(finished), *_never_met(finished, limits)]
-    found += _without_effect(finished, weights)
+    found = [*_failed(real), *_unsettled(finished)]
+    found += _never_met(finished, Limits(study.constraints), told)
+    found += _without_effect(finished, study.objective.weights, told)
     if best is not None:
         found += _at_bounds(best, space)
     return tuple(found)
@@ -76,7 +78,7 @@ def _unsettled(finished: Sequence[Trial]) -> list[str]:
     return [f"{moving} of {len(finished)} runs that ended well did not settle; they rank below"]
 
 
-def _never_met(finished: Sequence[Trial], limits: Limits) -> list[str]:
+def _never_met(finished: Sequence[Trial], limits: Limits, told: MetricWords) -> list[str]:
     found = []
     for name, most in limits.most.items():
         values = [float(limits.limited(trial.metrics)[name]) for trial in finished]
@@ -84,16 +86,20 @@ def _never_met(finished: Sequence[Trial], limits: Limits) -> list[str]:
         if measured and min(measured) > most:
             # A margin has a least value, and is compared with a minus.
             sign, relation = (-1.0, ">=") if name in AT_LEAST else (1.0, "<=")
+            nearest = sign * min(measured)
+            has = "all have" if told.is_never(name, nearest) else "the nearest has"
             found.append(
-                f"no run meets the limit {words(name)} {relation} {limits.stated[name]:g}; the "
-                f"nearest has {sign * min(measured):.4g}"
+                f"no run meets the limit {words(name)} {relation} {limits.stated[name]:g}; "
+                f"{has} {told.text(name, nearest)}"
             )
     if finished and not found and not any(limits.met(trial.metrics) for trial in finished):
         found.append("no run meets all limits of [constraints] at once")
     return found
 
 
-def _without_effect(finished: Sequence[Trial], weights: Mapping[str, float]) -> list[str]:
+def _without_effect(
+    finished: Sequence[Trial], weights: Mapping[str, float], told: MetricWords
+) -> list[str]:
     counted = [name for name, weight in weights.items() if weight > 0.0]
     if len(finished) < 2:
         return []
@@ -111,7 +117,11 @@ def _without_effect(finished: Sequence[Trial], weights: Mapping[str, float]) -> 
     found = []
     for name in same:
         value = float(values[name][0])
-        was = f"was {value:.4g} in all" if np.isfinite(value) else "was not measured in any of the"
+        was = (
+            f"was {told.text(name, value)} in all"
+            if np.isfinite(value)
+            else "was not measured in any of the"
+        )
         found.append(f"{words(name)} {was} {len(finished)} runs, so it had no say")
     return found
 

@@ -14,8 +14,11 @@ if TYPE_CHECKING:
 UNDO = "undo"
 """Event that takes back a told run."""
 
+END = "end"
+"""Event that nothing more was to be asked for; the study may go on with more budget."""
+
 # What was concluded from a run falls with it.
-_CONCLUSIONS = ("drift", "twin_version", "recommendation")
+_CONCLUSIONS = ("drift", "twin_version", "recommendation", END)
 
 
 def undone_numbers(events: Sequence[Mapping[str, Any]]) -> frozenset[int]:

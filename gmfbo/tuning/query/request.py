@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from gmfbo.recordings.store.trial import Trial
-from gmfbo.tuning.history.remarks import last_failure
+from gmfbo.tuning.history.remarks import last_failure, remarks_on
+from gmfbo.tuning.history.worth import worth_remarks
 from gmfbo.tuning.query.method import Recommendation
 
 if TYPE_CHECKING:
@@ -162,6 +163,7 @@ class TuningResult:
         learned : tuple of str
             What the last of them has learned.
         """
+        real, words = history.of("IS1"), history.metric_words
         return cls(
             best=history.best,
             recommendation=recommendation,
@@ -177,6 +179,9 @@ class TuningResult:
             twin_versions=twin_versions,
             learned=learned,
             settled=history.settled or not history.ranked,
-            remarks=history.remarks,
-            last_failure=last_failure(history.of("IS1")),
+            remarks=(
+                *remarks_on(history.study, real, history.best, history.gains.space, words),
+                *worth_remarks(history.store.events()),
+            ),
+            last_failure=last_failure(real),
         )

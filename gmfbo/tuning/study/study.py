@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 from gmfbo.errors import StoreError, StudyFileError
 from gmfbo.objective.cost import Objective
 from gmfbo.objective.limits import Limits
+from gmfbo.objective.metric_words import MetricWords
 from gmfbo.objective.metrics import worst_metrics
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.tuning.drift.drift import Drift
@@ -149,6 +150,13 @@ class Study:
         """
         logged = (self._last("normalise") or {}).get("units", {})
         return {**logged, **self.file.objective.units}
+
+    @property
+    def metric_words(self) -> MetricWords:
+        """Words for metrics; before the initial twin runs are complete, all are numbers."""
+        known = self.objective
+        horizons = [reference.horizon for reference in self.file.references] if known else []
+        return MetricWords.of(self.metric_units, known.worst if known else {}, horizons)
 
     @property
     def earlier_logged(self) -> dict[str, Any] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from gmfbo.tuning.history.history import History
+from gmfbo.tuning.history.standing import END
 from gmfbo.tuning.query.request import TrialRequest
 
 
@@ -24,6 +25,8 @@ class Waiting:
         Query of the twin that was decided on but not run.
     last : TrialRequest or None
         Newest request.
+    over : bool
+        Whether the last look found nothing more to ask for.
     """
 
     def __init__(self, history: History) -> None:
@@ -35,6 +38,7 @@ class Waiting:
         twin = [request for request in asked if request.source == "IS2"]
         self.twin = twin[-1] if twin else None
         self.last = asked[-1] if asked else None
+        self.over = False
 
     def add(self, request: TrialRequest) -> None:
         """Wait for a run.
@@ -61,6 +65,11 @@ class Waiting:
         """
         for number in numbers:
             del self.real[number], self._history.waiting[number]
+
+    def log_end(self) -> None:
+        """Log that the study came to its end, where nothing more is to be asked for."""
+        if self.over:
+            self._history.store.log(END, real=self._history.made)
 
     def at(self, held: Mapping[str, float]) -> list[TrialRequest]:
         """Real runs that are waited for, at some values of gains.

@@ -85,6 +85,7 @@ class ExampleStudy:
         parent: int | None = None,
         accepted: bool | None = None,
         status: Status = "ok",
+        late_error: float | None = None,
     ) -> Trial:
         """Write a run and return it; the twin is softer than the axis, once corrected hardly."""
         self.number += 1
@@ -118,17 +119,22 @@ class ExampleStudy:
             accepted=accepted,
             uncorrected={"position": response(0.6 * stiffness, damping)} if corrected else {},
             std={"position": np.full(TIME.size, 0.01)} if corrected else {},
+            late_error=late_error,
         )  # fmt: skip
         self.store.write_trial(trial)
         return trial
 
     def real(
-        self, gains: Mapping[str, float], mismatch: float | None, status: Status = "ok"
+        self,
+        gains: Mapping[str, float],
+        mismatch: float | None,
+        status: Status = "ok",
+        late_error: float | None = None,
     ) -> Trial:
         """A real run, with the twin's beside it and two corrected ones around it."""
         self.store.log("ask", number=self.number + 1, source="IS1", gains=gains, mismatch=mismatch,
                        note="")  # fmt: skip
-        real = self.trial("IS1", gains, status=status)
+        real = self.trial("IS1", gains, status=status, late_error=late_error)
         self.store.log("tell", number=real.number, gains=gains, file="", sha256="")
         self.trial("IS2", gains, parent=real.number)
         self.store.log("correction", parent=real.number, held_out_error=0.001 * real.number,
