@@ -95,7 +95,11 @@ def ask(
 
 def _print_end(tuner: Tuner, json: bool) -> None:
     """Say that there is nothing more to ask, and what the study came to."""
-    from gmfbo.cli.tuning.study_result import print_result, refuse_without_success
+    from gmfbo.cli.tuning.study_result import (
+        print_next_step,
+        print_result,
+        refuse_without_success,
+    )
     from gmfbo.tuning.told.next_run import remove_next_run
 
     remove_next_run(tuner.study.location, len(tuner.experiment.parts))
@@ -106,6 +110,7 @@ def _print_end(tuner: Tuner, json: bool) -> None:
     typer.echo("the budget is used up: nothing more to try")
     print_result(tuner.study, result)
     refuse_without_success(result)
+    print_next_step(tuner.study, result)
 
 
 def _asked(tuner: Tuner, held: Mapping[str, float], parallel: int | None) -> Sequence[TrialRequest]:

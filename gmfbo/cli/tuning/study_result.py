@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.cli.console import console, gains_text, whole_words
 from gmfbo.cli.tuning.objective_text import objective_table
-from gmfbo.errors import SimulationError
+from gmfbo.errors import SimulationError, TwinFileError
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metrics import METRICS
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
@@ -59,6 +61,35 @@ def print_result(study: Study | StudyReview, result: TuningResult) -> None:
     if result.best is not None:
         _print_counts(study, result.best)
     console.print(f"study folder       {study.location}")
+
+
+def print_next_step(study: Study, result: TuningResult) -> None:
+    """Print the command that asks a study's real runs what the twin lacks.
+
+    Nothing is printed where a diagnosis has no port to try physics at, or fewer runs than two.
+
+    Parameters
+    ----------
+    study : Study
+        That has ended.
+    result : TuningResult
+        Its result.
+    """
+    twin = study.origin / study.file.is2.twin
+    if result.is1_runs < 2 or result.best is None or not _has_ports(twin):
+        return
+    out = study.location.with_suffix(".found")
+    command = shlex.join(["gmfbo", "diagnose", str(twin), str(study.location), "--out", str(out)])
+    _print_entry("then", command)
+
+
+def _has_ports(twin: Path) -> bool:
+    from gmfbo.sources.twin_file.twin_file import TwinFile
+
+    try:
+        return bool(TwinFile.read(twin).ports)
+    except TwinFileError:
+        return False  # the twin is a source of the user's own
 
 
 def refuse_without_success(result: TuningResult) -> None:

@@ -96,7 +96,7 @@ def run_study(study: Study, *, resume: bool, html: Path | None = None) -> Tuning
     from gmfbo import Tuner
     from gmfbo.cli.tuning.live_study import LiveStudy
     from gmfbo.cli.tuning.study_display import StudyDisplay
-    from gmfbo.cli.tuning.study_result import print_result
+    from gmfbo.cli.tuning.study_result import print_next_step, print_result
     from gmfbo.interrupt import remembered_interrupt
 
     live = LiveStudy.begin(html)
@@ -117,4 +117,5 @@ def run_study(study: Study, *, resume: bool, html: Path | None = None) -> Tuning
         with display:
             result = tuner.run(show)
     print_result(study, result)
+    print_next_step(study, result)
     return result
