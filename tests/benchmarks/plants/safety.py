@@ -36,18 +36,26 @@ def with_envelope(plant: Plant) -> Plant:
     return replace(plant, safety={file.objective.signal: (begin - room, begin + step + room)})
 
 
+def left(lines: Sequence[Mapping[str, Any]], method: str, plants: Sequence[str]) -> tuple[int, int]:
+    """How many runs of a method left the envelope, and of how many after the initial ones."""
+    status = [
+        word
+        for line in lines
+        if line["method"] == method and line["plant"] in plants
+        for word in line["status"][line["initial"] :]
+    ]
+    return status.count("unsafe"), len(status)
+
+
 def table(lines: Sequence[Mapping[str, Any]]) -> str:
     """Runs after the initial ones that left the envelope, and of how many."""
-    rows = ["left the envelope, of the runs after the initial ones; runs withheld change nothing"]
-    methods = [name for name in METHODS if any(line["method"] == name for line in lines)]
-    for method in methods:
+    rows = ["left the envelope, of the runs after the initial ones"]
+    for method in METHODS:
         cells = []
-        for plant in (*LIMITED, ""):
-            own = [one for one in lines if one["method"] == method and plant in ("", one["plant"])]
-            status = [word for one in own for word in one["status"][one["initial"] :]]
-            left = status.count("unsafe")
-            share = 100.0 * left / max(len(status), 1)
-            cells.append(f"{plant or 'all'} {left}/{len(status)} ({share:.1f} %)")
+        for plants in (*((name,) for name in LIMITED), LIMITED):
+            gone, count = left(lines, method, plants)
+            name = plants[0] if len(plants) == 1 else "all"
+            cells.append(f"{name} {gone}/{count}")
         rows.append(f"{method:22s} " + ", ".join(cells))
     return "\n".join(rows) + "\n"
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.files.durable import write_whole
 from gmfbo.recordings.recording import Recording
@@ -30,6 +31,8 @@ from tests.benchmarks.plants.make_truth import truth_text
 from tests.benchmarks.plants.run import RESULTS, in_this_process, run_plants
 from tests.benchmarks.plants.targets import Target, read_targets, target_of
 from tests.benchmarks.plants.truths.conditions import Conditions, Vector
+
+OURS = "gmfbo_estimated"
 
 KINDS = ("useless", "opposed", "far_off", "perfect")
 
@@ -142,45 +145,55 @@ def perfect_targets(names: Sequence[str]) -> dict[str, Target]:
     return {name: Target(**raw[name]) for name in names}
 
 
-def table(folder: Path = FOLDER, share: float = 0.05) -> str:
-    """Runs to target with each kind, and how many more than `bo_ei` needs.
+def runs_of(
+    kind: str, folder: Path = FOLDER, share: float = 0.05
+) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Runs to target with a kind of twin, and those of `bo_ei` on the same seeds, by plant.
 
     Parameters
     ----------
+    kind : str
+        Of the twin.
     folder : Path
         Of the lines.
     share : float
         Of the way to the optimum that may be left.
+
+    Returns
+    -------
+    dict of str to tuple of ndarray
+        Both of shape (seeds,); `bo_ei` has none on the plant of a perfect twin.
     """
-    aims = {name: target.cost(share) for name, target in read_targets().items()}
-    alone = Arrivals.of(read_lines(RESULTS), aims)
-    rows = [f"runs to target at {100 * share:.0f} %: of gmfbo_estimated, and of bo_ei; never"]
+    lines = read_lines(folder / kind)
+    plants = [name for name in CHOSEN if any(line["plant"] == name for line in lines)]
+    targets = perfect_targets(plants) if kind == "perfect" else read_targets()
+    aims = {name: targets[name].cost(share) for name in plants}
+    own, alone = Arrivals.of(lines, aims), Arrivals.of(read_lines(RESULTS), aims)
+    found = {}
+    for name in plants:
+        seeds = sorted(own.runs[name, OURS])
+        if kind != "perfect":
+            seeds = [seed for seed in seeds if seed in alone.runs[name, "bo_ei"]]
+        peer = alone.capped(name, "bo_ei", seeds if kind != "perfect" else [])
+        found[name] = (own.capped(name, OURS, seeds), peer)
+    return found
+
+
+def table(folder: Path = FOLDER) -> str:
+    """Runs to target with each kind, and how many more than `bo_ei` needs."""
+    rows = [f"runs to target at 5 %, mean: of {OURS}, of bo_ei, and how many more"]
     for kind in KINDS:
-        lines = read_lines(folder / kind)
-        plants = [name for name in CHOSEN if any(line["plant"] == name for line in lines)]
-        if kind == "perfect":
-            aims = {name: t.cost(share) for name, t in perfect_targets(plants).items()}
-        arrivals = Arrivals.of(lines, aims)
-        lost: list[float] = []
-        runs: list[float] = []
-        for name in plants:
-            method = "gmfbo_estimated"
-            seeds = sorted(arrivals.runs[name, method])
-            if kind != "perfect":
-                seeds = [seed for seed in seeds if seed in alone.runs[name, "bo_ei"]]
-            own = arrivals.capped(name, method, seeds)
-            never = sum(arrivals.runs[name, method][seed] is None for seed in seeds)
-            told = f"{kind:8s} {name:12s} {own.mean():5.1f} {never}/{len(seeds)}"
-            if kind == "perfect":
-                runs.extend(own.tolist())
-            else:
-                peer = alone.capped(name, "bo_ei", seeds)
-                lost.append(float((own - peer).mean()))
-                told += f"   {peer.mean():5.1f}   {lost[-1]:+5.1f}"
+        found = runs_of(kind, folder)
+        for name, (own, peer) in found.items():
+            told = f"{kind:8s} {name:12s} {own.mean():5.1f}"
+            if peer.size:
+                told += f"   {peer.mean():5.1f}   {(own - peer).mean():+5.1f}"
             rows.append(told)
+        lost = [float((own - peer).mean()) for own, peer in found.values() if peer.size]
         if lost:
             rows.append(f"{kind:8s} mean loss {np.mean(lost):+.1f} runs")
-        if runs:
+        elif found:
+            runs = np.concatenate([own for own, _ in found.values()])
             rows.append(f"{kind:8s} median {np.median(runs):g} runs")
     return "\n".join(rows) + "\n"
 
@@ -190,7 +203,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--plants", default=",".join(CHOSEN))
-    parser.add_argument("--methods", default="gmfbo_estimated")
+    parser.add_argument("--methods", default=OURS)
     parser.add_argument("--seeds", default="20:30", help="FIRST:END")
     parser.add_argument("--out", type=Path, default=FOLDER)
     options = parser.parse_args()
