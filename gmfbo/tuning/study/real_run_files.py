@@ -49,7 +49,8 @@ def real_run_files(folder: Path) -> list[Path]:
     found = []
     for number in study.numbers():
         trial = study.read_trial(number)
-        if trial.source == "IS1" and trial.status == "ok" and number not in undone:
+        counts = trial.status == "ok" and not trial.bare and number not in undone
+        if trial.source == "IS1" and counts:
             found.append(study.trial_path(number))
     if not found:
         raise StoreError(
