@@ -10,6 +10,9 @@ from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metric_units import metric_unit
 from gmfbo.objective.metrics import METRICS
 
+OF_TWIN = "from the twin"
+"""Mark of a margin: the twin alone is excited to measure it."""
+
 _DIGITS = {"%": ".2f", "s": ".4f"}
 
 
@@ -78,7 +81,7 @@ class MetricWords:
         if self.is_never(name, value):
             return never_words(f"{self.longest[name]:g}")
         unit = metric_unit(name, self.units)
-        of_twin = " (from the twin)" if name in MARGINS else ""
+        of_twin = f" ({OF_TWIN})" if name in MARGINS else ""
         return f"{value:{_DIGITS.get(unit, '.5g')}} {unit}".rstrip() + of_twin
 
 

@@ -14,6 +14,7 @@ from gmfbo.reports.study.charts import error_chart, mismatch_chart, version_list
 from gmfbo.reports.study.first_screen import responses_panel
 from gmfbo.reports.study.gain_map import gain_map
 from gmfbo.reports.study.review import StudyReview
+from gmfbo.reports.study.study_remarks import limits_missed
 from gmfbo.tuning.history.incumbent import none_settled
 from gmfbo.tuning.study_file.study_sections import BudgetSection
 
@@ -140,11 +141,7 @@ def _progress(review: StudyReview, state: State, seconds_left: float | None) -> 
     simulated = len(review.runs) - len(review.real)
     told = f"{done} of {whole} {what} done.{left} So far {len(review.real)} real runs, {simulated} "
     bar = f'<progress max="{whole}" value="{min(done, whole)}">{done} of {whole}</progress>'
-    best = review.best
-    limits = ""
-    if best is not None and review.limits and not review.limits.met(best.metrics):
-        limits = " The best run does not meet the limits; no real run does."
-    return bar + paragraph(f"{told}simulated.{limits}", "lead")
+    return bar + paragraph(f"{told}simulated. {limits_missed(review)}".rstrip(), "lead")
 
 
 def done_of(review: StudyReview, budget: BudgetSection) -> tuple[int, int, str]:

@@ -199,7 +199,7 @@ class Study:
                 f"only the end of the [budget] may change; give another 'out'"
             )
 
-    def log_begin(self, store: TrialStore, twins: dict[str, str], units: Mapping[str, str]) -> None:
+    def log_begin(self, store: TrialStore, twins: dict[str, str], told: Mapping[str, Any]) -> None:
         """Log who runs, and refuse to mix runs of different twins in one study.
 
         Parameters
@@ -208,8 +208,8 @@ class Study:
             Open for writing.
         twins : dict of str to str
             Content hash by source.
-        units : mapping of str to str
-            Unit of each gain; empty where it has none.
+        told : mapping of str to object
+            What is logged of the gains: `units`, and `box` with the range of each tuned one.
 
         Raises
         ------
@@ -228,7 +228,7 @@ class Study:
         origin = os.path.relpath(self.origin.resolve(), self.location.resolve())
         version = {} if begun else {"objective_version": OBJECTIVE_VERSION}
         place = Path(origin).as_posix()
-        store.log("begin", origin=place, twins=twins, units=dict(units), **version)
+        store.log("begin", origin=place, twins=twins, **told, **version)
 
     @staticmethod
     def objective_version(store: TrialStore) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -134,15 +134,23 @@ class StudySources:
                 **facts,
             )
 
-    def units_of(self, gains: GainChoice) -> dict[str, str]:
-        """Unit of each gain, as the twin's FMU spells it; empty where it has none.
+    def told_of(self, gains: GainChoice) -> dict[str, Any]:
+        """What a reader of the log has to know of the gains.
 
         Parameters
         ----------
         gains : GainChoice
             Tuned and fixed ones.
+
+        Returns
+        -------
+        dict
+            `units` by gain, as the twin's FMU spells them, empty where it has none; `box` with the
+            range of each tuned gain, which may be the twin file's.
         """
-        return {name: self.units.get(name, "") for name in (*gains.space.names, *gains.fixed)}
+        names = (*gains.space.names, *gains.fixed)
+        units = {name: self.units.get(name, "") for name in names}
+        return {"units": units, "box": [asdict(gain) for gain in gains.space.gains]}
 
     def real(self, runs_before: int) -> Source | None:
         """Source of the next real run.
