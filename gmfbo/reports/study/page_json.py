@@ -13,7 +13,7 @@ from gmfbo.objective.mismatch import query_cost, source_lengthscale
 from gmfbo.pages.html_page import embedded_json
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import Run
-from gmfbo.reports.study.study_remarks import unmet_of_recommended
+from gmfbo.reports.study.study_remarks import study_remarks, unmet_of_recommended
 from gmfbo.tuning.history.incumbent import has_settled
 
 
@@ -58,6 +58,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         "comparison": _comparison(review),
         "recommendation": _recommendation(review),
         "unmet": list(unmet_of_recommended(review)),
+        "remarks": list(study_remarks(review)),
         **_on_the_way(review),
         "runs": [_run(run, review.metric_words) for run in review.runs],
     }

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from html import escape
+
+from gmfbo.pages.html_page import section
 from gmfbo.reports.study.review import StudyReview
-from gmfbo.tuning.history.remarks import ended_early, remarks_on, unmet_limits
+from gmfbo.tuning.history.remarks import (
+    ended_early,
+    remarks_on,
+    unmet_limits,
+    worth_remarks,
+)
 
 
 def study_remarks(review: StudyReview) -> tuple[str, ...]:
@@ -20,7 +29,20 @@ def study_remarks(review: StudyReview) -> tuple[str, ...]:
     return (
         *remarks_on(review.file, real, review.best, review.box, review.metric_words),
         *ended_early(review.file.budget, queries, made),
+        *worth_remarks(review.events),
     )
+
+
+def remarks_section(remarks: Sequence[str]) -> str:
+    """Write the remarks as a section of the page; nothing for none.
+
+    Parameters
+    ----------
+    remarks : sequence of str
+        Of `study_remarks`.
+    """
+    told = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
+    return section("Remarks", f"<ul>{told}</ul>" if told else "", name="remarks")
 
 
 def unmet_of_recommended(review: StudyReview) -> tuple[str, ...]:

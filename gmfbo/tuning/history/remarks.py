@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.margins import AT_LEAST
 from gmfbo.objective.metric_words import MetricWords
-from gmfbo.plain_words import words
+from gmfbo.plain_words import number, words
 from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.space import GainSpace
@@ -18,6 +19,10 @@ from gmfbo.tuning.study_file.study_sections import BudgetSection, StudyFile
 
 AT_BOUND = 0.01
 """Share of a gain's range, as it is searched, within which a gain lies at its bound."""
+
+
+WORTH = "worth"
+"""Event that a further run is expected to gain less than the noise of one run."""
 
 
 def remarks_on(
@@ -102,9 +107,36 @@ def ended_early(budget: BudgetSection, queries: int, made: int) -> list[str]:
     if budget.is1_runs is None or made >= budget.is1_runs or queries < budget.most_queries:
         return []
     return [
-        f"only {made} of {budget.is1_runs} real runs were made: the {budget.most_queries} queries "
-        "of either source are used up; for more, raise iterations in [budget]"
+        f"only {made} of {budget.is1_runs} real runs were made: no query is left (iterations = "
+        f"{budget.most_queries}, of twin and axis); for more, raise iterations in [budget]"
     ]
+
+
+def not_worth(gain: float, noise: float) -> str:
+    """Sentence that a further run is expected to gain less [g] than the noise of one run [g]."""
+    return (
+        f"a further run is expected to gain {number(gain, 2)}, less than the noise of one run "
+        f"({number(noise, 2)})"
+    )
+
+
+def worth_remarks(events: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Remark for the end of a study, where the last query was expected to gain next to nothing.
+
+    Parameters
+    ----------
+    events : sequence of mapping
+        Of the study's log.
+    """
+    asked = [event["number"] for event in events if event["event"] == "ask"]
+    told = [event for event in events if event["event"] == WORTH]
+    if not told or not asked or told[-1]["number"] != asked[-1]:
+        return []
+    runs = sum(one["confirms"] for one in told)
+    confirmed = {0: "", 1: "; the last run repeated the recommended gains"}.get(
+        runs, f"; {runs} runs repeated the recommended gains"
+    )
+    return [not_worth(told[-1]["gain"], told[-1]["noise"]) + confirmed]
 
 
 def last_failure(real: Sequence[Trial]) -> str:

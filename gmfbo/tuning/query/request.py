@@ -12,8 +12,8 @@ from gmfbo.tuning.history.remarks import (
     last_failure,
     remarks_on,
     unmet_limits,
+    worth_remarks,
 )
-from gmfbo.tuning.history.worth import worth_remarks
 from gmfbo.tuning.query.method import Recommendation
 
 if TYPE_CHECKING:

@@ -51,7 +51,7 @@ def test_control_without_limits_nothing_is_said() -> None:
 def test_queries_that_are_used_up_before_the_real_runs_are_told() -> None:
     budget = BudgetSection(is1_runs=10, iterations=30)
     (told,) = ended_early(budget, 30, 4)
-    assert told.startswith("only 4 of 10 real runs were made: the 30 queries of either source are")
+    assert told.startswith("only 4 of 10 real runs were made: no query is left (iterations = 30,")
     assert "raise iterations" in told
 
 
