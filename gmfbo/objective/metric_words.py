@@ -11,6 +11,9 @@ from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metric_units import metric_unit
 from gmfbo.objective.metrics import METRICS
 
+OF_TWIN = "from the twin"
+"""Mark of a margin: the twin alone is excited to measure it."""
+
 _DIGITS = {"%": ".2f", "s": ".4f"}
 
 
@@ -81,7 +84,7 @@ class MetricWords:
         if math.isnan(value):
             return "not measured"
         unit = metric_unit(name, self.units)
-        of_twin = " (from the twin)" if name in MARGINS else ""
+        of_twin = f" ({OF_TWIN})" if name in MARGINS else ""
         return f"{value:{_DIGITS.get(unit, '.5g')}} {unit}".rstrip() + of_twin
 
 

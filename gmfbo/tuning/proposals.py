@@ -15,14 +15,9 @@ from gmfbo.sources.plants.plant_command import CommandPlant
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.move_limit import LIMIT_TOLD
+from gmfbo.tuning.history.remarks import WORTH, not_worth
 from gmfbo.tuning.history.state import TuningState
-from gmfbo.tuning.history.worth import (
-    CONFIRMATIONS,
-    EVENT,
-    expected_gain,
-    noise_of_one_run,
-    not_worth,
-)
+from gmfbo.tuning.history.worth import CONFIRMATIONS, expected_gain, noise_of_one_run
 from gmfbo.tuning.methods import METHODS
 from gmfbo.tuning.query.initial_design import Stream, initial_points, stream
 from gmfbo.tuning.query.method import Method, Recommendation
@@ -214,7 +209,7 @@ class Proposals:
         left = history.study.budget.queries_left(history.queries, history.made)
         last = left - len(history.waiting) <= CONFIRMATIONS
         confirms = last and self.recorded is None and not state.fixed
-        history.store.log(EVENT, number=asked.number, gain=gain, noise=noise, confirms=confirms)
+        history.store.log(WORTH, number=asked.number, gain=gain, noise=noise, confirms=confirms)
         if not confirms:
             return replace(asked, note=f"{asked.note} {note}: you may stop here".lstrip())
         gains, note = history.gains_at(point), f"{note}: repeats the recommended gains"

@@ -123,7 +123,7 @@ class Tuner:
                 limited=self.study.objective_version(self._store) >= 2,
             )
             hashes = self._sources.content_hashes | ({"metrics": own.content_hash} if own else {})
-            study.log_begin(self._store, hashes, self._sources.units_of(self.gains))
+            study.log_begin(self._store, hashes, self._sources.told_of(self.gains))
             self._earlier.log_once(study, self._store)
             self._closing = closing.pop_all()
         self._prepare(starts, recorded)

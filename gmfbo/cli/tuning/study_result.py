@@ -159,6 +159,8 @@ def _print_gains(study: Study | StudyReview, result: TuningResult) -> None:
     if result.recommendation is not None:
         advised = result.recommendation
         console.print(f"recommended        {gains_text(advised.gains)}")
+        for unmet in result.unmet:
+            _print_entry("", unmet)
         console.print(f"                   expected {advised.mean:.4f} +- {advised.std:.4f}")
     label = "best observed" if result.settled else "least bad"
     console.print(f"{label:<19}{gains_text(result.best.gains)}")

@@ -57,6 +57,7 @@ def watch(
 
 def _print_end(follower: StudyFollower) -> None:
     from gmfbo.cli.tuning.study_result import print_result
+    from gmfbo.reports.study.study_remarks import study_remarks, unmet_of_recommended
     from gmfbo.tuning.query.left_out import reasons_told
     from gmfbo.tuning.query.method import Recommendation
     from gmfbo.tuning.query.request import TuningResult
@@ -86,6 +87,7 @@ def _print_end(follower: StudyFollower) -> None:
         left_out=taken[-1]["left_out"] if taken else 0,
         why_left_out=reasons_told(taken[-1].get("reasons", {}) if taken else {}),
         settled=review.settled,
-        remarks=review.remarks,
+        remarks=study_remarks(review),
+        unmet=unmet_of_recommended(review),
     )
     print_result(review, result)

@@ -20,7 +20,8 @@ from gmfbo.plain_words import number, percent, words
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.reports.study.metric_cells import metric_cell, metric_head
 from gmfbo.reports.study.review import StudyReview
-from gmfbo.tuning.history.incumbent import none_settled
+from gmfbo.reports.study.study_remarks import limits_missed
+from gmfbo.tuning.history.incumbent import none_settled, runs_at
 
 NO_BREAK = "\u00a0"
 
@@ -86,10 +87,8 @@ def _lead(review: StudyReview, content: Mapping[str, Any]) -> str:
     real = marked_count(("counts", "IS1"), counts["IS1"])
     simulated = marked_count(("simulated",), content["simulated"])
     which = f" ({', '.join(parts)})" if len(parts) > 1 else ""
-    best = review.best
-    limits = ""
-    if best is not None and review.limits and not review.limits.met(best.metrics):
-        limits = " <b>It does not meet the limits; no real run does.</b>"
+    missed = limits_missed(review)
+    limits = f" <b>{missed}</b>" if missed else ""
     return f'<p class="lead">{real} real runs, {simulated} simulated{which}.{limits}</p>'
 
 
@@ -133,12 +132,13 @@ def _facts(review: StudyReview, content: Mapping[str, Any]) -> str:
     advised = content["recommendation"]
     if advised is not None:
         gains = _gains_html(("recommendation", "gains"), advised["gains"])
-        known = [run.trial for run in review.real if run.trial.gains == advised["gains"]]
+        known = runs_at(advised["gains"], [run.trial for run in review.real])
         made = f"real run {known[-1].number}" if known else "not run on the axis"
         mean = marked_number(("recommendation", "mean"), advised["mean"], digits=4)
         std = marked_number(("recommendation", "std"), advised["std"], digits=2)
+        unmet = "".join(f"<b>{escape(told)}</b><br>" for told in content["unmet"])
         facts.append(
-            f"<b>Recommended</b> {gains}<br><span class=small>{made}; expected "
+            f"<b>Recommended</b> {gains}<br>{unmet}<span class=small>{made}; expected "
             f"objective {mean} ± {std}</span>"
         )
     if content["earlier"]:

@@ -14,6 +14,11 @@ from gmfbo.reports.study.charts import error_chart, mismatch_chart, version_list
 from gmfbo.reports.study.first_screen import responses_panel
 from gmfbo.reports.study.gain_map import gain_map
 from gmfbo.reports.study.review import StudyReview
+from gmfbo.reports.study.study_remarks import (
+    limits_missed,
+    remarks_section,
+    study_remarks,
+)
 from gmfbo.tuning.history.incumbent import none_settled
 from gmfbo.tuning.study_file.study_sections import BudgetSection
 
@@ -72,10 +77,13 @@ def live_page(review: StudyReview, state: State, seconds_left: float | None) -> 
     parts = [
         _head(review, state, seconds_left),
         f'<div class="{layout}">{panel}<div>{gain_map(review)}</div></div>',
+        # While the study runs, what it lacks may still come.
+        "" if state == "running" else remarks_section(study_remarks(review)),
         section("What was learned about the twin", _learned_words(review), learned),
         _footer(state),
     ]
-    written = page(f"Tuning of {review.file.name}", "\n".join(parts), styles=_styles(), scripts=())
+    body = "\n".join(filter(None, parts))
+    written = page(f"Tuning of {review.file.name}", body, styles=_styles(), scripts=())
     return _reloading(written) if state == "running" else written
 
 
@@ -100,6 +108,9 @@ def _head(review: StudyReview, state: State, seconds_left: float | None) -> str:
     )
     if best is None:
         headline = "No real run has succeeded yet"
+        if state == "ended":
+            failed = len(review.real)
+            headline = f"None of {failed} real runs succeeded, so there are no gains to take"
     else:
         gains = ", ".join(
             f'<span class="nowrap">{escape(name)} = {escape(_gain(review, name, value))}</span>'
@@ -140,11 +151,7 @@ def _progress(review: StudyReview, state: State, seconds_left: float | None) -> 
     simulated = len(review.runs) - len(review.real)
     told = f"{done} of {whole} {what} done.{left} So far {len(review.real)} real runs, {simulated} "
     bar = f'<progress max="{whole}" value="{min(done, whole)}">{done} of {whole}</progress>'
-    best = review.best
-    limits = ""
-    if best is not None and review.limits and not review.limits.met(best.metrics):
-        limits = " The best run does not meet the limits; no real run does."
-    return bar + paragraph(f"{told}simulated.{limits}", "lead")
+    return bar + paragraph(f"{told}simulated. {limits_missed(review)}".rstrip(), "lead")
 
 
 def done_of(review: StudyReview, budget: BudgetSection) -> tuple[int, int, str]:

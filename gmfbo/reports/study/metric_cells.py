@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from gmfbo.objective.metric_words import never_words
+from gmfbo.objective.margins import MARGINS
+from gmfbo.objective.metric_words import OF_TWIN, never_words
 from gmfbo.pages.marked_number import Path, marked_number, unit_text
 from gmfbo.plain_words import words
 from gmfbo.reports.study.review import StudyReview
 
 
 def metric_head(review: StudyReview, name: str) -> str:
-    """Name of a metric with its unit, as text.
+    """Name of a metric with its unit, as text; a margin is marked as the twin's.
 
     Parameters
     ----------
@@ -19,7 +20,8 @@ def metric_head(review: StudyReview, name: str) -> str:
         As it is stored.
     """
     unit = unit_text(review.unit_of(name))
-    return f"{words(name)} [{unit}]" if unit else words(name)
+    of_twin = f" ({OF_TWIN})" if name in MARGINS else ""
+    return (f"{words(name)} [{unit}]" if unit else words(name)) + of_twin
 
 
 def metric_cell(review: StudyReview, name: str, path: Path, value: float) -> str:

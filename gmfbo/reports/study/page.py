@@ -16,6 +16,7 @@ from gmfbo.reports.study.gain_map import gain_map
 from gmfbo.reports.study.page_json import study_content, study_json
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.runs_table import runs_tables
+from gmfbo.reports.study.study_remarks import remarks_section
 from gmfbo.reports.study.trade_offs import trade_offs
 from gmfbo.reports.study.trajectory_json import trajectories_json
 
@@ -37,6 +38,7 @@ def study_page(review: StudyReview) -> str:
     content = study_content(review)
     parts = [
         study_first_screen(review, content),
+        remarks_section(content["remarks"]),
         section("Gains that were run", columns(gain_map(review), _viewer()), name="runs"),
         section("On the way to the best", descent_charts(review), objective_words(review)),
         section("What one metric costs the other", trade_offs(review), name="trade-off"),

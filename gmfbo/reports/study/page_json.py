@@ -7,11 +7,13 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metric_words import MetricWords
 from gmfbo.objective.mismatch import query_cost, source_lengthscale
 from gmfbo.pages.html_page import embedded_json
 from gmfbo.reports.study.review import StudyReview
 from gmfbo.reports.study.run_roles import Run
+from gmfbo.reports.study.study_remarks import study_remarks, unmet_of_recommended
 from gmfbo.tuning.history.incumbent import has_settled
 
 
@@ -42,6 +44,7 @@ def study_content(review: StudyReview) -> dict[str, Any]:
             for gain in review.space.gains
         },
         "metrics": {name: review.unit_of(name) for name in review.metrics},
+        "from_the_twin": [name for name in review.metrics if name in MARGINS],
         "counts": {source: len(review.of(source)) for source in ("IS1", "IS2", "IS3")},
         "simulated": len(review.of("IS2")) + len(review.of("IS3")),
         "earlier": sum(run.role == "earlier" for run in review.runs),
@@ -54,6 +57,8 @@ def study_content(review: StudyReview) -> dict[str, Any]:
         "ended": review.ended,
         "comparison": _comparison(review),
         "recommendation": _recommendation(review),
+        "unmet": list(unmet_of_recommended(review)),
+        "remarks": list(study_remarks(review)),
         **_on_the_way(review),
         "runs": [_run(run, review.metric_words) for run in review.runs],
     }

@@ -23,7 +23,6 @@ from gmfbo.reports.study.descent import Descent
 from gmfbo.reports.study.run_roles import Run, placed_runs
 from gmfbo.space import Gain, GainSpace
 from gmfbo.tuning.history.incumbent import best_run, has_settled
-from gmfbo.tuning.history.remarks import remarks_on
 from gmfbo.tuning.history.standing import END, in_order, standing_events, undone_numbers
 from gmfbo.tuning.study_file.study_file import as_begun, parse_study
 from gmfbo.tuning.study_file.study_sections import StudyFile
@@ -198,12 +197,6 @@ class StudyReview:
         return "best" if self.settled else "least bad"
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        """What the best gains alone do not tell."""
-        real = [run.trial for run in self.real]
-        return remarks_on(self.file, real, self.best, self.space, self.metric_words)
-
-    @property
     def first(self) -> Trial | None:
         """First real run that succeeded, with which the best is compared."""
         return next((run.trial for run in self.real if run.trial.status == "ok"), None)
@@ -226,15 +219,24 @@ class StudyReview:
         return best_run((run.trial for run in self.real[:count]), self.limits, since)
 
     @cached_property
+    def box(self) -> GainSpace:
+        """Tuned gains whose range is known: as the study logged it, else by its file."""
+        begun = self.logged("begin")
+        logged = begun[-1].get("box", ()) if begun else ()
+        if logged:
+            return GainSpace(tuple(Gain(**{**g, "values": tuple(g["values"])}) for g in logged))
+        given = [section.gain(name) for name, section in self.file.gains.items()]
+        return GainSpace(tuple(gain for gain in given if isinstance(gain, Gain)))
+
+    @cached_property
     def space(self) -> GainSpace:
-        """Box of the tuned gains: the study file's, else the range of the runs."""
-        gains = []
+        """Box of the tuned gains; where a range is not known, the range of the runs."""
+        gains, known = [], {gain.name: gain for gain in self.box.gains}
         for name in self.runs[0].trial.gains:
             values = [run.trial.gains[name] for run in self.runs]
-            given = self.file.gains.get(name)
-            if given is not None and given.low < given.high:
-                gains += [gain for gain in [given.gain(name)] if isinstance(gain, Gain)]
-            elif given is None and min(values) < max(values):
+            if name in known:
+                gains.append(known[name])
+            elif name not in self.file.gains and min(values) < max(values):
                 gains.append(Gain(name, min(values), max(values)))
         return GainSpace(tuple(gains))
 

@@ -112,7 +112,8 @@ if (viewer) {
     const gains = Object.entries(run.gains).map(([name, value]) => `${name} = ${short(value)}`);
     const metrics = Object.entries(run.metrics).filter(([name]) => name in study.metrics)
       .map(([name, value]) => `${name.replace(/_/g, " ")} `
-        + (run.never[name] || `${short(value)} ${study.metrics[name]}`.trim()));
+        + (run.never[name] || `${short(value)} ${study.metrics[name]}`.trim())
+        + (study.from_the_twin.includes(name) ? " (from the twin)" : ""));
     const early = run.status === "ok" ? "" : `, ${run.status}`;
     const ended = run.status === "ok" && !run.settled ? ", not settled" : early;
     const best = run.number === study.best ? `, the ${bestWords}` : "";

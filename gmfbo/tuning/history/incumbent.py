@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from math import isclose
 
 from gmfbo.objective.limits import Limits
 from gmfbo.recordings.store.trial import Trial
@@ -41,6 +42,24 @@ def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial |
         ),
         default=None,
     )
+
+
+def runs_at(gains: Mapping[str, float], trials: Iterable[Trial]) -> list[Trial]:
+    """Runs at some gains, in order.
+
+    Parameters
+    ----------
+    gains : mapping of str to float
+        All gains by name [unit of the FMU parameter].
+    trials : iterable of Trial
+        Runs to choose from.
+    """
+    # Gains that went through the unit cube differ in the last digit.
+    return [
+        trial
+        for trial in trials
+        if all(isclose(trial.gains[name], value) for name, value in gains.items())
+    ]
 
 
 def none_settled(runs: int | str) -> str:

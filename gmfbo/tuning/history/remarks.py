@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from gmfbo.objective.limits import Limits
 from gmfbo.objective.margins import AT_LEAST
 from gmfbo.objective.metric_words import MetricWords
-from gmfbo.plain_words import words
+from gmfbo.objective.settled import LATE_SHARE
+from gmfbo.plain_words import number, words
 from gmfbo.recordings.recording import Trajectory
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.space import GainSpace
-from gmfbo.tuning.history.incumbent import has_settled
-from gmfbo.tuning.study_file.study_sections import StudyFile
+from gmfbo.tuning.history.incumbent import has_settled, runs_at
+from gmfbo.tuning.study_file.study_sections import BudgetSection, StudyFile
 
 AT_BOUND = 0.01
 """Share of a gain's range, as it is searched, within which a gain lies at its bound."""
+
+
+WORTH = "worth"
+"""Event that a further run is expected to gain less than the noise of one run."""
 
 
 def remarks_on(
@@ -38,17 +44,114 @@ def remarks_on(
     best : Trial or None
         Best of them.
     space : GainSpace
-        Box of the tuned gains.
+        Box of the tuned gains, of which a reader of the study may not know all.
     told : MetricWords
         Words for the metrics.
     """
-    finished = [trial for trial in real if trial.status == "ok"]
+    limits, finished = Limits(study.constraints), [t for t in real if t.status == "ok"]
     found = [*_failed(real), *_unsettled(finished)]
-    found += _never_met(finished, Limits(study.constraints), told)
+    found += _never_met(finished, limits, told)
     found += _without_effect(finished, study.objective.weights, told)
     if best is not None:
+        found += _beaten_by_settling(best, finished, limits)
+        found += _noise_beyond_band(study, best)
         found += _at_bounds(best, space)
     return tuple(found)
+
+
+def _noise_beyond_band(study: StudyFile, best: Trial) -> list[str]:
+    """Where a run settled by its smoothed error, and its samples leave the band to the end."""
+    horizon = study.reference.horizon
+    value = best.metrics.get("settling_time", 0.0)
+    if not has_settled(best) or value < (1.0 - LATE_SHARE) * horizon or len(study.references) > 1:
+        return []
+    return [
+        f"the noise of {words(study.objective.signal)} leaves the band of "
+        f"{100.0 * study.objective.band:g} % until the end, so that the settling time tells of the noise; "
+        "widen [objective] band or set its filter"
+    ]
+
+
+def unmet_limits(
+    gains: Mapping[str, float], real: Sequence[Trial], limits: Limits, told: MetricWords
+) -> tuple[str, ...]:
+    """What to say of recommended gains whose newest run does not meet the limits.
+
+    Parameters
+    ----------
+    gains : mapping of str to float
+        All gains by name [unit of the FMU parameter].
+    real : sequence of Trial
+        Real runs, in order.
+    limits : Limits
+        On metrics.
+    told : MetricWords
+        Words for the metrics.
+
+    Returns
+    -------
+    tuple of str
+        Empty where all limits are met, or none is stated.
+    """
+    if not limits:
+        return ()
+    runs = [trial for trial in runs_at(gains, real) if trial.status == "ok"]
+    if not runs:
+        return ("no run with these gains succeeded, so it is not known if they meet the limits",)
+    metrics, found = runs[-1].metrics, []
+    for name, value in limits.limited(metrics).items():
+        if not float(value) <= limits.most[name]:
+            has = float(value) * (-1.0 if name in AT_LEAST else 1.0)
+            text = "not measured" if np.isnan(has) else told.text(name, has)
+            found.append(f"does not meet the limit {_limit(name, limits)}: {text}")
+    return tuple(found)
+
+
+def ended_early(budget: BudgetSection, queries: int, made: int) -> list[str]:
+    """Remark that a study ended before its real runs, since its queries are used up.
+
+    Parameters
+    ----------
+    budget : BudgetSection
+        Of the study.
+    queries : int
+        Queries of either source after the initial runs.
+    made : int
+        Real runs of this study.
+    """
+    if budget.is1_runs is None or made >= budget.is1_runs or queries < budget.most_queries:
+        return []
+    return [
+        f"only {made} of {budget.is1_runs} real runs were made: no query is left (iterations = "
+        f"{budget.most_queries}, of twin and axis); for more, raise iterations in [budget]"
+    ]
+
+
+def not_worth(gain: float, noise: float) -> str:
+    """Sentence that a further run is expected to gain less [g] than the noise of one run [g]."""
+    return (
+        f"a further run is expected to gain {number(gain, 2)}, less than the noise of one run "
+        f"({number(noise, 2)})"
+    )
+
+
+def worth_remarks(events: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Remark for the end of a study, where the last query was expected to gain next to nothing.
+
+    Parameters
+    ----------
+    events : sequence of mapping
+        Of the study's log.
+    """
+    asked = [event["number"] for event in events if event["event"] == "ask"]
+    told = [event for event in events if event["event"] == WORTH]
+    if not told or not asked or told[-1]["number"] != asked[-1]:
+        return []
+    runs = sum(one["confirms"] for one in told)
+    confirmed = {0: "", 1: "; the last run repeated the recommended gains"}.get(
+        runs, f"; {runs} runs repeated the recommended gains"
+    )
+    return [not_worth(told[-1]["gain"], told[-1]["noise"]) + confirmed]
 
 
 def last_failure(real: Sequence[Trial]) -> str:
@@ -85,16 +188,27 @@ def _never_met(finished: Sequence[Trial], limits: Limits, told: MetricWords) -> 
         measured = [value for value in values if not np.isnan(value)]
         if measured and min(measured) > most:
             # A margin has a least value, and is compared with a minus.
-            sign, relation = (-1.0, ">=") if name in AT_LEAST else (1.0, "<=")
-            nearest = sign * min(measured)
+            nearest = min(measured) * (-1.0 if name in AT_LEAST else 1.0)
             has = "all have" if told.is_never(name, nearest) else "the nearest has"
             found.append(
-                f"no run meets the limit {words(name)} {relation} {limits.stated[name]:g}; "
-                f"{has} {told.text(name, nearest)}"
+                f"no run meets the limit {_limit(name, limits)}; {has} {told.text(name, nearest)}"
             )
     if finished and not found and not any(limits.met(trial.metrics) for trial in finished):
         found.append("no run meets all limits of [constraints] at once")
     return found
+
+
+def _beaten_by_settling(best: Trial, finished: Sequence[Trial], limits: Limits) -> list[str]:
+    if limits.met(best.metrics) or not any(limits.met(trial.metrics) for trial in finished):
+        return []  # that no run meets them is said already
+    return [
+        "the best run does not meet all limits of [constraints]; a run that does has not settled, "
+        "or is from before the plant changed"
+    ]
+
+
+def _limit(name: str, limits: Limits) -> str:
+    return f"{words(name)} {'>=' if name in AT_LEAST else '<='} {limits.stated[name]:g}"
 
 
 def _without_effect(
@@ -127,6 +241,8 @@ def _without_effect(
 
 
 def _at_bounds(best: Trial, space: GainSpace) -> list[str]:
+    if not space.gains:
+        return []  # their ranges are not known
     unit = space.to_unit([best.gains[name] for name in space.names])
     found = []
     for gain, share in zip(space.gains, np.atleast_1d(unit), strict=True):

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import numpy as np
 from scipy.stats import norm
 
 from gmfbo.objective.smoothing import smoothed
-from gmfbo.plain_words import number
 from gmfbo.tuning.history.state import TuningState
-
-EVENT = "worth"
-"""Event that a further run is expected to gain less than the noise of one run."""
 
 CONFIRMATIONS = 2
 """Last runs that may repeat the recommended gains: with one repetition alone, an unlucky run and a
@@ -28,33 +21,6 @@ anew: it leaves a third of white noise, and of a response what lasts more than s
 
 MOST_RUNS = 4
 """Newest settled runs whose noise is drawn; later ones lie near the best gains."""
-
-
-def not_worth(gain: float, noise: float) -> str:
-    """Sentence that a further run is expected to gain less [g] than the noise of one run [g]."""
-    return (
-        f"a further run is expected to gain {number(gain, 2)}, less than the noise of one run "
-        f"({number(noise, 2)})"
-    )
-
-
-def worth_remarks(events: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Remark for the end of a study, where the last query was expected to gain next to nothing.
-
-    Parameters
-    ----------
-    events : sequence of mapping
-        Of the study's log.
-    """
-    asked = [event["number"] for event in events if event["event"] == "ask"]
-    told = [event for event in events if event["event"] == EVENT]
-    if not told or not asked or told[-1]["number"] != asked[-1]:
-        return []
-    runs = sum(one["confirms"] for one in told)
-    confirmed = {0: "", 1: "; the last run repeated the recommended gains"}.get(
-        runs, f"; {runs} runs repeated the recommended gains"
-    )
-    return [not_worth(told[-1]["gain"], told[-1]["noise"]) + confirmed]
 
 
 def expected_gain(expected: tuple[float, float], incumbent: float) -> float:

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from gmfbo.recordings.store.trial import Trial
-from gmfbo.tuning.history.remarks import last_failure, remarks_on
-from gmfbo.tuning.history.worth import worth_remarks
+from gmfbo.tuning.history.remarks import (
+    ended_early,
+    last_failure,
+    remarks_on,
+    unmet_limits,
+    worth_remarks,
+)
 from gmfbo.tuning.query.method import Recommendation
 
 if TYPE_CHECKING:
@@ -113,7 +118,10 @@ class TuningResult:
     settled : bool
         Whether a real run settled; True in studies that do not ask for it.
     remarks : tuple of str
-        Failed runs, limits that no run meets, metrics without a say, gains at their bounds.
+        Failed runs, limits that no run meets, metrics without a say, gains at their bounds, and
+        queries that were used up before the real runs.
+    unmet : tuple of str
+        Limits that the recommended gains do not meet.
     last_failure : str
         Why the last real run that failed did; empty where none failed.
     """
@@ -133,6 +141,7 @@ class TuningResult:
     is3_runs: int = 0
     settled: bool = True
     remarks: tuple[str, ...] = ()
+    unmet: tuple[str, ...] = ()
     last_failure: str = ""
 
     @classmethod
@@ -181,7 +190,11 @@ class TuningResult:
             settled=history.settled or not history.ranked,
             remarks=(
                 *remarks_on(history.study, real, history.best, history.gains.space, words),
+                *ended_early(history.study.budget, history.queries, history.made),
                 *worth_remarks(history.store.events()),
             ),
+            unmet=unmet_limits(recommendation.gains, real, history.limits, words)
+            if recommendation
+            else (),
             last_failure=last_failure(real),
         )

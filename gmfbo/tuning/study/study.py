@@ -206,7 +206,7 @@ class Study:
                 f"only the end of the [budget] may change; give another 'out'"
             )
 
-    def log_begin(self, store: TrialStore, twins: dict[str, str], units: Mapping[str, str]) -> None:
+    def log_begin(self, store: TrialStore, twins: dict[str, str], told: Mapping[str, Any]) -> None:
         """Log who runs, and refuse to mix runs of different twins in one study.
 
         Parameters
@@ -215,8 +215,8 @@ class Study:
             Open for writing.
         twins : dict of str to str
             Content hash by source.
-        units : mapping of str to str
-            Unit of each gain; empty where it has none.
+        told : mapping of str to object
+            What is logged of the gains: `units`, and `box` with the range of each tuned one.
 
         Raises
         ------
@@ -237,7 +237,7 @@ class Study:
         if not begun:
             first = {"objective_version": OBJECTIVE_VERSION, "method": self.file.method}
         place = Path(origin).as_posix()
-        store.log("begin", origin=place, twins=twins, units=dict(units), **first)
+        store.log("begin", origin=place, twins=twins, **told, **first)
 
     @staticmethod
     def objective_version(store: TrialStore) -> int:

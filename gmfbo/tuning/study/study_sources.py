@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -143,6 +143,23 @@ class StudySources:
             Tuned and fixed ones.
         """
         return {name: self.units.get(name, "") for name in (*gains.space.names, *gains.fixed)}
+
+    def told_of(self, gains: GainChoice) -> dict[str, Any]:
+        """What a reader of the log has to know of the gains.
+
+        Parameters
+        ----------
+        gains : GainChoice
+            Tuned and fixed ones.
+
+        Returns
+        -------
+        dict
+            `units` by gain, as the twin's FMU spells them, empty where it has none; `box` with the
+            range of each tuned gain, which may be the twin file's.
+        """
+        box = [asdict(gain) for gain in gains.space.gains]
+        return {"units": self.units_of(gains), "box": box}
 
     def real(self, runs_before: int) -> Source | None:
         """Source of the next real run.

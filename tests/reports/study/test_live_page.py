@@ -119,6 +119,15 @@ def test_the_page_follows_the_study_and_stays_when_it_ends(tmp_path: Path) -> No
     assert RELOAD not in ended
 
 
+def test_a_study_that_ended_without_success_does_not_say_yet(tmp_path: Path) -> None:
+    made = ExampleStudy(tmp_path / "failed.study")
+    with made.store:
+        made.real(made.gains(), None, "failed")
+    failed = StudyReview.read(tmp_path / "failed.study")
+    assert "No real run has succeeded yet" in plain(live_page(failed, "running", None))
+    assert "None of 1 real runs succeeded" in plain(live_page(failed, "ended", None))
+
+
 @pytest.mark.usefixtures("eager")
 def test_a_study_that_is_stopped_says_so_on_its_page(tmp_path: Path) -> None:
     made = ExampleStudy(tmp_path / "live.study")

@@ -16,6 +16,7 @@ from gmfbo.errors import StoreError
 from gmfbo.recordings.store.pack import pack_study
 from gmfbo.reports.study.page import study_page
 from gmfbo.reports.study.review import StudyReview
+from gmfbo.reports.study.study_remarks import study_remarks
 from tests.pages.page_text import PageText, at_path, rounds_to
 from tests.reports.study.example_studies import ExampleStudy, write_example_study
 
@@ -279,3 +280,24 @@ def test_a_thousand_runs_give_a_page_of_a_few_megabytes(tmp_path: Path) -> None:
     page = study_page(StudyReview(review.file, review.location, many, review.events))
     assert len(json.loads(PageText(page).embedded["trajectories"])["runs"]) == 1000
     assert len(page.encode()) < 4_000_000
+
+
+def test_a_gain_with_a_range_of_the_twin_file_is_not_told_to_lie_at_the_end_of_its_runs(
+    tmp_path: Path,
+) -> None:
+    made = ExampleStudy(tmp_path / "example.study")
+    with made.store as store:
+        for share in (0.2, 0.8):
+            gains = {name: low + share * (high - low) for name, (low, high) in made.box.items()}
+            made.real(gains, None)
+        review = StudyReview.read(tmp_path / "example.study")
+        unknown = replace(review, file=review.file.model_copy(update={"gains": {}}))
+        assert not any("end of its range" in told for told in study_remarks(unknown))
+        assert unknown.space.names == tuple(made.box)  # the map has the range of the runs
+        # Control: with the range in its log it is known, and so is an end that was reached.
+        ranges = {"scale": "linear", "integer": False, "values": []}
+        box = [{"name": n, "low": 0.0, "high": gains[n], **ranges} for n in made.box]
+        store.log("begin", origin="..", twins={}, box=box)
+    logged = StudyReview.read(tmp_path / "example.study")
+    assert [gain.low for gain in logged.space.gains] == [0.0, 0.0]
+    assert sum("upper end of its range [0, " in told for told in study_remarks(logged)) == 2
