@@ -65,10 +65,10 @@ def _noise_beyond_band(study: StudyFile, best: Trial) -> list[str]:
     value = best.metrics.get("settling_time", 0.0)
     if not has_settled(best) or value < (1.0 - LATE_SHARE) * horizon or len(study.references) > 1:
         return []
+    signal, band = words(study.objective.signal), 100.0 * study.objective.band
     return [
-        f"the noise of {words(study.objective.signal)} leaves the band of "
-        f"{100.0 * study.objective.band:g} % until the end, so that the settling time tells of the noise; "
-        "widen [objective] band or set its filter"
+        f"the noise of {signal} leaves the band of {band:g} % until the end, so that the settling "
+        "time tells of the noise; widen [objective] band or set its filter"
     ]
 
 

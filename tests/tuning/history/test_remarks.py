@@ -9,7 +9,9 @@ from gmfbo.objective.limits import Limits
 from gmfbo.objective.metric_words import MetricWords
 from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.store.trial import Trial
-from gmfbo.tuning.history.remarks import ended_early, unmet_limits
+from gmfbo.space import Gain, GainSpace
+from gmfbo.tuning.history.remarks import ended_early, remarks_on, unmet_limits
+from gmfbo.tuning.study_file.study_file import parse_study
 from gmfbo.tuning.study_file.study_sections import BudgetSection
 
 TOLD = MetricWords.of({}, {"settling_time": 0.5}, [0.5])
@@ -67,3 +69,21 @@ def test_control_other_ends_are_not_taken_for_it(
     budget: dict[str, int], queries: int, made: int
 ) -> None:
     assert ended_early(BudgetSection(**budget), queries, made) == []
+
+
+@pytest.mark.parametrize(("settling", "count"), [(0.48, 1), (0.4, 0)])
+def test_samples_that_leave_the_band_in_a_settled_run_are_told(settling: float, count: int) -> None:
+    text = '[is1]\ntwin = "a.toml"\n[is2]\ntwin = "a.toml"\n[reference]\nhorizon = 0.5\n'
+    study = parse_study(text, label="study", default_name="study")
+    best = Trial(
+        1,
+        "IS1",
+        GAINS,
+        Recording(np.zeros(1), {}),
+        0.0,
+        {"settling_time": settling},
+        late_error=0.5,
+    )
+    space = GainSpace((Gain("kp", 10.0, 200.0),))
+    told = remarks_on(study, [best], best, space, TOLD)
+    assert sum("leaves the band of 2 %" in line for line in told) == count
