@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.benchmarks.tables import diagnosis, plants, tuning
+from tests.benchmarks.tables import diagnosis, plant_variants, plants, tuning
 
 ROOT = Path(__file__).resolve().parents[3]
 README = "README.md"
@@ -14,6 +14,9 @@ TABLES: tuple[tuple[str, Callable[[], str]], ...] = (
     (README, plants.for_readme),
     (README, diagnosis.for_readme),
     (_TUNING, plants.every_plant),
+    (_TUNING, plant_variants.cheap_rivals),
+    (_TUNING, plant_variants.misled),
+    (_TUNING, plant_variants.leaving),
     (_TUNING, tuning.all_methods),
     (_TUNING, tuning.by_noise),
     (_TUNING, tuning.by_initial_runs),
