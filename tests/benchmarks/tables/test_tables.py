@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.benchmarks.plants import safety, twin_kinds
 from tests.benchmarks.plants.arrival import read_lines
 from tests.benchmarks.plants.run import RESULTS as PLANT_RESULTS
-from tests.benchmarks.tables import diagnosis, plants
+from tests.benchmarks.tables import diagnosis, plant_variants, plants
 from tests.benchmarks.tables.results import MADE, RESULTS, commands
 from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
 
@@ -69,9 +70,26 @@ def test_figures_of_the_plants_are_those_of_the_results() -> None:
     assert f"{less:.0f} [{least:.0f}, {most:.0f}] points less often" in text
     assert made["command"] in text
     assert f"Engine of {made['engine']}, committed with {made['committed']}" in text
-    lines = read_lines(PLANT_RESULTS)
+    lines = [line for line in read_lines(PLANT_RESULTS) if line["method"] in plants.METHODS]
     assert {line["commit"][:8] for line in lines} == {made["engine"]}
     assert f"{len(lines)} studies" in text
+
+
+def test_figures_of_cheap_rivals_kinds_of_twins_and_envelopes_are_those_of_the_results() -> None:
+    page = (ROOT / "notebooks/docs/tuning_benchmark.md").read_text(encoding="utf-8")
+    text = re.sub(r"\s+", " ", page)
+    cheap = [one for one in read_lines(PLANT_RESULTS) if one["method"] in plant_variants.CHEAP]
+    kinds = [one for kind in twin_kinds.KINDS for one in read_lines(twin_kinds.FOLDER / kind)]
+    guarded = read_lines(safety.FOLDER)
+    for lines in (kinds, guarded, cheap):
+        (engine,) = {line["commit"][:8] for line in lines}
+        assert engine in text
+    far, peer = twin_kinds.runs_of("far_off")["linear_axis"]
+    assert f"costs {(far - peer).mean():.1f} runs on `linear_axis`" in text
+    gone, count = safety.left(guarded, plants.OURS, safety.LIMITED)
+    assert gone == 0
+    assert f"None of {count} runs" in text
+    assert f"(at most {100.0 * (1.0 - 0.05 ** (1.0 / count)):.1f} %, one-sided, 95 %" in text
 
 
 def test_every_result_that_is_told_says_command_commit_and_date() -> None:
