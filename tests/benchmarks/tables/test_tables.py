@@ -92,6 +92,17 @@ def test_figures_of_cheap_rivals_kinds_of_twins_and_envelopes_are_those_of_the_r
     assert f"(at most {100.0 * (1.0 - 0.05 ** (1.0 / count)):.1f} %, one-sided, 95 %" in text
 
 
+def test_figures_of_robustness_are_those_of_its_table() -> None:
+    page = (ROOT / "notebooks/docs/tuning_benchmark.md").read_text(encoding="utf-8")
+    table = (PLANT_RESULTS / "robustness.txt").read_text(encoding="utf-8")
+    rows = re.findall(
+        r"^mean +(\w+) +(\d+) % +(\S+) +(\S+) +(\d+) % +(\d+) %$", table, re.MULTILINE
+    )
+    assert {row[0] for row in rows} == set(plants.METHODS)
+    for method, settle, mean, worst, half, twice in rows:
+        assert f"| `{method}` | {settle} % | {mean} | {worst} | {half} %, {twice} % |" in page
+
+
 def test_every_result_that_is_told_says_command_commit_and_date() -> None:
     dated = re.compile(r"[0-9a-f]{7}.* \(\d{4}-\d\d-\d\d\)$")
     for study, committed in MADE["tuning"].items():
