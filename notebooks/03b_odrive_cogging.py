@@ -208,8 +208,8 @@ print("lines of the turning motor:", moving)
 # %% [markdown]
 # Eight lines are one cogging: they were found one after the other and then fitted together. Those
 # of 7, 28, 14, 36 and 12 a turn are the five strongest of the maps, too. Beside them friction by
-# direction, an elastic return and a compliance are told as certain. That is more than these runs
-# can show: the motor turns one way only, and there friction and a constant torque
+# direction, an elastic return and a compliance are told at 0.97 or more. That is more than these
+# runs can show: the motor turns one way only, and there friction and a constant torque
 # are one. Runs in both directions would tell.
 
 # %%
@@ -239,6 +239,8 @@ assert max(factors["iso_16"], factors["rev_16"]) < 2.0, "other conditions, other
 assert diagnosis.verdict == "missing_physics"
 assert {7, 28, 36, 14, 12} <= set(moving), "the same lines in motion"
 assert len(moving) == 8, "fitted together"
+certain = {effect.name for effect in diagnosis.effects if effect.probability > 0.96}
+assert {"asymmetric_friction", "elastic_return", "torsional_compliance"} <= certain
 assert min(falls.values()) >= 4.0
 assert 0.1 < diagnosis.parameters["motor.log_time"].value < 0.2, "the log's filter [s]"
 folder.cleanup()
