@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
@@ -178,7 +179,7 @@ class EarlierRuns:
                 raise StoreError(f"{path}: is not there any more{_BEGUN}")
             return read_run(path, self.gains, self.experiment, self.reading)
         if self.rows:
-            return self._row(self.rows[position])
+            return self._table.trial(self.rows[position])
         return self._trial(self.numbers[position])
 
     def _trial(self, number: int) -> Trial:
@@ -201,12 +202,13 @@ class EarlierRuns:
             recording=cut_to(trial.recording, played, self.experiment),
         )
 
-    def _row(self, row: int) -> Trial:
+    @cached_property
+    def _table(self) -> EarlierTable:
         assert self.location is not None
         assert self.terms is not None
         if not self.location.is_file():
             raise StoreError(f"{self.location}: is not there any more{_BEGUN}")
-        return EarlierTable.read(self.location.name, self.location, self.terms).trial(row)
+        return EarlierTable.read(self.location.name, self.location, self.terms)
 
     def _of_table(self, label: str, terms: TableTerms) -> Self:
         assert self.location is not None

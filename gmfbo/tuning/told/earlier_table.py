@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError, StudyFileError, did_you_mean
 from gmfbo.objective.margins import MARGINS
 from gmfbo.objective.metric_units import metric_unit
+from gmfbo.objective.metric_words import MetricWords
 from gmfbo.objective.tracking import COMMAND_METRICS, TRACKING_METRICS
 from gmfbo.plain_words import words
 from gmfbo.recordings.columns.columns import Column
@@ -52,15 +53,15 @@ class TableTerms:
         Metrics that are taken where the table has them.
     units : mapping of str to str
         Unit of each gain and metric in the study; empty where it is unknown.
-    never : mapping of str to float
-        [s] A time of a step metric that is as long was not reached.
+    told : MetricWords
+        Tells the times that were not reached.
     """
 
     gains: GainChoice
     counted: tuple[str, ...]
     known: tuple[str, ...]
     units: Mapping[str, str]
-    never: Mapping[str, float]
+    told: MetricWords
 
     @classmethod
     def of(
@@ -87,7 +88,8 @@ class TableTerms:
         counted = tuple(n for n in dict.fromkeys([*weighed, *file.constraints]) if n not in MARGINS)
         known = tuple(dict.fromkeys([*experiment.metric_names, *counted, *file.own_metrics]))
         of_metrics = {name: metric_unit(name, file.objective.units) for name in known}
-        return cls(gains, counted, known, {**of_metrics, **units}, experiment.worst)
+        told = MetricWords(of_metrics, experiment.worst)
+        return cls(gains, counted, known, {**of_metrics, **units}, told)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +181,7 @@ class EarlierTable:
             if name not in known:
                 return f"{words(name)} is missing"
         for name in _TIMES:
-            if known.get(name, -np.inf) >= terms.never.get(name, np.inf) * (1.0 - 1e-9):
+            if name in known and terms.told.is_never(name, known[name]):
                 return f"{words(name)} is as long as the horizon: the run did not settle"
         return ""
 
