@@ -70,7 +70,9 @@ class PlantAxis:
         if self.seed is None:
             return self.quiet
         rng = np.random.default_rng([self.seed, _STREAM, self.runs])
-        return Conditions(1.0 + FRICTION_SPREAD * float(rng.uniform(-1.0, 1.0)), rng)
+        noise = self.plant.noise
+        friction = 1.0 + noise * FRICTION_SPREAD * float(rng.uniform(-1.0, 1.0))
+        return Conditions(friction, rng, level=noise)
 
     def _of_fmus(
         self, gains: Mapping[str, float], reference: Recording, conditions: Conditions

@@ -42,6 +42,8 @@ class Plant:
         File of its folder, in place of the study's; empty for none.
     safety : mapping of str to (float, float)
         Envelope of its study, by signal; the published studies have none.
+    noise : float
+        Factor of its measurement noise, and of how much its friction differs from run to run.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Plant:
     package: str = ""
     twin: str = ""
     safety: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    noise: float = 1.0
 
     def check(self) -> None:
         """Raise if the package that plays it is missing; else each run would count as failed.
@@ -79,6 +82,9 @@ class Plant:
             changes["is2"] = study.file.is2.model_copy(update={"twin": self.twin})
         if self.safety:
             changes["safety"] = SafetySection(ranges=dict(self.safety))
+        if self.noise != 1.0:
+            scaled = {name: self.noise * std for name, std in study.file.is1.noise.items()}
+            changes["is1"] = study.file.is1.model_copy(update={"noise": scaled})
         return replace(study, file=study.file.model_copy(update=changes))
 
 

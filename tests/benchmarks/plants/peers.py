@@ -12,6 +12,12 @@ from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods.beliefs import seek_finished
 from gmfbo.tuning.methods.identify_then_optimise import READING
 from gmfbo.tuning.query.method import CorrectionOptions, Proposal
+from tests.benchmarks.plants.side.priced_runs import (
+    expected_costs,
+    least_expected_run,
+    priced,
+    stock_process,
+)
 
 Vector = NDArray[np.float64]
 
@@ -20,8 +26,8 @@ Vector = NDArray[np.float64]
 class StockLogEi:
     """BoTorch as its tutorial has it: SingleTaskGP and LogExpectedImprovement on real runs.
 
-    A run that failed or did not settle gets the worst cost of a settled one plus their range, once
-    one has settled; before, the study looks for a run that settles, as every method here.
+    Runs that failed or did not settle are `priced`, once one has settled; before, the study looks
+    for a run that settles, as every method here.
     """
 
     name: str = "log_ei"
@@ -38,50 +44,20 @@ class StockLogEi:
         if not any(one.counts for one in state.of("IS1")):
             return seek_finished(state)
         torch.manual_seed(int(rng.integers(2**31)))
-        model, values = self._fit(state)
-        acquisition = LogExpectedImprovement(model, best_f=values.max())
+        points, costs = priced(state)
+        model = stock_process(points, costs)
+        acquisition = LogExpectedImprovement(model, best_f=-float(costs.min()))
         bounds = torch.stack([torch.zeros(len(state.space)), torch.ones(len(state.space))]).double()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found, _ = optimize_acqf(acquisition, bounds, q=1, num_restarts=10, raw_samples=512)
         point = found.detach().numpy()[0]
-        mean, std = self._predict(model, point[None, :])
+        mean, std = expected_costs(model, point[None, :])
         return Proposal("IS1", point, expected=(float(mean[0]), float(std[0])))
 
     def recommend(self, state: TuningState) -> tuple[Vector, float, float]:
         """Least posterior mean among the runs that settled."""
-        model, _ = self._fit(state)
-        points = np.stack([one.point for one in state.of("IS1") if one.counts])
-        mean, std = self._predict(model, points)
-        best = int(np.argmin(mean))
-        return points[best], float(mean[best]), float(std[best])
-
-    @staticmethod
-    def _fit(state: TuningState):  # type: ignore[no-untyped-def]
-        import torch
-        from botorch.fit import fit_gpytorch_mll
-        from botorch.models import SingleTaskGP
-        from gpytorch.mlls import ExactMarginalLogLikelihood
-
-        real = state.of("IS1")
-        known = np.array([one.objective for one in real if one.counts])
-        price = known.max() + max(float(np.ptp(known)), 1.0)
-        costs = [one.objective if one.counts else price for one in real]
-        values = -torch.tensor(costs, dtype=torch.float64)[:, None]
-        points = torch.tensor(np.stack([one.point for one in real]), dtype=torch.float64)
-        model = SingleTaskGP(points, values)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            fit_gpytorch_mll(ExactMarginalLogLikelihood(model.likelihood, model))
-        return model, values
-
-    @staticmethod
-    def _predict(model, points: Vector) -> tuple[Vector, Vector]:  # type: ignore[no-untyped-def]
-        import torch
-
-        with torch.no_grad():
-            posterior = model.posterior(torch.tensor(points, dtype=torch.float64))
-        return -posterior.mean.numpy()[:, 0], np.sqrt(posterior.variance.numpy()[:, 0])
+        return least_expected_run(stock_process(*priced(state)), state)
 
 
 SAME = 1e-3

@@ -36,7 +36,7 @@ from gmfbo.version import __version__
 from tests.benchmarks.plants.axis import PlantAxis
 from tests.benchmarks.plants.catalogue import HERE, PLANTS, Plant
 from tests.benchmarks.plants.judge import Judge
-from tests.benchmarks.plants.peers import StockLogEi, TextbookRule
+from tests.benchmarks.plants.side.rivals import RIVALS
 
 RESULTS = HERE / "results"
 METHODS = ",".join(
@@ -62,6 +62,8 @@ class Line:
     gains, cost, status : list
         Of each real run: gains in order, observed cost g, and how it ended (`ok` runs that did
         not settle are `unsettled`).
+    twin_before : list of int
+        Twin runs, corrected ones included, that were made before each real run.
     recommended, true : list
         After each real run from the last initial one on: gains, or None; their noise-free cost g,
         None where it is infinite.
@@ -81,6 +83,7 @@ class Line:
     gains: list[list[float]] = field(default_factory=list)
     cost: list[float] = field(default_factory=list)
     status: list[str] = field(default_factory=list)
+    twin_before: list[int] = field(default_factory=list)
     recommended: list[list[float] | None] = field(default_factory=list)
     true: list[float | None] = field(default_factory=list)
     motion_s: float = 0.0
@@ -93,17 +96,17 @@ class Line:
 
 def seeded(study: Study, seed: int, method: str, place: Path) -> Study:
     """Copy of a plant's study for one seed and method, in memory."""
-    file = study.file.model_copy(update={"seed": seed, "method": method})
+    changes: dict[str, Any] = {"seed": seed, "method": method}
+    if method == "gmfbo_paper":  # as printed, which has no watch
+        changes["drift"] = study.file.drift.model_copy(update={"watch": False})
+    file = study.file.model_copy(update=changes)
     return replace(study, file=file, location=place / "run.study")
 
 
-def method_of(name: str, plant: Plant, initial: int) -> Method:
+def method_of(name: str, plant: Plant, initial: int, seed: int) -> Method:
     """A method of gmfbo, or a peer of this benchmark, by name."""
-    if name == "log_ei":
-        return StockLogEi()
-    if name == "textbook_rule":
-        return TextbookRule(plant.name, initial)
-    return find_method(name)
+    made = RIVALS.get(name)
+    return made(plant, initial, seed) if made else find_method(name)
 
 
 def make(judge: Judge, method: str, seed: int, line: Line, *, judged: bool = True) -> Line:
@@ -127,7 +130,7 @@ def make(judge: Judge, method: str, seed: int, line: Line, *, judged: bool = Tru
         axis = PlantAxis(judge.plant, seed)
         store = MemoryStore(study.location, study.text)
         began, used = time.perf_counter(), processor_s()
-        chosen = method_of(method, judge.plant, line.initial)
+        chosen = method_of(method, judge.plant, line.initial, seed)
         watched = RecommendingMethod(chosen, line.initial if judged else None)
         with Tuner(study, is1=axis, method=watched, store=store) as tuner:
             try:
@@ -190,7 +193,12 @@ class RecommendingMethod:
 
 def _note_runs(history: History, judge: Judge, line: Line) -> None:
     """Add all real runs."""
-    for trial in history.of("IS1"):
+    twins = 0
+    for trial in history.trials:
+        if trial.source != "IS1":
+            twins += 1
+            continue
+        line.twin_before.append(twins)
         settled = (trial.late_error or 0.0) <= 1.0
         line.gains.append([trial.gains[name] for name in judge.gains.space.names])
         line.cost.append(float(f"{trial.objective:.6g}"))

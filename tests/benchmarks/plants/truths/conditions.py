@@ -22,11 +22,14 @@ class Conditions:
         Draws the measurement noise; None makes a run without noise.
     inertia : float
         Factor of what is moved, or heated.
+    level : float
+        Factor of the measurement noise.
     """
 
     friction: float = 1.0
     rng: np.random.Generator | None = None
     inertia: float = 1.0
+    level: float = 1.0
 
     def noise(self, deviation: float, rows: int) -> Vector:
         """White noise, shape (rows,), of this standard deviation; zeros without noise.
@@ -40,7 +43,7 @@ class Conditions:
         """
         if self.rng is None:
             return np.zeros(rows)
-        return np.asarray(deviation * self.rng.standard_normal(rows))
+        return np.asarray(self.level * deviation * self.rng.standard_normal(rows))
 
 
 QUIET = Conditions()

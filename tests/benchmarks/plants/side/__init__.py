@@ -1,0 +1,1 @@
+"""Methods of the side table: rivals that others made, and variants of ours."""
