@@ -53,7 +53,7 @@ class Part:
 
 
 PARTS: Mapping[str, Part] = {
-    "rivals": Part(("ax", "nelder_mead", "mfbo_takg", "gmfbo_paper", "gmfbo_calibrated")),
+    "rivals": Part(("ax", "nelder_mead", "gmfbo_paper", "gmfbo_calibrated")),
     "is3": Part(("is3_source", "is3_none")),
     "turbo": Part(("turbo",), ("six_gains",)),
     "envelope": Part((OURS, "bo_ei", "constrained_ei"), LIMITED, with_envelope),
@@ -61,6 +61,7 @@ PARTS: Mapping[str, Part] = {
         f"noise_{factor:g}": Part((OURS, "bo_ei", "log_ei"), changed=noisier(factor))
         for factor in NOISE
     },
+    "knowledge_gradient": Part(("mfbo_takg",)),
 }
 
 
