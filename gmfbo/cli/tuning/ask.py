@@ -60,8 +60,8 @@ def ask(
         bool,
         typer.Option(
             "--json",
-            help="Print trial, gains and references as JSON, with --parallel a list of them; null "
-            "when all is done.",
+            help="Print trial, gains, references and note as JSON, with --parallel a list of "
+            "them; null when all is done.",
         ),
     ] = False,
     random_start: RandomStart = False,

@@ -40,6 +40,8 @@ def unbeaten(values: NDArray[np.float64]) -> NDArray[np.bool_]:
 def trade_offs(review: StudyReview) -> str:
     """Draw the real runs that succeeded over each pair of metrics; a script shows one of them.
 
+    A run that never reached a time has none to draw, and is left out of that time's figures.
+
     Parameters
     ----------
     review : StudyReview
@@ -54,16 +56,30 @@ def trade_offs(review: StudyReview) -> str:
     names = [name for name in review.metrics if "[" not in name and _tells(runs, name)]
     if len(names) < 2:
         return ""
+    drawn = [(pair, _reached(review, runs, pair)) for pair in combinations(names, 2)]
+    told = [all(_tells(left, name) for name in pair) for pair, left in drawn]
+    if not any(told):
+        return ""
     figures = [
-        _figure(review, runs, pair, shown=place == 0)
-        for place, pair in enumerate(combinations(names, 2))
+        _figure(review, left, pair, shown=place == told.index(True))
+        if told[place]
+        else _no_figure(pair)
+        for place, (pair, left) in enumerate(drawn)
     ]
+    without = any(len(left) < len(runs) for _, left in drawn)
     rule = paragraph(
         "Filled: runs that none beats, since no other is at least as good in both metrics and "
-        "better in one. Circles of failed runs are left out.",
+        "better in one. Circles of failed runs are left out"
+        + (", and those of runs that never reached one of both times." if without else "."),
         "soft small",
     )
     return f'<div id="trade-offs">{"".join(figures)}</div>{rule}'
+
+
+def _reached(review: StudyReview, runs: Sequence[Run], pair: tuple[str, str]) -> list[Run]:
+    """Runs that reached both times, where a metric is one."""
+    never = review.metric_words.is_never
+    return [run for run in runs if not any(never(n, run.trial.metrics[n]) for n in pair)]
 
 
 def _tells(runs: Sequence[Run], name: str) -> bool:
@@ -92,9 +108,18 @@ def _figure(review: StudyReview, runs: Sequence[Run], pair: tuple[str, str], *, 
         y_label=y_label,
         over=marks,
     )
+    return _framed(pair, chart, shown=shown)
+
+
+def _no_figure(pair: tuple[str, str]) -> str:
+    """What stands in place of a figure that fewer than two different runs are left for."""
+    return _framed(pair, paragraph("Too few runs reached both times.", "soft"), shown=False)
+
+
+def _framed(pair: tuple[str, str], content: str, *, shown: bool) -> str:
     hidden = "" if shown else " hidden"
     one, other = (escape(name) for name in pair)
-    return f'<figure data-x="{one}" data-y="{other}"{hidden}>{chart}</figure>'
+    return f'<figure data-x="{one}" data-y="{other}"{hidden}>{content}</figure>'
 
 
 def _label(review: StudyReview, name: str) -> str:

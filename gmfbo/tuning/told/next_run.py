@@ -41,7 +41,7 @@ def reference_files(count: int, trial: int | None = None) -> list[str]:
 
 
 def next_run(request: TrialRequest, count: int, *, parallel: bool = False) -> dict[str, object]:
-    """A requested run for JSON: its trial, all gains and the files to play.
+    """A requested run for JSON: its trial, all gains, the files to play and the note beside it.
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ def next_run(request: TrialRequest, count: int, *, parallel: bool = False) -> di
         Whether it was asked for beside others.
     """
     names = reference_files(count, request.number if parallel else None)
-    return {"trial": request.number, "gains": dict(request.gains), "references": names}
+    told: dict[str, object] = {"trial": request.number, "gains": dict(request.gains)}
+    return {**told, "references": names, "note": request.note}
 
 
 def write_next_run(

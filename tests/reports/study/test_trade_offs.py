@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 from gmfbo.reports.study.page import study_page
 from gmfbo.reports.study.review import StudyReview
-from gmfbo.reports.study.trade_offs import unbeaten
+from gmfbo.reports.study.trade_offs import trade_offs, unbeaten
 from tests.reports.study.example_studies import write_example_study
 
 
@@ -39,3 +40,20 @@ def test_the_page_shows_each_pair_of_metrics_with_the_unbeaten_runs(tmp_path: Pa
     marked = re.findall(r'class="mark IS1[^"]* unbeaten"[^>]* data-run="(\d+)"', drawn)
     expected = {str(one.number) for one, best in zip(good, kept, strict=True) if best}
     assert set(marked) == expected
+
+
+def test_a_run_that_never_reached_a_time_is_not_drawn_at_the_horizon(tmp_path: Path) -> None:
+    review = StudyReview.read(write_example_study(tmp_path))
+    good = [run for run in review.real if run.trial.status == "ok"]
+    horizon = max(run.trial.metrics["settling_time"] for run in good)
+    never = [run.trial.number for run in good if run.trial.metrics["settling_time"] == horizon]
+    assert 0 < len(never) < len(good) - 1
+    words = replace(review.metric_words, longest={"settling_time": horizon})
+    review.__dict__["metric_words"] = words
+    figures = re.findall(
+        r'<figure data-x="(\w+)" data-y="(\w+)"[^>]*>(.*?)</figure>', trade_offs(review)
+    )
+    for x, y, drawn in figures:
+        marked = set(map(int, re.findall(r'data-run="(\d+)"', drawn)))
+        assert marked.isdisjoint(never) == ("settling_time" in (x, y))
+    assert "never reached one of both times" in trade_offs(review)
