@@ -12,6 +12,17 @@ from scipy.stats import qmc
 
 from gmfbo.errors import InputError, did_you_mean
 
+SAME_POINT = 1e-6
+"""Distance in the unit cube within which gains are the same: a simulator's repeat tells nothing."""
+
+SAME_GAIN = 1e-6
+"""Relative difference up to which two values of a gain are the same: digits of a text file."""
+
+
+def same_gain(one: float, other: float) -> bool:
+    """Whether two values of a gain are the same."""
+    return bool(np.isclose(one, other, rtol=SAME_GAIN))
+
 
 @dataclass(frozen=True)
 class Gain:

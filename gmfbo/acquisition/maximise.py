@@ -29,6 +29,7 @@ from scipy.stats import qmc
 from gmfbo.acquisition.feasibility import LogWeight, WeightedAcquisition
 from gmfbo.correction.torch_setup import DTYPE, exact_algebra
 from gmfbo.errors import ExhaustedError, InputError
+from gmfbo.space import SAME_POINT
 from gmfbo.surrogate.observations import Observations, source_column
 
 Snap = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -36,9 +37,6 @@ Admits = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 GRID_SIDE = {1: 401, 2: 41}
 SOBOL_POINTS = 1024
-# Points nearer than this count as the same: a simulator's repeat carries no information and makes
-# the covariance singular.
-SAME_POINT = 1e-6
 
 NO_VARIANCE = "Negative variance values detected"
 """GPyTorch's warning where a variance is zero to rounding, as at gains that were repeated."""

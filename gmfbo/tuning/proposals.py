@@ -12,6 +12,7 @@ from gmfbo.errors import ExhaustedError
 from gmfbo.objective.limits import Limits
 from gmfbo.plain_words import words
 from gmfbo.sources.plants.plant_command import CommandPlant
+from gmfbo.space import same_gain
 from gmfbo.tuning.drift_watch import DriftWatch, Repeat
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.move_limit import LIMIT_TOLD
@@ -27,7 +28,6 @@ from gmfbo.tuning.study.study_sources import StudySources
 from gmfbo.tuning.study_file.gain_choice import GainChoice
 from gmfbo.tuning.told.real_axis import RealAxis
 from gmfbo.tuning.told.recorded_choice import RecordedChoice
-from gmfbo.tuning.told.told_gains import same_gain
 from gmfbo.tuning.twin.believed_twins import BelievedTwins
 from gmfbo.tuning.twin_corrections import TwinCorrections
 

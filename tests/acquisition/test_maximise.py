@@ -8,8 +8,9 @@ import torch
 from numpy.typing import NDArray
 
 from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
-from gmfbo.acquisition.maximise import SAME_POINT, Search, maximise, recommend
+from gmfbo.acquisition.maximise import Search, maximise, recommend
 from gmfbo.errors import InputError
+from gmfbo.space import SAME_POINT
 from gmfbo.surrogate.model import SourceModel, SurrogateSettings
 from gmfbo.surrogate.observations import Observations
 

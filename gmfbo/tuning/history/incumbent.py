@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import isclose
 
 from gmfbo.objective.limits import Limits
 from gmfbo.recordings.store.trial import Trial
+from gmfbo.space import same_gain
 
 
 def best_run(trials: Iterable[Trial], limits: Limits, since: int = 0) -> Trial | None:
@@ -54,11 +54,10 @@ def runs_at(gains: Mapping[str, float], trials: Iterable[Trial]) -> list[Trial]:
     trials : iterable of Trial
         Runs to choose from.
     """
-    # Gains that went through the unit cube differ in the last digit.
     return [
         trial
         for trial in trials
-        if all(isclose(trial.gains[name], value) for name, value in gains.items())
+        if all(same_gain(trial.gains[name], value) for name, value in gains.items())
     ]
 
 

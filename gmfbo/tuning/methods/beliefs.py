@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo.objective.margins import MARGINS
 from gmfbo.recordings.store.trial import SourceName
+from gmfbo.space import SAME_POINT
 from gmfbo.tuning.history.state import Observation, TuningState
 from gmfbo.tuning.query.method import Proposal
 from gmfbo.tuning.twin.runs_beside import runs_beside
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
 
 Predict = Callable[[NDArray[np.float64], SourceName], tuple[Any, Any]]
 """From points (q, d) and a source to posterior mean and variance of the cost, shape (q,)."""
-
-SAME_POINT = 1e-6
-"""Distance in the unit cube within which gains are the same."""
 
 
 def observations_of(state: TuningState, *sources: SourceName) -> Observations:

@@ -9,9 +9,9 @@ import numpy as np
 
 from gmfbo.errors import InputError
 from gmfbo.recordings.recording import Recording, Trajectory
+from gmfbo.space import same_gain
 from gmfbo.tuning.experiment.experiment_series import ExperimentSeries
 from gmfbo.tuning.study_file.gain_choice import GainChoice
-from gmfbo.tuning.told.told_gains import same_gain
 
 
 def why_not(made: Mapping[str, float], known: Mapping[str, float], gains: GainChoice) -> str:

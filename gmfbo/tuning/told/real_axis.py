@@ -14,7 +14,7 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.recordings.reference import followed_signal
 from gmfbo.sources.plants.failed_run import failed_run
 from gmfbo.sources.plants.source import Source
-from gmfbo.tuning.told.told_gains import same_gain
+from gmfbo.space import same_gain
 
 
 @dataclass(frozen=True)

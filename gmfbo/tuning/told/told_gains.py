@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from gmfbo.errors import InputError, RecordingError, did_you_mean
 from gmfbo.recordings.recording import Recording
+from gmfbo.space import same_gain
 from gmfbo.tuning.query.request import TrialRequest
 from gmfbo.tuning.study_file.gain_choice import GainChoice
-
-SAME = 1e-6
-"""Relative difference up to which a gain equals the requested one: digits of a text file."""
 
 
 def told_gains(
@@ -116,8 +112,3 @@ def chosen_request(
             f"trial {number} is not waited for: {wanted}; ask for the next gains first"
         )
     return waiting[number]
-
-
-def same_gain(one: float, other: float) -> bool:
-    """Whether two values of a gain are the same."""
-    return bool(np.isclose(one, other, rtol=SAME))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gmfbo.recordings.store.trial import Trial
 from gmfbo.sources.plants.source import Source
+from gmfbo.space import SAME_POINT
 from gmfbo.tuning.history.history import History
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.query.initial_design import Stream, stream
@@ -24,10 +25,6 @@ MOST_LEAVING = 0.05
 
 HALVINGS = 5
 """Halvings of the way to safe gains that are tried in place of a withheld proposal."""
-
-
-SAME_POINT = 1e-6
-"""Distance in the unit cube within which gains are the same."""
 
 
 @runtime_checkable
