@@ -26,7 +26,7 @@ def test_documented_table_of_effects_is_that_of_the_catalogue() -> None:
 def documented_numbers(page: str) -> dict[str, tuple[float, ...]]:
     """Values in the table of a page, by name."""
     table = page.partition("<!-- numbers -->\n")[2].partition("<!-- end of numbers -->")[0]
-    rows = re.findall(r"^\| `(\w+)` \| (\d[\d.]*(?:, \d[\d.]*)*)", table, re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)` \| (-?\d[\d.]*(?:, -?\d[\d.]*)*)", table, re.MULTILINE)
     return {name: tuple(map(float, values.split(", "))) for name, values in rows}
 
 

@@ -13,23 +13,24 @@ from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_flo
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
-    FEW_STRETCHES,
     NAMED,
     SEEN_ONCE,
     UNLIKE,
     named_log_odds,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.row_fits import RowFits, lacking
+from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round
+from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
+from gmfbo.diagnosis.naming.worth import worth
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
 from gmfbo.diagnosis.result.named_effect import RivalShare
 from gmfbo.physics import CATALOGUE
-from gmfbo.plain_words import number, words
+from gmfbo.plain_words import words
 
 Array = NDArray[np.float64]
 
@@ -276,18 +277,23 @@ def _round(
         if there is None:
             there = next(r for e, r in rows.items() if name in e)
         rivals.append(Evidence(name, measured(case.misfit, there)))
-    gains = _gains(compared, row, without)
+    gains = gains_of(compared, row, without)
     names = [record.name for record in case.simulations.records]
-    once = seen_once(names, compared, gains, _acting(compared, row, winner, gains))
-    kept = min((SEEN_ONCE if once else most) / claim.probability, 1.0)
-    shares = [RivalShare(name, kept * beliefs[name]) for name in (winner, *others)]
+    once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
+    most = min(most, SEEN_ONCE) if once else most
+    belief, gain = min(claim.probability, most), _log_odds(compared, claim)
+    told = min(worth(belief, gain), most)
+    shares = [
+        RivalShare(name, told / claim.probability * beliefs[name]) for name in (winner, *others)
+    ]
     return Round(
         Evidence(winner, model),
         tuple(rivals),
-        kept * claim.probability,
+        belief,
+        told,
         tuple(shares) if others else (),
-        _log_odds(compared, claim),
-        _per_recording(case, compared, gains),
+        gain,
+        per_recording(names, compared, gains),
         once,
     )
 
@@ -309,74 +315,6 @@ def _notes_of(rounds: Sequence[Round]) -> list[str]:
         for r in rounds
         if r.once
     ]
-
-
-def _gains(compared: Compared, row: Row, without: Row) -> list[Array]:
-    """Fall of the whitened square in each stretch, by segment."""
-    problem, whitening = compared.search.problem, compared.ledger.whitening
-    before, after = (
-        problem.by_stretch([z**2 for z in one.beside_own_parts(whitening)(one.residual)])
-        for one in (without, row)
-    )
-    return [a - b for a, b in zip(before, after, strict=True)]
-
-
-def _per_recording(case: Case, compared: Compared, gains: Sequence[Array]) -> dict[str, float]:
-    total: dict[str, float] = {}
-    for segment, own in zip(compared.search.problem.segments, gains, strict=True):
-        name = case.simulations.records[segment.record].name
-        total[name] = total.get(name, 0.0) + float(own.sum())
-    return total
-
-
-def _acting(compared: Compared, row: Row, name: str, gains: Sequence[Array]) -> Sequence[Array]:
-    """Whitened square of what an effect changes in each stretch; gains where it is not known."""
-    problem, whitening = compared.search.problem, compared.ledger.whitening.by_noise
-    points = [
-        problem.point(one.hypothesis, one.x, one.own_values) for one in (row, lacking(row, name))
-    ]
-    runs = problem.simulations.run(points)
-    if not all(run.finite for one in runs for run in one):
-        return gains
-    change = [a - b for a, b in zip(*(problem.values(one) for one in runs), strict=True)]
-    return problem.by_stretch([z**2 for z in whitening(change)])
-
-
-def seen_once(
-    names: Sequence[str], compared: Compared, gains: Sequence[Array], acting: Sequence[Array]
-) -> str:
-    """Stretch without which nothing would be said; empty where others tell it as well.
-
-    An event may lie across two stretches, and a loop answers it in the next one: where there are
-    enough, those beside it are no others. Nor does a stretch tell in which the effect does not act:
-    what falls there is what parameters had taken over.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of the recordings.
-    compared : Compared
-        For the stretches.
-    gains : sequence of ndarray
-        Fall of the whitened square in each stretch, by segment.
-    acting : sequence of ndarray
-        Whitened square of what the effect changes there.
-    """
-    problem = compared.search.problem
-    k = int(np.argmax([own.max() for own in gains]))
-    most = int(np.argmax(gains[k]))
-    beside = 1 if sum(own.size for own in gains) >= FEW_STRETCHES else 0
-    event = slice(max(most - beside, 0), most + beside + 1)
-    others = min(_sum_without(gains, k, event), _sum_without(acting, k, event))
-    if 0.5 * others > named_log_odds():
-        return ""
-    segment, rows = problem.segments[k], problem.stretches()[k][most]
-    first, last = (number(float(segment.time[rows][end])) for end in (0, -1))
-    return f"{names[segment.record]} {first}-{last} s"
-
-
-def _sum_without(values: Sequence[Array], segment: int, stretches: slice) -> float:
-    return sum(float(own.sum()) for own in values) - float(values[segment][stretches].sum())
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:

@@ -47,8 +47,10 @@ class Round:
         What is believed most.
     rivals : tuple of Evidence
         What explains the recordings as well.
+    belief : float
+        That one of them is at work, by the comparison.
     probability : float
-        That one of them is at work.
+        The same, as it is told: what such a belief is worth.
     shares : tuple of RivalShare
         The parts of that, where there are rivals.
     gain : float
@@ -61,6 +63,7 @@ class Round:
 
     winner: Evidence
     rivals: tuple[Evidence, ...]
+    belief: float
     probability: float
     shares: tuple[RivalShare, ...]
     gain: float

@@ -105,6 +105,7 @@ def named_effects(
                 indistinguishable_from=found.names[1:],
                 rivals=found.shares,
                 share=shares.get(name),
+                belief=found.belief,
             )
         )
     return tuple(named)

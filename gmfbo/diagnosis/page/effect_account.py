@@ -48,8 +48,9 @@ def effect_account(place: int, diagnosis: Findings) -> str:
     odds = folded(
         "How the probability comes about",
         f"<p>The explanations with and without this effect were compared by how well they fit, "
-        f"and by how many free values they need. The logarithm of their odds is {evidence}; "
-        f"{threshold} is a probability of 0.95.</p>",
+        f"and by how many free values they need. The logarithm of their odds is {evidence}; from "
+        f"{threshold} on, where it is believed at 0.95, an effect is named.</p>"
+        + _worth(own, effect),
     )
     return "".join(
         (
@@ -63,6 +64,18 @@ def effect_account(place: int, diagnosis: Findings) -> str:
             columns(_rivals(place, effect), _recordings(place, effect, diagnosis)),
             "</article>",
         )
+    )
+
+
+def _worth(own: tuple[str | int, ...], effect: NamedEffect) -> str:
+    if effect.belief is None:
+        return ""
+    belief = marked_probability((*own, "belief"), effect.belief)
+    whose = "one of them" if effect.indistinguishable_from else "it"
+    return (
+        f"<p>If one of these explanations were true to the last digit, {whose} would be at work "
+        f"with a probability of {belief}. None is: stated is how often effects with such odds "
+        "were right on simulated axes whose truth was known.</p>"
     )
 
 

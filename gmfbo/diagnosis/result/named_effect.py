@@ -55,7 +55,7 @@ class NamedEffect:
     port : str
         Where it acts: `torque`, `command` or `sensor`.
     probability : float
-        Posterior probability that this effect is at work.
+        That this effect is at work: what a belief as strong was worth where the truth is known.
     statement : str
         One sentence in plain words, ending in a full stop. Below a `set_probability` of 0.8 its
         verb is "may"; of a set it names all members.
@@ -78,6 +78,9 @@ class NamedEffect:
     share : Share or None
         Of what the refitted twin leaves beyond noise on held-out recordings: what this effect
         explains. None where there is next to nothing to explain.
+    belief : float or None
+        Posterior probability that this effect, or one of those that cannot be told from it, is at
+        work, if one of the hypotheses were true; None in diagnoses made before it was told.
     """
 
     name: str
@@ -92,6 +95,7 @@ class NamedEffect:
     indistinguishable_from: tuple[str, ...] = ()
     rivals: tuple[RivalShare, ...] = ()
     share: Share | None = None
+    belief: float | None = None
 
     @property
     def set_probability(self) -> float:

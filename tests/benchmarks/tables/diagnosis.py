@@ -10,6 +10,7 @@ import numpy as np
 
 from tests.benchmarks.tables.results import MADE, RESULTS
 from tests.benchmarks.tables.tuning import table
+from tests.blind.draw import worth
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Judged, judge
 from tests.blind.draw.measures import NORMAL, clopper_pearson, clustered_share, recalibration
 from tests.blind.draw.methods import COLUMNS
@@ -172,3 +173,24 @@ def beside_others() -> str:
 def hidden_laws() -> int:
     """Number of unknown laws among the cases."""
     return len(set(chain.from_iterable(j.hidden for j in _of(judged(), "outside"))))
+
+
+@cache
+def _stated() -> list[worth.Stated]:
+    return worth.stated_in(list(read_outcomes(RESULTS / MADE["draw"]["files"]["gmfbo"])))
+
+
+def odds() -> str:
+    """How honest the odds of the claims of effects were, as believed and as they are told."""
+    rows = [[title, *cells] for title, cells in worth.recalibrated(_stated()).items()]
+    return table(["probabilities", "claims", "Brier", "intercept", "slope"], rows)
+
+
+def worth_of_claims() -> str:
+    """How many claims were right, by the probability that other machines give them."""
+    told = worth.by_probability(_stated(), worth.of_other_machines(_stated()))
+    rows = [
+        [f"{low:g} to {high:g}", str(count), f"{right}: {100 * right / count:.0f} %"]
+        for low, high, right, count in told
+    ]
+    return table(["told", "claims", "right"], rows)

@@ -23,6 +23,8 @@ TABLES: tuple[tuple[str, Callable[[], str]], ...] = (
     (_TUNING, tuning.made),
     (_BLIND, diagnosis.asked),
     (_BLIND, diagnosis.nulls),
+    (_BLIND, diagnosis.odds),
+    (_BLIND, diagnosis.worth_of_claims),
     (_BLIND, diagnosis.beside_others),
 )
 

@@ -66,20 +66,6 @@ def recalibration(stated: Sequence[float], right: Sequence[bool]) -> tuple[Vecto
     return x, np.sqrt(np.diag(np.linalg.inv(information)))
 
 
-def changed_odds(stated: Sequence[float], line: Vector) -> Vector:
-    """Probabilities that a line of `recalibration` makes of those stated, shape (n,).
-
-    Parameters
-    ----------
-    stated : sequence of float
-        Probabilities, clipped as there.
-    line : ndarray, shape (2,)
-        Intercept and slope.
-    """
-    p = np.clip(np.asarray(stated, dtype=float), LAST_DIGIT, 1.0 - LAST_DIGIT)
-    return np.asarray(expit(line[0] + line[1] * logit(p)))
-
-
 def _loss(a: Vector, y: Vector, x: Vector) -> float:
     return float(np.sum(np.logaddexp(0.0, a @ x) - y * (a @ x)))
 

@@ -1,6 +1,6 @@
 """The table by which versions of the diagnosis are compared.
 
-python -m tests.blind.draw.table OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE] [--halves CASE]
+python -m tests.blind.draw.table OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]
 """
 
 from __future__ import annotations
@@ -12,31 +12,21 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tests.blind.draw.cases import SIZES
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Interval, Judged, judge
-from tests.blind.draw.measures import (
-    NORMAL,
-    changed_odds,
-    clopper_pearson,
-    clustered_share,
-    recalibration,
-)
+from tests.blind.draw.measures import NORMAL, clopper_pearson, clustered_share, recalibration
 from tests.blind.draw.nulls import VARIANTS
 from tests.blind.draw.outcomes import read_outcomes, tell
 
 
-def table(judged: Sequence[Judged], halves: int | None = None) -> str:
+def table(judged: Sequence[Judged]) -> str:
     """Text of all tables.
 
     Parameters
     ----------
     judged : sequence of Judged
         The cases that were run.
-    halves : int, optional
-        First case of the second half, on which the line that the first half's odds ask for is
-        tried.
     """
     parts = [
         _head(judged),
@@ -45,7 +35,6 @@ def table(judged: Sequence[Judged], halves: int | None = None) -> str:
         _by_size([j for j in judged if j.stratum == "owed"]),
         _outside([j for j in judged if j.stratum == "outside"]),
         _statements(judged),
-        "" if halves is None else recalibrated(judged, halves),
         _intervals(judged),
         _error_left([j for j in judged if j.stratum == "owed" and j.is_owed]),
         _cost(judged),
@@ -143,38 +132,12 @@ def _statements(judged: Sequence[Judged]) -> str:
     ]
     if sets:
         lines.append(f"{'members of a statement, median':<34}{np.median(sets):.0f}")
-    stated, right = _odds(judged)
-    if stated:
-        lines += _probabilities(stated, right)
-    return "\n".join(lines)
-
-
-def _odds(judged: Sequence[Judged]) -> tuple[list[float], list[bool]]:
-    """What was stated of each claim, and whether it came true."""
-    claims = [claim for j in judged if j.outcome != "failed" for claim in j.claims]
     stated = [c for c in claims if not math.isnan(c.probability)]
-    return [c.probability for c in stated], [c.judged == "right" for c in stated]
-
-
-def recalibrated(judged: Sequence[Judged], halves: int) -> str:
-    """Odds of the second half of the cases, changed by the line that those of the first ask for.
-
-    Parameters
-    ----------
-    judged : sequence of Judged
-        All cases; their numbers are in random order.
-    halves : int
-        First case of the second half.
-    """
-    first, second = (
-        _odds([j for j in judged if (int(j.case) >= halves) == late]) for late in (False, True)
-    )
-    line = recalibration(*first)
-    if line is None:
-        return "Stated odds: the first half of the cases tells no line"
-    head = f"Odds of cases from {halves:03d} on, changed by the line of those before"
-    lines = [head, *_probabilities(list(changed_odds(second[0], line[0])), second[1])]
-    return "\n".join([*lines, f"{'that line':<34}{_line(line)}"])
+    if stated:
+        lines += _probabilities(
+            [c.probability for c in stated], [c.judged == "right" for c in stated]
+        )
+    return "\n".join(lines)
 
 
 def _probabilities(stated: Sequence[float], right: Sequence[bool]) -> list[str]:
@@ -186,16 +149,12 @@ def _probabilities(stated: Sequence[float], right: Sequence[bool]) -> list[str]:
     ]
     fitted = recalibration(stated, right)
     if fitted:
-        lines.append(f"{'recalibration: intercept; slope':<34}{_line(fitted)}")
+        cells = [
+            f"{value:.2f} [{value - NORMAL * error:.2f}, {value + NORMAL * error:.2f}]"
+            for value, error in zip(*fitted, strict=True)
+        ]
+        lines.append(f"{'recalibration: intercept; slope':<34}{'; '.join(cells)}")
     return lines
-
-
-def _line(fitted: tuple[NDArray[np.float64], NDArray[np.float64]]) -> str:
-    """Intercept and slope, each with its 95 % interval."""
-    return "; ".join(
-        f"{value:.2f} [{value - NORMAL * error:.2f}, {value + NORMAL * error:.2f}]"
-        for value, error in zip(*fitted, strict=True)
-    )
 
 
 def _intervals(judged: Sequence[Judged]) -> str:
@@ -267,10 +226,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("outcomes", type=Path, nargs="+")
     parser.add_argument("--text", type=Path, help="file for the table")
-    parser.add_argument("--halves", type=int, metavar="CASE", help="first case of the second half")
     given = parser.parse_args(arguments)
     lines = [line for path in given.outcomes for line in read_outcomes(path)]
-    text = table([judge(line) for line in lines], given.halves)
+    text = table([judge(line) for line in lines])
     tell(text, given.text)
 
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from tests.blind.draw.judging import Claim, Judged
 from tests.blind.draw.measures import (
     NORMAL,
     clopper_pearson,
@@ -16,7 +13,6 @@ from tests.blind.draw.measures import (
     error_left,
     recalibration,
 )
-from tests.blind.draw.table import recalibrated
 
 
 @pytest.mark.parametrize(("intercept", "slope"), [(0.0, 1.0), (-1.0, 1.0), (0.0, 0.4)])
@@ -32,23 +28,6 @@ def test_recalibration_finds_the_line_that_outcomes_were_drawn_from(
         assert fitted is not None
         held += np.abs(fitted[0] - (intercept, slope)) < NORMAL * fitted[1]
     assert held.min() >= 34  # 38 of 40 on the average
-
-
-def test_odds_changed_by_the_line_of_a_first_half_are_honest_in_the_second() -> None:
-    rng = np.random.default_rng(5)
-    judged = []
-    for case in range(2000):
-        p = float(rng.uniform(0.6, 0.99))
-        true = rng.random() < expit(-0.4 + 0.3 * logit(p))
-        claim = Claim("name", frozenset({"name"}), p, "right" if true else "false")
-        judged.append(Judged(f"{case:03d}", "owed", "", "", "", "right", claims=(claim,)))
-    told = recalibrated(judged, 1000)
-    intercept, slope = re.findall(r"(-?[\d.]+) \[(-?[\d.]+), (-?[\d.]+)\]", told.splitlines()[2])
-    assert float(intercept[1]) < 0.0 < float(intercept[2])
-    assert float(slope[1]) < 1.0 < float(slope[2])
-    assert [float(v) for v in re.findall(r"(-?[\d.]+) \[", told.splitlines()[3])] == pytest.approx(
-        [-0.4, 0.3], abs=0.2
-    )
 
 
 def test_a_forecast_of_one_that_fails_counts_as_the_last_printed_digit() -> None:

@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.naming.decided_by_score import seen_once
 from gmfbo.diagnosis.naming.decision import Compared
+from gmfbo.diagnosis.naming.stretch_evidence import seen_once
 
 
 def compared() -> Compared:

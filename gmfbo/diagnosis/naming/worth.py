@@ -1,0 +1,37 @@
+"""What a belief is worth: how often claims that were believed as much turned out right.
+
+Beliefs weigh the hypotheses of the search against each other, as if one of them were true. None is:
+laws are of the wrong form, noise is not what it is taken for, and odds of a thousand nats are then
+no certainty. How often claims were right was counted, and that is what is printed.
+"""
+
+from __future__ import annotations
+
+from math import log
+
+from scipy.special import expit, logit
+
+from gmfbo.diagnosis.comparison.numbers import WORTH
+
+LAST_DIGIT = 0.005
+"""Half of the last digit of a probability: a belief counts as no nearer to 0 or 1."""
+
+
+def worth(belief: float, gain: float) -> float:
+    """Probability that a claim is right, calibrated on cases whose truth is known.
+
+    A logistic line over the log odds of the belief (Cox 1958, "Two further applications of a model
+    for binary regression", eq. 1), and over the logarithm of what the recordings have gained by it:
+    where beliefs are all next to 1, that still tells weak claims from strong ones.
+
+    Parameters
+    ----------
+    belief : float
+        That one of a set is at work, by the comparison.
+    gain : float
+        [nats] Log odds of the best hypothesis with one of them against the best without any; less
+        than 1 counts as 1.
+    """
+    start, by_belief, by_gain = WORTH
+    odds = float(logit(min(max(belief, LAST_DIGIT), 1.0 - LAST_DIGIT)))
+    return float(expit(start + by_belief * odds + by_gain * log(max(gain, 1.0))))

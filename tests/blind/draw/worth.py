@@ -1,0 +1,190 @@
+"""What beliefs have been worth: the line by which the diagnosis tells probabilities.
+
+python -m tests.blind.draw.worth OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]
+
+Each claim of an effect counts as right where the truth is in its set. Fitted are the three numbers
+of `gmfbo.diagnosis.comparison.numbers.WORTH`; printed is how honest the odds were as believed, how
+honest by the line that the other machines tell, by that of the first half of the cases on the
+second, and by the line in force.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import expit, logit
+
+from gmfbo.diagnosis.comparison.numbers import WORTH
+from gmfbo.diagnosis.naming.worth import LAST_DIGIT, worth
+from tests.blind.draw.judging import judge
+from tests.blind.draw.measures import NORMAL, recalibration
+from tests.blind.draw.outcomes import read_outcomes, tell
+
+Array = NDArray[np.float64]
+
+HALF = 350
+"""First case of the second half of a draw of 700; the order of cases is random."""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """One claim of an effect.
+
+    Attributes
+    ----------
+    belief : float
+        In its set.
+    gain : float
+        [nats] Its log odds.
+    right : bool
+        Whether the truth is in the set.
+    machine : str
+        Of the case.
+    case : int
+        Its number.
+    """
+
+    belief: float
+    gain: float
+    right: bool
+    machine: str
+    case: int
+
+
+def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
+    """All claims of effects of cases that ended.
+
+    Parameters
+    ----------
+    lines : sequence of mapping
+        Of the runner. Diagnoses made before beliefs were told hold them as the set's probability.
+    """
+    found = []
+    for line in lines:
+        judged = judge(line)
+        if judged.outcome == "failed":
+            continue
+        claims = {claim.name: claim for claim in judged.claims}
+        for effect in line["diagnosis"]["effects"]:
+            belief = effect.get("belief")
+            found.append(
+                Stated(
+                    effect["set_probability"] if belief is None else belief,
+                    effect["evidence"],
+                    claims[effect["name"]].judged != "false",
+                    judged.machine,
+                    int(judged.case),
+                )
+            )
+    return found
+
+
+def line_of(stated: Sequence[Stated]) -> Array:
+    """The three numbers of `WORTH`, by maximum likelihood."""
+    columns, right = _columns(stated), np.array([one.right for one in stated], dtype=float)
+
+    def loss(line: Array) -> float:
+        odds = columns @ line
+        return float(np.sum(np.logaddexp(0.0, odds) - right * odds))
+
+    return np.asarray(minimize(loss, np.zeros(3), tol=1e-10).x)
+
+
+def _columns(stated: Sequence[Stated]) -> Array:
+    belief = np.clip([one.belief for one in stated], LAST_DIGIT, 1.0 - LAST_DIGIT)
+    gain = np.log(np.maximum([one.gain for one in stated], 1.0))
+    return np.column_stack([np.ones(len(stated)), logit(belief), gain])
+
+
+def of_other_machines(stated: Sequence[Stated]) -> list[float]:
+    """Probability of each claim by the line that all other machines tell."""
+    lines = {
+        machine: line_of([one for one in stated if one.machine != machine])
+        for machine in {one.machine for one in stated}
+    }
+    return [float(expit(_columns([one]) @ lines[one.machine])[0]) for one in stated]
+
+
+def table(stated: Sequence[Stated]) -> str:
+    """Text of all that is printed."""
+    line, force = line_of(stated), ", ".join(f"{value:g}" for value in WORTH)
+    rows = [
+        f"{len(stated)} claims of effects, {np.mean([s.right for s in stated]):.3f} right",
+        "fitted line: " + ", ".join(f"{value:.2f}" for value in line) + f"; in force: {force}",
+        f"{'probabilities':<34}{'claims':>7}{'Brier':>7}  intercept; slope",
+    ]
+    for title, cells in recalibrated(stated).items():
+        rows.append(f"{title:<34}{cells[0]:>7}{cells[1]:>7}  {'; '.join(cells[2:])}")
+    return "\n".join([*rows, "", *_by_worth(stated)]) + "\n"
+
+
+def recalibrated(stated: Sequence[Stated]) -> dict[str, tuple[str, ...]]:
+    """Claims, Brier score, intercept and slope of their recalibration, by where odds are from."""
+    first = [one for one in stated if one.case < HALF]
+    second = [one for one in stated if one.case >= HALF]
+    told = {
+        "as believed": _told([one.belief for one in stated], stated),
+        "by the line of all other machines": _told(of_other_machines(stated), stated),
+        "by the line in force": _told([worth(one.belief, one.gain) for one in stated], stated),
+    }
+    if first and second:
+        halves = list(expit(_columns(second) @ line_of(first)))
+        told[f"from case {HALF} on, by those before"] = _told(halves, second)
+    return told
+
+
+def _told(probabilities: Sequence[float], stated: Sequence[Stated]) -> tuple[str, ...]:
+    right = [one.right for one in stated]
+    brier = float(np.mean((np.array(probabilities) - np.array(right)) ** 2))
+    fitted = recalibration(probabilities, right)
+    cells = ["-", "-"]
+    if fitted is not None:
+        cells = [
+            f"{value:.2f} [{value - NORMAL * error:.2f}, {value + NORMAL * error:.2f}]"
+            for value, error in zip(*fitted, strict=True)
+        ]
+    return str(len(stated)), f"{brier:.3f}", *cells
+
+
+def _by_worth(stated: Sequence[Stated]) -> list[str]:
+    """How many claims of each probability by the line in force were right."""
+    rows = by_probability(stated, [worth(one.belief, one.gain) for one in stated])
+    told = [f"{low:g} to {high:g}: {right} of {count}" for low, high, right, count in rows]
+    return ["probability by the line in force: right", *told]
+
+
+def by_probability(
+    stated: Sequence[Stated], probabilities: Sequence[float]
+) -> list[tuple[float, float, int, int]]:
+    """Ends of ranges of probabilities, how many claims in each were right, and of how many."""
+    told, right = np.array(probabilities), np.array([one.right for one in stated])
+    rows = []
+    for low, high in pairwise((0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)):
+        own = (told >= low) & (told < high)
+        if own.any():
+            rows.append((low, high, int(right[own].sum()), int(own.sum())))
+    return rows
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Command line: python -m tests.blind.draw.worth."""
+    parser = argparse.ArgumentParser(
+        description=(__doc__ or "").strip(), formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("outcomes", type=Path, nargs="+")
+    parser.add_argument("--text", type=Path, help="file for the table")
+    given = parser.parse_args(arguments)
+    lines = [line for path in given.outcomes for line in read_outcomes(path)]
+    tell(table(stated_in(lines)), given.text)
+
+
+if __name__ == "__main__":
+    main()
