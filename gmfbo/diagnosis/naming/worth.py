@@ -11,7 +11,7 @@ from math import log
 
 from scipy.special import expit, logit
 
-from gmfbo.diagnosis.comparison.numbers import WORTH
+from gmfbo.diagnosis.comparison.numbers import MOST_TOLD, WORTH
 
 LAST_DIGIT = 0.005
 """Half of the last digit of a probability: a belief counts as no nearer to 0 or 1."""
@@ -30,8 +30,8 @@ def worth(belief: float, gain: float) -> float:
         That one of a set is at work, by the comparison.
     gain : float
         [nats] Log odds of the best hypothesis with one of them against the best without any; less
-        than 1 counts as 1.
+        than 1 counts as 1, and more than `MOST_TOLD` as that.
     """
     start, by_belief, by_gain = WORTH
     odds = float(logit(min(max(belief, LAST_DIGIT), 1.0 - LAST_DIGIT)))
-    return float(expit(start + by_belief * odds + by_gain * log(max(gain, 1.0))))
+    return float(expit(start + by_belief * odds + by_gain * log(min(max(gain, 1.0), MOST_TOLD))))

@@ -18,7 +18,7 @@ DRAW = RESULTS / "diagnosis_draw" / "registered_seed_788405_c07b5a3.jsonl"
 def claims(line: tuple[float, float, float], count: int) -> list[Stated]:
     """Claims that are right as often as a line says."""
     rng = np.random.default_rng(2)
-    belief, gain = rng.uniform(0.5, 0.99, count), np.exp(rng.uniform(1.0, 9.0, count))
+    belief, gain = rng.uniform(0.5, 0.99, count), np.exp(rng.uniform(1.0, 6.9, count))
     odds = line[0] + line[1] * np.log(belief / (1.0 - belief)) + line[2] * np.log(gain)
     right = rng.random(count) < expit(odds)
     return [

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from gmfbo.diagnosis.comparison.numbers import WORTH
+from gmfbo.diagnosis.comparison.numbers import MOST_TOLD, WORTH
 from gmfbo.diagnosis.naming.worth import LAST_DIGIT, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
@@ -100,7 +100,7 @@ def line_of(stated: Sequence[Stated]) -> Array:
 
 def _columns(stated: Sequence[Stated]) -> Array:
     belief = np.clip([one.belief for one in stated], LAST_DIGIT, 1.0 - LAST_DIGIT)
-    gain = np.log(np.maximum([one.gain for one in stated], 1.0))
+    gain = np.log(np.clip([one.gain for one in stated], 1.0, MOST_TOLD))
     return np.column_stack([np.ones(len(stated)), logit(belief), gain])
 
 
