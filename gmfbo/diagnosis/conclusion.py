@@ -155,7 +155,11 @@ class Conclusion:
         found = estimated(self._measured, spread, case.twin, stated_ranges(case.twin))
         drifts = drifts_of(case, decision.compared, decision.row)
         return {
-            name: replace(one, drifts=drifts.get(name) if one.identifiable else None)
+            name: replace(
+                one,
+                drifts=drifts.get(name) if one.identifiable else None,
+                set=decision.freed.get(name, ()),
+            )
             for name, one in found.items()
         }
 

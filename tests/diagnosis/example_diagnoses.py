@@ -181,7 +181,9 @@ def nothing() -> Diagnosis:
         signals={"position": SignalFit(0.0019, 0.0018, float("nan"), float("nan"), 0.0018)},
         explainable_error_removed=None,
     )
-    return replace(friction(), verdict="none", effects=(), fit=fit, location=Location(None))
+    return replace(
+        friction(), verdict="none", residual_tests=(), effects=(), fit=fit, location=Location(None)
+    )
 
 
 def parameters() -> Diagnosis:

@@ -84,7 +84,7 @@ def decide(
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
-            name.removeprefix("parameter:"): claim.probability
+            name.removeprefix("parameter:"): (name, *(n for n in claim.members if n != name))
             for claim, name in held_by_row
             if (claim, name) not in named
         },
@@ -195,8 +195,8 @@ def _effects(claim: Claim) -> list[str]:
 
 
 def _stand_ins(claim: Claim) -> list[str]:
-    """Those of a set that a model may hold for it: its effects, or the parameter that leads it."""
-    return _effects(claim) or [claim.members[0]]
+    """Those of a set that a model may hold for it: its effects, or where it has none, all."""
+    return _effects(claim) or list(claim.members)
 
 
 def _held(said: Sequence[Claim], elements: frozenset[str]) -> list[tuple[Claim, str]]:

@@ -103,8 +103,9 @@ class Decision:
     ----------
     rounds : tuple of Round
         One for each accepted effect, those with the largest gain first.
-    freed : mapping of str to float
-        Fixed parameters of the twin that the recordings contradict, and the probability of each.
+    freed : mapping of str to tuple of str
+        Fixed parameters of the twin that the recordings contradict. Each with its set, itself
+        first, as `parameter:NAME`: the recordings do not tell which of these is wrong.
     model : Fitted
         The twin with all of this.
     row : Row
@@ -128,7 +129,7 @@ class Decision:
     """
 
     rounds: tuple[Round, ...]
-    freed: Mapping[str, float]
+    freed: Mapping[str, tuple[str, ...]]
     model: Fitted
     row: Row
     base: Row

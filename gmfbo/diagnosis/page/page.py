@@ -119,7 +119,7 @@ def _data(diagnosis: Findings) -> str:
         ),
         paragraph(
             "Twin as it came: with the values in its file. Parameters only: its uncertain values "
-            "refitted. Augmented twin: with the physics named here, and refitted. Unnamed spline: "
+            "refitted. Augmented twin: with what is named here, and refitted. Unnamed spline: "
             "a smooth correction without physics, for comparison. Noise floor: what a perfect twin "
             "would leave."
         ),

@@ -37,6 +37,9 @@ class EstimatedParameter:
         Whether the twin file holds it fixed, and the recordings contradict that.
     drifts : mapping of str to float, or None
         [unit] Its value in each recording, where these differ by more than chance.
+    set : tuple of str
+        Of a fixed one: `parameter:NAME` of itself and of those that the recordings cannot tell from
+        it. Empty for an uncertain one.
     """
 
     nominal: float
@@ -50,6 +53,7 @@ class EstimatedParameter:
     stated: str = ""
     fixed: bool = False
     drifts: Mapping[str, float] | None = None
+    set: tuple[str, ...] = ()
 
     @property
     def is_beyond(self) -> bool:

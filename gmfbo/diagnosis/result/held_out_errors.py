@@ -21,7 +21,8 @@ class SignalFit:
     parameters_only : float
         The twin with its uncertain parameters refitted.
     augmented : float
-        The twin with the named physics and refitted parameters.
+        The twin with the named physics, with fixed parameters that are wrong put right, and with
+        refitted ones.
     unnamed_spline : float
         The twin with a free function in place of laws, or beside some, and refitted parameters.
     noise_floor : float

@@ -27,6 +27,11 @@ def still_follows(diagnosis: Findings) -> bool:
     return any(test.follows > test.bound for test in diagnosis.residual_tests)
 
 
+def follows_clearly(diagnosis: Findings) -> bool:
+    """The same by more than the small errors that every rig has."""
+    return any(test.follows > max(test.bound, test.tolerance) for test in diagnosis.residual_tests)
+
+
 def removed_percent(diagnosis: Findings) -> str:
     """Share of the explainable error that is removed, as per cent; empty where none is known.
 

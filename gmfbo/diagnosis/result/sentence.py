@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
+from gmfbo.diagnosis.result.certainty import CANNOT_TELL
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
     explains_most,
+    follows_clearly,
     remainder_words,
     resembling_words,
     still_follows,
@@ -81,7 +83,10 @@ def _parameters(diagnosis: Findings) -> str:
             f"{listed(f'{one.expression} = {number(one.value)}' for one in diagnosis.combinations)}"
         )
     missing = "no physics is missing"
-    refitted = {name: fit.parameters_only for name, fit in diagnosis.fit.signals.items()}
+    refitted = {
+        name: fit.augmented if math.isfinite(fit.augmented) else fit.parameters_only
+        for name, fit in diagnosis.fit.signals.items()
+    }
     if left := _left_over(diagnosis, refitted):
         missing = f"no physics that is known here is missing, though {left}"
     if too_narrow_ranges(diagnosis):
@@ -92,20 +97,31 @@ def _parameters(diagnosis: Findings) -> str:
 
 def _left_over(diagnosis: Findings, errors: Mapping[str, float]) -> str:
     """Clause on what is more than noise beside nothing that was named; empty where nothing is."""
-    if diagnosis.effects or not remainder_words(diagnosis.remainder):
+    follows = follows_clearly(diagnosis)
+    if diagnosis.effects or not (follows or remainder_words(diagnosis.remainder)):
         return ""
+    told = STILL_FOLLOWS if follows else "more than noise is left"
     floors = {name: fit.noise_floor for name, fit in diagnosis.fit.signals.items()}
     over = {name: errors[name] / floor for name, floor in floors.items() if floor > 0.0}
     name = max(over, key=lambda signal: over[signal], default="")
     if not over or not over[name] > 1.0:
-        return "more than noise is left"
+        return told
     shown = f"{words(name)} error {percent(errors[name])}{_floor(floors[name])}"
-    return f"more than noise is left ({shown})"
+    return f"{told} ({shown})"
 
 
 def _fixed_at(parameter: EstimatedParameter) -> str:
-    """Words for where a fixed value stands; empty for an uncertain one."""
-    return f" (fixed in {parameter.stated})" if parameter.fixed else ""
+    """Words for where a fixed value stands and what else may be wrong; "" for an uncertain one."""
+    if not parameter.fixed:
+        return ""
+    # Without a line the twin file says nothing of it, and the value is the FMU's own.
+    has_line = ", line " in parameter.stated
+    stated = (
+        parameter.stated if has_line else f"the FMU; [parameters] of {parameter.stated} sets it"
+    )
+    others = [name.removeprefix("parameter:") for name in parameter.set[1:]]
+    rivals = f"; or {' or '.join(others)} is wrong, {CANNOT_TELL}" if others else ""
+    return f" (fixed in {stated}{rivals})"
 
 
 def _physics(diagnosis: Findings) -> str:

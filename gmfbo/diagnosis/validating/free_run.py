@@ -13,7 +13,7 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 
 
 def free_runs(
-    case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted
+    case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted | None
 ) -> dict[str, FreeRun]:
     """NRMSE of whole recordings by signal; none of a twin that its controller corrects.
 
@@ -23,23 +23,21 @@ def free_runs(
         Twin and recordings.
     scored : sequence of int
         Held-out windows: recordings that hold one of them count.
-    plain, augmented : Fitted
-        The twin with its parameters refitted, without and with named physics.
+    plain : Fitted
+        The twin with its uncertain parameters refitted.
+    augmented : Fitted or None
+        With named physics and freed parameters too; None where there are none.
     """
     simulations = case.simulations
     if simulations.tracking is None:
         return {}
     records = sorted({case.budget.windows[i].record for i in scored})
-    with_it = augmented.hypothesis.point(augmented.x)
-    points = [Point(), plain.hypothesis.point(plain.x), with_it]
+    models = [plain] if augmented is None else [plain, augmented]
+    points = [Point(), *(model.hypothesis.point(model.x) for model in models)]
     runs = [{k: simulations.run_freely(point, k) for k in records} for point in points]
     names = dict.fromkeys(s.name for k in records for s in simulations.records[k].signals)
-    is_named = bool(augmented.hypothesis.effects)
-    errors = {name: [_nrmse(case, name, run) for run in runs] for name in names}
-    return {
-        name: FreeRun(nominal, parameters, named if is_named else float("nan"))
-        for name, (nominal, parameters, named) in errors.items()
-    }
+    errors = {name: [*(_nrmse(case, name, run) for run in runs), float("nan")] for name in names}
+    return {name: FreeRun(*own[:3]) for name, own in errors.items()}
 
 
 def _nrmse(case: Case, name: str, runs: Mapping[int, Simulated]) -> float:

@@ -230,7 +230,8 @@ class _Told:
 
 def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     case, augmented = told.case, told.augmented
-    signals = _table(case, told.scored, told.plain, augmented, told.unnamed)
+    shown = augmented if seen.decision.row.elements else None
+    signals = _table(case, told.scored, told.plain, shown, told.unnamed)
     removed, distance = None, _distance(seen.before, seen.after)
     nominal = seen.nominal(case.nominal)
     if distance > SAME:
@@ -239,7 +240,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     return Validated(
         table,
-        _curves(case, told.plain, augmented),
+        _curves(case, told.plain, shown),
         _stretches(case, told.scored),
         told.plain,
         augmented,
@@ -293,7 +294,7 @@ def _table(
     case: Case,
     scored: Sequence[int],
     plain: Fitted,
-    augmented: Fitted,
+    augmented: Fitted | None,
     unnamed: Sequence[Simulated] | None,
 ) -> dict[str, SignalFit]:
     names = [s.name for record in case.simulations.records for s in record.signals]
@@ -304,9 +305,9 @@ def _table(
             nominal=nominal,
             parameters_only=_nrmse(case, scored, name, plain.simulated),
             augmented=(
-                _nrmse(case, scored, name, augmented.simulated)
-                if augmented.hypothesis.effects
-                else float("nan")
+                float("nan")
+                if augmented is None
+                else _nrmse(case, scored, name, augmented.simulated)
             ),
             unnamed_spline=(
                 float("nan") if unnamed is None else _nrmse(case, scored, name, unnamed)
@@ -372,7 +373,7 @@ def _removed(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted
     return min(float((before - after) / (before - floor)), 1.0)
 
 
-def _curves(case: Case, plain: Fitted, augmented: Fitted) -> tuple[Curve, ...]:
+def _curves(case: Case, plain: Fitted, augmented: Fitted | None) -> tuple[Curve, ...]:
     units = {
         name: case.twin.binding.variables[entry.variable].variable.si_unit
         for name, entry in case.twin.file.outputs.items()
@@ -380,7 +381,6 @@ def _curves(case: Case, plain: Fitted, augmented: Fitted) -> tuple[Curve, ...]:
     curves = []
     for k, record in enumerate(case.simulations.records):
         for i, signal in enumerate(record.signals):
-            named = bool(augmented.hypothesis.effects)
             curves.append(
                 Curve(
                     recording=record.name,
@@ -391,9 +391,9 @@ def _curves(case: Case, plain: Fitted, augmented: Fitted) -> tuple[Curve, ...]:
                     nominal=case.nominal[k].signals[i],
                     parameters_only=plain.simulated[k].signals[i],
                     augmented=(
-                        augmented.simulated[k].signals[i]
-                        if named
-                        else np.full(signal.values.size, np.nan)
+                        np.full(signal.values.size, np.nan)
+                        if augmented is None
+                        else augmented.simulated[k].signals[i]
                     ),
                 )
             )

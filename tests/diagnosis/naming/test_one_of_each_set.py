@@ -12,6 +12,7 @@ PRESLIDING = Claim(("presliding_friction", "hysteresis"), (0.6, 0.4))
 ONE_SIDED = Claim(("stribeck_friction", "asymmetric_friction"), (0.6, 0.4))
 OVERLAPPING = Claim(("presliding_friction", "stribeck_friction"), (0.6, 0.4))
 GAIN = Claim(("parameter:drive.gain", "actuator_gain_loss"), (0.6, 0.4))
+EITHER = Claim(("parameter:mass", "parameter:drive.gain"), (0.6, 0.4))
 PARAMETER = Claim(("parameter:mass",), (1.0,))
 COGGING_ALONE = frozenset({"cogging_torque"})
 
@@ -30,6 +31,7 @@ COGGING_ALONE = frozenset({"cogging_torque"})
             "presliding_friction stribeck_friction",
         ),
         ((PARAMETER,), "parameter:mass cogging_torque", "parameter:mass"),
+        ((EITHER,), "parameter:drive.gain cogging_torque", "parameter:drive.gain"),
         ((GAIN,), "parameter:drive.gain actuator_gain_loss", "actuator_gain_loss"),
     ],
 )

@@ -9,6 +9,7 @@ import pytest
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.diagnosis.result.explained import Remainder, Resembled
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
+from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import interval, number, percent, quantity
 from gmfbo.units import unit_words
@@ -177,3 +178,34 @@ def test_an_interval_that_is_not_known_is_left_out() -> None:
     assert interval(0.5213, 0.49, 0.55, "N.m") == "0.521 [0.49, 0.55] N m"
     assert interval(0.5213, float("nan"), 0.55, "N.m") == "0.521 N m"
     assert number(float("inf")) == "-"
+
+
+def test_what_follows_the_reference_is_not_called_nothing() -> None:
+    """Rows of a slow logger left 12 % of a command's error, and "no physics is missing"."""
+    follows = ResidualTest("rec3.csv", "torque_command", 0.13, 0.12, 0.006, 0.0041)
+    told = replace(parameters(), residual_tests=(follows,)).sentence
+    assert told.endswith("though what is left still follows the reference.")
+    told = replace(nothing(), residual_tests=(follows,)).sentence
+    assert told.startswith("Nothing that is known here is missing, though what is left still")
+    small = replace(follows, follows=0.004, bound=0.0001)
+    assert replace(nothing(), residual_tests=(small,)).sentence == nothing().sentence
+
+
+def test_a_fixed_value_is_told_with_its_line_and_with_what_may_be_wrong_in_its_place() -> None:
+    wrong = EstimatedParameter(
+        1.0, 1.6, "ms", 1.59, 1.61, stated="ax7.toml, line 12", fixed=True,
+        set=("parameter:filter_time", "parameter:bus_time"),
+    )  # fmt: skip
+    told = replace(parameters(), parameters={"filter_time": wrong}).sentence
+    assert "filter_time is 1.6 ms instead of 1 (fixed in ax7.toml, line 12; or bus_time" in told
+    own = replace(wrong, stated="ax7.toml", set=("parameter:filter_time",))
+    told = replace(parameters(), parameters={"filter_time": own}).sentence
+    assert "(fixed in the FMU; [parameters] of ax7.toml sets it)" in told
+
+
+def test_the_error_beside_a_fixed_value_is_that_of_the_twin_with_the_right_one() -> None:
+    wrong = EstimatedParameter(1.0, 1.6, "ms", 1.59, 1.61, stated="a.toml, line 1", fixed=True)
+    with_it = replace(FIT, signals={"position": SignalFit(0.3, 0.2, 0.06, 0.2, 0.05)})
+    left = Remainder(0.1, None, None, "throughout")
+    found = replace(parameters(), parameters={"filter_time": wrong}, fit=with_it, remainder=left)
+    assert "position error 6.0 %" in found.sentence
