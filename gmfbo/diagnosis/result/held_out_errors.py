@@ -52,8 +52,8 @@ class Fit:
     signals : mapping of str to SignalFit
         Errors by signal.
     explainable_error_removed : float or None
-        Share of the explainable error that the named physics removes, in the weighted norm of the
-        decision; None where there is next to nothing to explain.
+        Share of the explainable error that the named physics removes, in the norm of noise alone,
+        as `share`; None where there is next to nothing to explain.
     """
 
     fitted_on: tuple[str, ...]

@@ -63,6 +63,18 @@ class Squares:
         return Share(min(float(value), 1.0), min(float(low), 1.0), min(float(high), 1.0))
 
     @property
+    def removed(self) -> float | None:
+        """Share that is gone with all that was named; None where next to nothing is beyond noise.
+
+        A fit may leave less than noise is expected to: then what it leaves is the floor.
+        """
+        beyond = self.before - self.noise
+        if not self._is_more_than_noise(beyond):
+            return None
+        floor = min(float(self.noise.sum()), float(self.after.sum()))
+        return float((self.before - self.after).sum() / (self.before.sum() - floor))
+
+    @property
     def remainder(self) -> float | None:
         """Share that nothing explains; None where no more than noise is left."""
         beyond, left = self.before - self.noise, self.after - self.noise

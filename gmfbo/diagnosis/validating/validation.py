@@ -25,7 +25,7 @@ from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import SAME
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.fitting.misfit import Misfit, chi2
+from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decided_by_score import measured
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.curve import Curve
@@ -232,12 +232,10 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     case, augmented = told.case, told.augmented
     shown = augmented if seen.decision.row.elements else None
     signals = _table(case, told.scored, told.plain, shown, told.unnamed)
-    removed, distance = None, _distance(seen.before, seen.after)
-    nominal = seen.nominal(case.nominal)
-    if distance > SAME:
-        removed = _removed(case, told.scored, told.plain, augmented)
-    table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
+    distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
+    removed = squares.removed if distance > SAME else None
+    table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
     return Validated(
         table,
         _curves(case, told.plain, shown),
@@ -357,20 +355,6 @@ def _floor(case: Case, scored: Sequence[int], name: str) -> float:
     values = np.concatenate(extents)
     extent = float(np.ptp(values))
     return float(np.sqrt(np.mean(squares)) / extent) if extent > 0.0 else float("nan")
-
-
-def _removed(case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted) -> float | None:
-    """Share of the explainable whitened error that is gone; None where there is none.
-
-    The noise floor has two upper bounds: the error budget, and what the augmented twin leaves.
-    """
-    misfit = restricted(case.plain, scored)
-    before, after = (chi2(misfit.residual(fitted.simulated)) for fitted in (plain, augmented))
-    noise = float(sum(case.budget.noise_squares[w] for w in scored))
-    floor = min(noise, after)
-    if before - floor < 2.0 * np.sqrt(2.0 * floor):
-        return None
-    return min(float((before - after) / (before - floor)), 1.0)
 
 
 def _curves(case: Case, plain: Fitted, augmented: Fitted | None) -> tuple[Curve, ...]:

@@ -26,6 +26,14 @@ def test_a_share_is_what_is_gone_of_what_was_more_than_noise() -> None:
     assert found.remainder == pytest.approx(0.2)
 
 
+def test_what_is_removed_is_what_the_only_law_explains() -> None:
+    found = squares(11.0, 3.0, coulomb_friction=11.0)
+    assert found.removed == pytest.approx(0.8)
+    assert squares(11.0, 0.9, coulomb_friction=11.0).removed == pytest.approx(1.0)
+    assert squares(11.0, 13.0).removed == pytest.approx(-0.2)
+    assert squares(1.0, 0.9).removed is None
+
+
 def test_of_several_laws_each_has_its_own_loss() -> None:
     found = squares(11.0, 1.0, backlash=4.0, coulomb_friction=8.0)
     shares = {name: found.share(name) for name in ("backlash", "coulomb_friction")}
