@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gmfbo.plain_words import interval, listed, percent, quantity
+from gmfbo.plain_words import interval, listed, quantity
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.estimated import EstimatedParameter
@@ -25,17 +25,24 @@ def cautions(diagnosis: Findings) -> tuple[str, ...]:
 
 def drifts_words(diagnosis: Findings) -> str:
     """Sentences about parameters that differ from recording to recording; empty without any."""
-    told = []
-    for name, one in diagnosis.parameters.items():
-        if one.drifts:
-            first, *_, last = one.drifts
-            change = one.drifts[last] / one.drifts[first] - 1.0
-            verb = "rises" if change > 0.0 else "falls"
-            told.append(
-                f"{name} differs from recording to recording: it {verb} by {percent(abs(change))} "
-                f"from {first} to {last}."
-            )
-    return " ".join(told)
+    return " ".join(
+        f"{name} {_drift(one.drifts, one.unit)}."
+        for name, one in diagnosis.parameters.items()
+        if one.drifts
+    )
+
+
+def _drift(drifts: Mapping[str, float], unit: str) -> str:
+    """Verb with the ends of a drift [unit]; a direction only where no recording goes back."""
+    told = [f"{quantity(value, unit)} in {recording}" for recording, value in drifts.items()]
+    values = list(drifts.values())
+    low, high = values.index(min(values)), values.index(max(values))
+    if values[0] != values[-1]:
+        if values == sorted(values):
+            return f"rises from {told[0]} to {told[-1]}"
+        if values == sorted(values, reverse=True):
+            return f"falls from {told[0]} to {told[-1]}"
+    return f"varies between {told[low]} and {told[high]}"
 
 
 def not_compared(diagnosis: Findings) -> str:
