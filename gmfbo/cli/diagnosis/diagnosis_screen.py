@@ -72,7 +72,7 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     lines += _entry("parameters", _refitted(diagnosis), wraps)
     lines += _entry("known only", combinations_text(diagnosis), wraps)
     lines += _entry("caution", "" if diagnosis.converged else NOT_CONVERGED, 1)
-    lines += _entry("drifts", drifts_words(diagnosis), wraps)
+    lines += _entry("drifts", drifts_words(diagnosis), wraps + 1)
     lines += _entry("where", _where(diagnosis), wraps)
     lines += _entry("not testable", _not_testable(diagnosis), wraps)
     lines += _entry("next", _next(diagnosis), wraps)

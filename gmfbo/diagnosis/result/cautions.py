@@ -16,11 +16,15 @@ NOT_CONVERGED = "The fit of these values was stopped before it had converged."
 
 def cautions(diagnosis: Findings) -> tuple[str, ...]:
     """Sentences that belong beside the values of a diagnosis; none where all is well."""
-    told = [not_compared(diagnosis), too_narrow_ranges(diagnosis), range_ends(diagnosis)]
-    told.append(drifts_words(diagnosis))
+    in_verdict = (not_compared(diagnosis), too_narrow_ranges(diagnosis), range_ends(diagnosis))
+    return (*filter(None, in_verdict), *beside_the_verdict(diagnosis))
+
+
+def beside_the_verdict(diagnosis: Findings) -> tuple[str, ...]:
+    """Those of them that the verdict's own sentence leaves out."""
     moving = f"{NOT_CONVERGED} They, and their intervals, may still move."
     stopped = "" if diagnosis.converged else moving
-    return tuple(filter(None, (*told, stopped)))
+    return tuple(filter(None, (drifts_words(diagnosis), stopped)))
 
 
 def drifts_words(diagnosis: Findings) -> str:
