@@ -25,7 +25,11 @@ INDENT = 13
 
 @dataclass(frozen=True)
 class _Detail:
-    """Level of detail: lines of the sentence, effects and signals, lines of each entry."""
+    """Level of detail: lines of the sentence, effects and signals, notes and lines of an entry.
+
+    An entry has one line at least; one that says what is missing, or drifts, has one more than
+    others.
+    """
 
     sentence: int
     entries: int
@@ -40,6 +44,7 @@ _DETAILS = (
     _Detail(3, 2, 1),
     _Detail(3, 1, 1),
     _Detail(2, 1, 1),
+    _Detail(2, 1, 0),
 )
 
 
@@ -65,8 +70,7 @@ def _lines(diagnosis: Diagnosis, written: Sequence[Path], detail: _Detail) -> li
     for effect in diagnosis.effects[: detail.entries]:
         lines += _effect(effect, wraps, len(diagnosis.effects) == 1)
     lines += _entry("or", misaligned_sentence(diagnosis), wraps + 1)
-    table = fit_lines(diagnosis)
-    lines += table[: detail.entries + 1]
+    lines += fit_lines(diagnosis, detail.entries)
     lines += _entry("removed", removed_words(diagnosis), 2)
     lines += _entry("left", remainder_words(diagnosis.remainder), wraps)
     lines += _entry("parameters", _refitted(diagnosis), wraps)
@@ -96,7 +100,7 @@ def _entry(name: str, text: str, most: int) -> list[str]:
     wide = WIDTH - INDENT
     # A path or a name stays whole, even beyond the margin.
     wrapped = textwrap.wrap(text, wide, break_long_words=False, break_on_hyphens=False)
-    wrapped = _cut(wrapped, most, wide)
+    wrapped = _cut(wrapped, max(most, 1), wide)
     heads = [name, *[""] * (len(wrapped) - 1)]
     return [f"{head:<{INDENT}}{line}" for head, line in zip(heads, wrapped, strict=True)]
 

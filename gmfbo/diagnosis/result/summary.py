@@ -47,12 +47,20 @@ def parameter_texts(effect: NamedEffect) -> list[str]:
     return [f"{head}{texts[0]}", *texts[1:]] if texts else []
 
 
-def fit_lines(diagnosis: Findings) -> list[str]:
-    """Return the before/after table as text of at most 79 characters, one line a signal."""
+def fit_lines(diagnosis: Findings, most: int | None = None) -> list[str]:
+    """Return the before/after table as lines of at most 79 characters.
+
+    Parameters
+    ----------
+    diagnosis : Findings
+        With a line for each signal, and another for one that was also met without correction.
+    most : int, optional
+        Signals that are shown.
+    """
     if not diagnosis.fit.signals:
         return []
     rows = [("error, unseen runs", COLUMNS)]
-    for name, fit in diagnosis.fit.signals.items():
+    for name, fit in list(diagnosis.fit.signals.items())[:most]:
         rows.append((words(name), _fit_cells(fit)))
         if fit.free_run is not None:
             rows.append((f"  {FREE_RUN}", _free_cells(fit.free_run)))

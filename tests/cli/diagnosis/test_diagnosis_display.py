@@ -15,6 +15,7 @@ from gmfbo.cli.diagnosis.diagnosis_display import DiagnosisDisplay
 from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.page.page import diagnosis_page
+from gmfbo.diagnosis.result.explained import FreeRun
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.diagnosis.result.named_effect import IdentifiedValue
 from tests.diagnosis.example_diagnoses import (
@@ -25,6 +26,7 @@ from tests.diagnosis.example_diagnoses import (
     nothing,
     outside,
     parameters,
+    remaining,
     rivals,
     too_little,
     too_narrow,
@@ -51,6 +53,26 @@ def crowded() -> Diagnosis:
     )
 
 
+def without_correction(diagnosis: Diagnosis) -> Diagnosis:
+    """The same of an open-loop twin, each signal of which has errors without correction too."""
+    signals = {
+        name: replace(fit, free_run=FreeRun(0.41, 0.32, 0.021))
+        for name, fit in diagnosis.fit.signals.items()
+    }
+    return replace(diagnosis, fit=replace(diagnosis.fit, signals=signals))
+
+
+def everything() -> Diagnosis:
+    """A crowded diagnosis of an open-loop axis that has every entry of the screen."""
+    return replace(
+        without_correction(crowded()),
+        converged=False,
+        alignment=late().alignment,
+        parameters=remaining().parameters,
+        remainder=remaining().remainder,
+    )
+
+
 @pytest.mark.parametrize(
     "made",
     [
@@ -64,6 +86,8 @@ def crowded() -> Diagnosis:
         crowded(),
         late(),
         replace(crowded(), converged=False, alignment=late().alignment),
+        without_correction(crowded()),
+        everything(),
     ],
 )
 def test_the_result_fits_a_screen(made: Diagnosis) -> None:
@@ -110,6 +134,19 @@ def test_a_typical_screen_holds_all_that_matters() -> None:
 def test_a_crowded_screen_says_what_it_leaves_out() -> None:
     shown = "\n".join(screenful(crowded(), WRITTEN))
     assert "more         5 effects, 8 signals and 4 notes, see the report" in shown
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 9])
+def test_each_signal_is_on_the_screen_or_counted_with_and_without_correction(count: int) -> None:
+    signals = {f"signal_{k}": SignalFit(0.3, 0.2, 0.1, 0.1, 0.05) for k in range(count)}
+    closed = replace(friction(), fit=replace(FIT, signals=signals))
+    for made in (closed, without_correction(closed)):
+        lines = screenful(made, WRITTEN)
+        shown = sum(line.startswith("signal ") for line in lines)
+        free_runs = sum(line.startswith("  whole, uncorrected") for line in lines)
+        counted = re.search(r"(\d+) signals?\b.*see the report", "\n".join(lines))
+        assert shown + (int(counted[1]) if counted else 0) == count
+        assert free_runs == (0 if made is closed else shown)
 
 
 def test_a_long_path_is_never_cut() -> None:
