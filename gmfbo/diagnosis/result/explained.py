@@ -49,7 +49,7 @@ class Remainder:
     Attributes
     ----------
     share : float
-        Of what the refitted twin leaves beyond noise, dimensionless.
+        Of what the refitted twin leaves beyond noise, dimensionless; what is given above 1 is 1.
     port : str or None
         Port at which a smooth signal stands for it; None where none does.
     against : str or None
@@ -65,6 +65,10 @@ class Remainder:
     against: str | None
     where: str
     resembles: Resembled | None = None
+
+    def __post_init__(self) -> None:
+        # Laws may leave more on held-out recordings than the refitted twin does: all is left then.
+        object.__setattr__(self, "share", min(self.share, 1.0))
 
 
 @dataclass(frozen=True)

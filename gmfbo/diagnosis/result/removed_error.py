@@ -88,7 +88,7 @@ def remainder_words(remainder: Remainder | None) -> str:
     """What no law explains, as a clause; empty where it is next to nothing."""
     if remainder is None or remainder.share < LEAST_TOLD:
         return ""
-    told = f"{percent(min(remainder.share, 1.0))} of what is more than noise is explained by no law"
+    told = f"{percent(remainder.share)} of what is more than noise is explained by no law"
     if remainder.against is not None:
         told += f"; it depends on the {words(remainder.against)}{resembling_words(remainder)}"
     if remainder.where != "throughout":

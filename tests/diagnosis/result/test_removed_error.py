@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ import pytest
 from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.page.page import diagnosis_page
+from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.result.removed_error import STILL_FOLLOWS, removed_percent, rounded_down
 from tests.diagnosis.example_diagnoses import FIT, friction
@@ -76,3 +78,20 @@ def test_the_number_on_the_page_stays_that_of_the_json(share: float) -> None:
     numbers = PageText(diagnosis_page(made(share, FOLLOWS))).numbers
     (found,) = [one for one in numbers if one.path == "fit.explainable_error_removed"]
     assert rounds_to(found, share)
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [(1.3, "100 %"), (2.99, "100 %"), (1.0, "100 %"), (0.996, "100 %"), (0.23, "23 %")],
+)
+def test_what_is_left_is_one_number_and_at_most_all_of_it(share: float, said: str) -> None:
+    made = replace(friction(), remainder=Remainder(share, None, None, "throughout"))
+    told = f"{said} of what is more than noise is explained by no law"
+    terminal, sentence, page = (" ".join(text.split()) for text in shown(made))
+    assert f"left {told}" in terminal
+    assert f" {told}." in sentence
+    assert told in page
+    assert not re.search(rf"%\s*{told}", page)
+    numbers = PageText(diagnosis_page(made)).numbers
+    (found,) = [one for one in numbers if one.path == "remainder.share"]
+    assert rounds_to(found, json.loads(made.to_json())["remainder"]["share"])
