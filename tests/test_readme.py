@@ -56,6 +56,16 @@ def test_readme_can_be_read_in_minutes() -> None:
     assert len(README.split()) <= MOST_WORDS  # as `wc -w` counts
 
 
+def test_the_real_axis_is_told_with_its_halves_and_beside_the_published_model() -> None:
+    (line,) = re.findall(r"^- \*\*18 % to 3\.2 %\*\*.*?(?=^- )", README, re.MULTILINE | re.DOTALL)
+    for part in ("second half", "found in the first", "cut by hand", "3.8 % with 4 numbers", "10"):
+        assert part in line
+    notebook = (ROOT / "notebooks/03_find_the_missing_physics.py").read_text(encoding="utf-8")
+    told = " ".join(notebook.replace("\n# ", " ").split())
+    assert "with eight numbers beside mass and viscous friction" in told
+    assert "leave 3.8 % with four numbers" in told
+
+
 def sentences(text: str) -> list[str]:
     """Sentences of prose, lists and cells, without code blocks, tags and targets of links."""
     text = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
