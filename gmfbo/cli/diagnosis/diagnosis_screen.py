@@ -132,6 +132,7 @@ def _refitted(diagnosis: Diagnosis) -> str:
     """Identifiable parameters of the twin, before and after the refit."""
     return "; ".join(
         f"{name} {number(one.nominal)} -> {interval(one.value, one.low, one.high, one.unit)}"
+        f"{one.where_fixed}"
         for name, one in diagnosis.parameters.items()
         if one.identifiable
     )

@@ -32,6 +32,7 @@ from gmfbo.pages.svg_chart import swatch
 from gmfbo.plain_words import percent, words
 
 if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.estimated import EstimatedParameter
     from gmfbo.diagnosis.result.findings import Findings
     from gmfbo.diagnosis.result.held_out_errors import Fit
     from gmfbo.diagnosis.result.named_effect import NamedEffect
@@ -179,8 +180,12 @@ def _key_facts(diagnosis: Findings) -> str:
     facts = [_effect_fact(place, effect) for place, effect in enumerate(diagnosis.effects)]
     facts += _removed(diagnosis)
     facts += _left(diagnosis)
-    if not diagnosis.effects and diagnosis.shape is None:
-        facts += [*_moved_parameters(diagnosis), *_would_have_shown(diagnosis)]
+    # A refit moves uncertain values a little beside any effect; a fixed one contradicts the file.
+    alone = not diagnosis.effects and diagnosis.shape is None
+    facts += _moved_parameters(
+        {name: one for name, one in diagnosis.parameters.items() if alone or one.fixed}
+    )
+    facts += _would_have_shown(diagnosis) if alone else []
     if misaligned := misaligned_sentence(diagnosis):
         facts.append(escape(misaligned))
     where = place_words(diagnosis)
@@ -212,10 +217,10 @@ def _left(diagnosis: Findings) -> list[str]:
     return [f"<b>{shown}</b>{escape(told.removeprefix(percent(remainder.share)))}"]
 
 
-def _moved_parameters(diagnosis: Findings) -> list[str]:
+def _moved_parameters(parameters: Mapping[str, EstimatedParameter]) -> list[str]:
     """Parameters whose refitted interval leaves out the value in the twin."""
     facts = []
-    for name, one in diagnosis.parameters.items():
+    for name, one in parameters.items():
         if not one.identifiable or one.low <= one.nominal <= one.high:
             continue
         path = ("parameters", name)
@@ -223,7 +228,8 @@ def _moved_parameters(diagnosis: Findings) -> list[str]:
         ends = (one.value, one.low, one.high)
         factor = scale_for(max(abs(end) for end in ends), one.unit).factor
         nominal = marked_number((*path, "nominal"), one.nominal, factor=factor, digits=4)
-        facts.append(f"<b>{escape(name)}</b> = {shown.text}, in the twin {nominal}")
+        where = escape(one.where_fixed)
+        facts.append(f"<b>{escape(name)}</b> = {shown.text}, in the twin {nominal}{where}")
     return facts[:4]
 
 

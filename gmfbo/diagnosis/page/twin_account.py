@@ -39,7 +39,7 @@ def parameter_table(diagnosis: Findings) -> str:
         if one.at_bound is not None:
             end = marked_number((*path, "bound"), one.bound, factor=factor, digits=4)
             interval += f" (its range ends at {end})"
-        rows.append([escape(name), nominal, value, interval, unit])
+        rows.append([escape(f"{name}{one.where_fixed}"), nominal, value, interval, unit])
     heads = ["parameter", "in the twin", "refitted", "95 % interval", "unit"]
     return table(heads, rows, numbers=(1, 2, 3)) + _drifts(diagnosis)
 

@@ -60,6 +60,11 @@ class EstimatedParameter:
         """Whether the recordings ask for a value beyond the range."""
         return self.value > self.bound if self.at_bound == "high" else self.value < self.bound
 
+    @property
+    def where_fixed(self) -> str:
+        """Words for the line of the twin file that holds it fixed; empty for an uncertain one."""
+        return f" (fixed in {self.stated})" if self.fixed else ""
+
 
 @dataclass(frozen=True)
 class Combination:
