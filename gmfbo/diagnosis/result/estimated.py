@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from gmfbo.diagnosis.result.certainty import CANNOT_TELL
+
 Side = Literal["low", "high"]
 """End of a range."""
 
@@ -62,8 +64,18 @@ class EstimatedParameter:
 
     @property
     def where_fixed(self) -> str:
-        """Words for the line of the twin file that holds it fixed; empty for an uncertain one."""
-        return f" (fixed in {self.stated})" if self.fixed else ""
+        """Words for the line that holds it fixed, and for what else may be wrong in its place.
+
+        Empty for an uncertain one.
+        """
+        if not self.fixed:
+            return ""
+        # Without a line the twin file says nothing of it, and the value is the FMU's own.
+        own = f"the FMU; [parameters] of {self.stated} sets it"
+        stated = self.stated if ", line " in self.stated else own
+        others = [name.removeprefix("parameter:") for name in self.set[1:]]
+        rivals = f"; or {' or '.join(others)} is wrong, {CANNOT_TELL}" if others else ""
+        return f" (fixed in {stated}{rivals})"
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
-from gmfbo.diagnosis.result.certainty import CANNOT_TELL
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
     explains_most,
@@ -20,7 +19,6 @@ from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, wo
 from gmfbo.units import quantity as prefixed
 
 if TYPE_CHECKING:
-    from gmfbo.diagnosis.result.estimated import EstimatedParameter
     from gmfbo.diagnosis.result.findings import Findings
     from gmfbo.diagnosis.result.named_effect import NamedEffect
     from gmfbo.diagnosis.result.next_experiment import NextExperiment
@@ -71,7 +69,7 @@ def _parameters(diagnosis: Findings) -> str:
     }
     values = ", ".join(
         f"{name} is {quantity(parameter.value, parameter.unit)} instead of "
-        f"{quantity(parameter.nominal, '')}{_fixed_at(parameter)}"
+        f"{quantity(parameter.nominal, '')}{parameter.where_fixed}"
         for name, parameter in list(moved.items())[:3]
     )
     more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
@@ -110,18 +108,14 @@ def _left_over(diagnosis: Findings, errors: Mapping[str, float]) -> str:
     return f"{told} ({shown})"
 
 
-def _fixed_at(parameter: EstimatedParameter) -> str:
-    """Words for where a fixed value stands and what else may be wrong; "" for an uncertain one."""
-    if not parameter.fixed:
-        return ""
-    # Without a line the twin file says nothing of it, and the value is the FMU's own.
-    has_line = ", line " in parameter.stated
-    stated = (
-        parameter.stated if has_line else f"the FMU; [parameters] of {parameter.stated} sets it"
+def _freed(diagnosis: Findings) -> str:
+    """Sentences on fixed values that are wrong beside what is missing; empty where none is."""
+    return " ".join(
+        f"{name} is {quantity(one.value, one.unit)} instead of "
+        f"{quantity(one.nominal, '')}{one.where_fixed}."
+        for name, one in diagnosis.parameters.items()
+        if one.fixed and not one.low <= one.nominal <= one.high
     )
-    others = [name.removeprefix("parameter:") for name in parameter.set[1:]]
-    rivals = f"; or {' or '.join(others)} is wrong, {CANNOT_TELL}" if others else ""
-    return f" (fixed in {stated}{rivals})"
 
 
 def _physics(diagnosis: Findings) -> str:
@@ -137,7 +131,7 @@ def _physics(diagnosis: Findings) -> str:
         with_them = "the first of each set" if sets else "them"
         told += f" With {with_them} {improved}." if improved else ""
     apart = next(filter(None, (_apart(diagnosis.next_experiment, effect) for effect in sets)), "")
-    return f"{told} {apart}".rstrip()
+    return " ".join(filter(None, (told, _freed(diagnosis), apart)))
 
 
 def _apart(planned: NextExperiment | None, effect: NamedEffect) -> str:

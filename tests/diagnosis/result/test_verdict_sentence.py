@@ -209,3 +209,13 @@ def test_the_error_beside_a_fixed_value_is_that_of_the_twin_with_the_right_one()
     left = Remainder(0.1, None, None, "throughout")
     found = replace(parameters(), parameters={"filter_time": wrong}, fit=with_it, remainder=left)
     assert "position error 6.0 %" in found.sentence
+
+
+def test_a_fixed_value_that_is_wrong_beside_an_effect_is_in_the_sentence() -> None:
+    wrong = EstimatedParameter(
+        1.0, 1.6, "ms", 1.59, 1.61, stated="ax7.toml, line 12", fixed=True,
+        set=("parameter:filter_time",),
+    )  # fmt: skip
+    told = replace(friction(), parameters={"filter_time": wrong}).sentence
+    assert told.startswith("Coulomb friction of about 0.52 N m")
+    assert told.endswith(" filter_time is 1.6 ms instead of 1 (fixed in ax7.toml, line 12).")
