@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.checking.grouped_findings import grouped, told_together
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.plain_words import duration, number, percent, quantity, words, wrapped
 from gmfbo.units import unit_words
@@ -38,7 +38,6 @@ _LOGGED = {
     "held": "the value still in force when the row was measured",
     "new": "the value just computed from the row's measurement",
 }
-_NUMBERS = re.compile(r"\s*[-+]?\d[\d.,e+-]*( \.\.\.)?")
 _MOST_ALONE = 6  # recordings that have a column of their own
 _MOST_FINDINGS = 8
 _FAR = 20.0  # times the size shown by all recordings together: as good as never
@@ -52,7 +51,7 @@ def check_lines(check: Check, *, every: bool = False) -> list[str]:
     check : Check
         The result of the check.
     every : bool
-        Tell of all findings and effects, not of the usual ones.
+        Tell each finding by itself, and all effects instead of the usual ones.
     """
     return [
         *_findings(check, every),
@@ -72,7 +71,7 @@ def check_lines(check: Check, *, every: bool = False) -> list[str]:
 def _findings(check: Check, every: bool) -> list[str]:
     files = len(check.recordings)
     runs = f"{files} recording{'s' if files != 1 else ''}"
-    alike = _alike(check.findings)
+    alike = [[one] for one in check.findings] if every else grouped(check.findings)
     if not alike:
         which = "it" if files == 1 else "them"
         return [f"{check.twin}: {runs}, nothing wrong with {which} was seen", *_notes(check)]
@@ -80,8 +79,9 @@ def _findings(check: Check, every: bool) -> list[str]:
     lines = [f"{check.twin}: {runs}, {count} to look at", *_notes(check)]
     shown = alike if every else alike[:_MOST_FINDINGS]
     for group in shown:
-        lines += wrapped(f"{_title(group)}: {group[0].what}", "! ")
-        lines += wrapped(group[0].cure, "  -> ")
+        what = told_together([finding.what for finding in group])
+        lines += wrapped(f"{_title(group)}: {what}", "! ")
+        lines += wrapped(told_together([finding.cure for finding in group]), "  -> ")
     if len(alike) > len(shown):
         lines.append(f"  and {len(alike) - len(shown)} more: --all")
     return lines
@@ -90,15 +90,6 @@ def _findings(check: Check, every: bool) -> list[str]:
 def _notes(check: Check) -> list[str]:
     """What was changed in the recordings or taken for granted: all below rests on it."""
     return [line for note in check.notes for line in wrapped(note, "note: ")]
-
-
-def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
-    """Findings that differ in their recording and numbers alone, as groups."""
-    groups: dict[tuple[str, str, str], list[Finding]] = {}
-    for finding in findings:
-        said = _NUMBERS.sub("", f"{finding.what} {finding.cure}")
-        groups.setdefault((finding.kind, finding.signal, said), []).append(finding)
-    return list(groups.values())
 
 
 def _title(group: Sequence[Finding]) -> str:

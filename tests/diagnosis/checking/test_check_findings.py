@@ -308,6 +308,10 @@ def test_two_faults_of_one_kind_do_not_hide_each_other(
     by_clock = Finding("lost_rows", "rec0.csv", "", "3 rows are missing by the clock", "log anew")
     by_jump = Finding("lost_rows", "rec0.csv", "", "all signals jump at 0.3 s", "cut it there")
     again = Finding("lost_rows", "rec1.csv", "", "12 rows are missing by the clock", "log anew")
-    said = "\n".join(check_lines(replace(seen, findings=(by_clock, by_jump, again))))
-    assert "rec0.csv and 1 more: 3 rows are missing by the clock" in said
+    found = replace(seen, findings=(by_clock, by_jump, again))
+    said = "\n".join(check_lines(found))
+    assert "rec0.csv and 1 more: 3 to 12 rows are missing by the clock" in said
     assert "rec0.csv: all signals jump at 0.3 s" in said
+    each = "\n".join(check_lines(found, every=True))
+    assert "rec0.csv: 3 rows are missing by the clock" in each
+    assert "rec1.csv: 12 rows are missing by the clock" in each
