@@ -46,12 +46,8 @@ def corner_of_noise(difference: Array, step: float, level: float) -> float | Non
     float or None
         [Hz] None where the difference is white nowhere.
     """
-    n = difference.size
-    # The second difference keeps the slow part's leakage out of the fast bins.
-    taper = np.hanning(n - 2)
-    power = np.abs(np.fft.rfft(taper * np.diff(difference, 2))) ** 2 / np.sum(taper**2)
-    frequency = np.fft.rfftfreq(n - 2, step)
-    power = power / np.maximum((2.0 * np.sin(np.pi * frequency * step)) ** 4, 1e-30)
+    frequency = np.fft.rfftfreq(difference.size - 2, step)
+    power = np.abs(_bins(difference, step)) ** 2
     found = None
     for corner in reversed(_CORNERS):
         if corner >= _SLOWER / step:
@@ -61,6 +57,36 @@ def corner_of_noise(difference: Array, step: float, level: float) -> float | Non
             break
         found = corner
     return found
+
+
+def fast_bins(columns: Array, step: float, corner: float) -> NDArray[np.complex128]:
+    """Spectra above a frequency, into which nothing slower leaks.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (..., n)
+        Evenly sampled.
+    step : float
+        [s] Between samples.
+    corner : float
+        [Hz] Of the slowest bin.
+
+    Returns
+    -------
+    ndarray of complex, shape (..., n_bins)
+        White noise of variance 1 has a mean square of 1.
+    """
+    frequency = np.fft.rfftfreq(columns.shape[-1] - 2, step)
+    return _bins(columns, step)[..., frequency >= corner]
+
+
+def _bins(columns: Array, step: float) -> NDArray[np.complex128]:
+    """Tapered spectra by the second difference, which keeps the slow part out of fast bins."""
+    rows = columns.shape[-1] - 2
+    taper = np.hanning(rows)
+    bins = np.fft.rfft(taper * np.diff(columns, 2)) / np.sqrt(np.sum(taper**2))
+    slope = 2.0 * np.sin(np.pi * np.fft.rfftfreq(rows, step) * step)
+    return np.asarray(bins / np.maximum(slope**2, 1e-15), dtype=np.complex128)
 
 
 def _fast(column: Array, step: float, corner: float) -> Array:

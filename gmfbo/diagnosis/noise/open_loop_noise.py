@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted
-from gmfbo.diagnosis.noise.noise_corner import above, corner_of_noise
+from gmfbo.diagnosis.noise.noise_corner import above, corner_of_noise, fast_bins
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
@@ -35,31 +35,62 @@ class ReadNoise:
 
     Attributes
     ----------
-    column : ndarray, shape (rows,)
-        [SI] On the communication grid.
+    difference : ndarray, shape (rows,)
+        [SI] Recorded less simulated position on the communication grid.
     step : float
         [s] Of the grid.
     corner : float
-        [Hz] Frequency above which the noise is known.
+        [Hz] Frequency above which the difference is noise.
     """
 
-    column: Array
+    difference: Array
     step: float
     corner: float
 
+    @property
+    def column(self) -> Array:
+        """[SI] The noise on the communication grid, shape (rows,)."""
+        return above(self.difference, self.step, self.corner)
+
     def answer_in(self, command: Array) -> tuple[Array, float]:
         """Part of a command that responds to the noise, and its share of the fast power.
+
+        A controller answers noise in the same way all the time. So the share is what the response
+        that was found in one half of the recording explains in the other: few lines of a clean
+        command are matched by chance in each half, but by another response.
 
         Parameters
         ----------
         command : ndarray, shape (rows,)
             On the communication grid.
         """
-        fast = above(command, self.step, self.corner)
-        rows = range(int(np.ceil(_ANSWERS_WITHIN_S / self.step)) + 1)
-        late = np.array([np.roll(self.column, n) * (np.arange(fast.size) >= n) for n in rows]).T
-        answer: Array = late @ np.linalg.lstsq(late, fast, rcond=None)[0]
-        return answer, 1.0 - float(np.var(fast - answer)) / max(float(np.var(fast)), 1e-300)
+        delays = np.arange(int(np.ceil(_ANSWERS_WITHIN_S / self.step)) + 1)
+        halves = [self._fast_half(command, delays, k) for k in range(2)]
+        found = [np.linalg.lstsq(late, fast, rcond=None)[0] for late, fast in halves]
+        left = sum(
+            float(np.sum((fast - late @ other) ** 2))
+            for (late, fast), other in zip(halves, reversed(found), strict=True)
+        )
+        power = sum(float(np.sum(fast**2)) for _, fast in halves)
+        late, fast = (np.concatenate(part) for part in zip(*halves, strict=True))
+        response = np.linalg.lstsq(late, fast, rcond=None)[0]
+        noise = self.column
+        answer: Array = sum(
+            share * np.roll(noise, n) * (np.arange(noise.size) >= n)
+            for n, share in zip(delays, response, strict=True)
+        )
+        return answer, 1.0 - left / max(power, 1e-300)
+
+    def _fast_half(
+        self, command: Array, delays: NDArray[np.int64], half: int
+    ) -> tuple[Array, Array]:
+        """Fast bins of the noise at each delay and of the command, in a half of the recording."""
+        first, middle, last = int(delays[-1]), command.size // 2, command.size
+        start, end = ((first, middle), (middle, last))[half]
+        late = [self.difference[start - n : end - n] for n in delays]
+        bins = fast_bins(np.array([*late, command[start:end]]), self.step, self.corner)
+        parts = np.concatenate([bins.real, bins.imag], axis=1)
+        return parts[:-1].T, parts[-1]
 
 
 def leave_out_noise(simulations: Simulations, rig: Rig, model: Fitted) -> float | None:
@@ -127,10 +158,13 @@ def _read(record: Record, run: Simulated, position: str) -> ReadNoise | None:
     if not np.all(np.isfinite(difference)):
         return None
     step = float(grid[1] - grid[0])
-    corner = corner_of_noise(difference, step, noise_level(signal, difference).total)
+    level = noise_level(signal, difference)
+    if not signal.resolution and level.total <= level.least:
+        return None  # of so little, the simulation's own errors and leakage are the most
+    corner = corner_of_noise(difference, step, level.total)
     if corner is None:
         return None
-    return ReadNoise(above(difference, step, corner), step, corner)
+    return ReadNoise(difference, step, corner)
 
 
 def _without_answers(record: Record, noise: ReadNoise) -> tuple[Record, float]:

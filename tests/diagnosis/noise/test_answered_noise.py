@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import fit
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
-from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
+from gmfbo.diagnosis.noise.noise_corner import above
+from gmfbo.diagnosis.noise.open_loop_noise import ReadNoise, leave_out_noise
 from gmfbo.recordings.recording import Recording
 from tests.diagnosis.short_recordings import (
     BENCH,
@@ -152,6 +154,39 @@ def test_a_command_that_answers_no_noise_is_played_as_it_was_recorded() -> None:
         for recording, record in zip(recordings, simulations.records, strict=True):
             played = record.plan.experiment.inputs["current"]
             np.testing.assert_array_equal(played, recording.signal("current"))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-5], ids=["exact", "noisy"])
+def test_a_clean_tone_answers_no_noise_whatever_the_inertia(noise: float) -> None:
+    """Its fast part is leakage, as is that of what the twin's wrong inertia leaves."""
+    axis = replace(BENCH, truth={"inertia": 0.0085}, noise={"position": noise})
+    tones: list[Reference] = [
+        lambda t: 0.8 * np.sin(2.0 * np.pi * 2.0 * t),
+        lambda t: np.sin(2.0 * np.pi * 3.1 * t),
+    ]
+    recordings = axis.recordings({}, tones, seconds=2.5)
+    case = open_small(BENCH.twin(), recordings)
+    with case.simulations as simulations:
+        assert not any("answers noise" in note for note in case.notes)
+        for recording, record in zip(recordings, simulations.records, strict=True):
+            played = record.plan.experiment.inputs["current"]
+            np.testing.assert_array_equal(played, recording.signal("current"))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_share_that_answers_is_that_of_a_known_controller(seed: int) -> None:
+    """20 draws; of few fast lines, some are matched by chance, in each half by another answer."""
+    rng = np.random.default_rng(seed)
+    noise, time = rng.standard_normal(ROWS), STEP * np.arange(ROWS)
+    read = ReadNoise(noise, STEP, 65.0)
+    filtered = 3.0 * noise + 2.0 * np.roll(noise, 1) - np.roll(noise, 2)
+    slow = 1e3 * np.sin(2.0 * np.pi * 2.3 * time)
+    answer, share = read.answer_in(slow + filtered + rng.standard_normal(ROWS))
+    assert share == pytest.approx(14.0 / 15.0, abs=0.05)
+    kept = above(filtered, STEP, 65.0)
+    assert np.std((answer - kept)[50:-50]) < 0.15 * np.std(kept)
+    assert read.answer_in(slow + np.sin(2.0 * np.pi * 70.0 * time))[1] < 0.1
+    assert read.answer_in(slow)[1] < 0.1
 
 
 def test_closed_loops_are_left_alone() -> None:
