@@ -12,8 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import detrend
+from scipy.signal import detrend, fftconvolve
 from scipy.signal.windows import hann
+
+from gmfbo.diagnosis.runs.scored_record import resolution
 
 Array = NDArray[np.float64]
 
@@ -22,7 +24,6 @@ TRUSTED_COHERENCE = 0.8
 
 _SEGMENTS = 3.0  # of the shortest recording; half of each overlaps with the next
 _LEAST_ROWS = 32
-_EXCITED = 1e-5  # of the reference's strongest line: weaker ones are rounding and leakage
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,14 +104,46 @@ def empirical_response(
         yy += np.sum(np.abs(y) ** 2, axis=0)
         xy += np.sum(np.conj(x) * y, axis=0)
     frequency = np.fft.rfftfreq(rows, spacing).astype(np.float64)
-    excited = (frequency > 0.0) & (xx > _EXCITED * np.max(xx)) & (yy > 0.0)
-    excited &= frequency <= highest
+    held = 0.5 / (highest * spacing) if math.isfinite(highest) else 1.0
+    spurious = _leaked(xx) + _rounded(sources, window, held)
+    excited = (frequency > 0.0) & (frequency <= highest) & (yy > 0.0)
+    excited &= spurious < (1.0 - TRUSTED_COHERENCE) * xx
     if not excited.any():
         return None
     value = np.asarray(xy[excited] / xx[excited], dtype=np.complex128)
     coherence = np.abs(xy[excited]) ** 2 / (xx[excited] * yy[excited])
     averages = sum(column.size for column in sources) / rows
     return Response(frequency[excited], value, np.asarray(coherence, dtype=np.float64), averages)
+
+
+def _leaked(power: Array) -> Array:
+    """Power that the window makes in each bin of lines at least two bins away, at most.
+
+    The transform of a Hann window at a distance of n bins is below 1 / (pi n (n^2 - 1)) of its
+    peak (Harris 1978, eq. 26). A line lies up to half a bin beside the bin that shows it.
+    """
+    distance = np.arange(2.0, 2.0 * power.size) - 0.5
+    side = (np.pi * distance * (distance**2 - 1.0)) ** -2
+    kernel = np.concatenate([side[::-1], np.zeros(3), side])
+    both = np.concatenate(
+        [power[:0:-1], power]
+    )  # a slow line leaks from its negative frequency too
+    leaked = np.asarray(fftconvolve(both, kernel, "same")[power.size - 1 :], dtype=np.float64)
+    return leaked + float(np.finfo(float).eps) * float(np.sum(both))  # the convolution's rounding
+
+
+def _rounded(sources: Sequence[Array], window: Array, held: float) -> Array:
+    """Power that the rounding of the recorded source makes in each bin.
+
+    `held` is the number of rows for which the source holds one sample, and with it its error.
+    """
+    rows = window.size
+    steps = 2.0 * np.sin(np.pi * np.arange(rows // 2 + 1) / rows)
+    white = sum(
+        resolution(column) ** 2 / 12.0 * ((column.size - 1 - rows) // (rows // 2) + 1)
+        for column in sources
+    )
+    return np.asarray(held * white * float(np.sum(window**2)) * steps**2)
 
 
 def _spectra(column: Array, window: Array) -> NDArray[np.complex128]:

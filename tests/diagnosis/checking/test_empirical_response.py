@@ -110,3 +110,39 @@ def test_nothing_is_told_above_half_the_sampling_rate() -> None:
     unlimited = empirical_response([source], [slow], STEP)
     assert unlimited is not None
     assert unlimited.frequency.max() > 9.0 * half
+
+
+@pytest.mark.parametrize("quantum", [0.0, 1e-6, 1e-4], ids=["exact", "fine", "coarse"])
+def test_a_single_tone_is_trusted_at_its_own_frequency_alone(quantum: float) -> None:
+    """Elsewhere its column holds its leakage and its rounding, which drive nothing."""
+    time = np.arange(2500) * STEP
+    tones = [np.sin(2.0 * np.pi * f * time) for f in (3.1, 5.7)]
+    read = [np.round(x / quantum) * quantum if quantum else x for x in tones]
+    response = empirical_response(read, [lfilter(B, A, x) for x in tones], STEP)
+    assert response is not None
+    bin_width = 1.0 / (2500 / 3 * STEP)
+    low, high = response.trusted
+    assert low == pytest.approx(3.1, abs=2.0 * bin_width)
+    assert high == pytest.approx(5.7, abs=2.0 * bin_width)
+
+
+def test_a_slow_tone_in_coarse_steps_is_not_trusted_beyond_itself() -> None:
+    """Rounding of both columns to a thousandth: their steps are alike, and drive nothing."""
+    rng = np.random.default_rng(0)
+    time = np.arange(2500) * STEP
+    for _ in range(40):
+        f, phase = rng.uniform(1.3, 2.5), rng.uniform(0.0, 2.0 * np.pi)
+        x = np.sin(2.0 * np.pi * f * time + phase)
+        read = [np.asarray(np.round(own, 3), float) for own in (x, lfilter(B, A, x))]
+        response = empirical_response(read[:1], read[1:], STEP)
+        assert response is not None
+        assert response.trusted[1] < f + 2.4
+
+
+def test_weak_tones_far_below_the_strongest_are_trusted_where_they_exceed_leakage() -> None:
+    """Negative control: a tone of a ten-thousandth is heard, since its column is exact."""
+    time = np.arange(6000) * STEP
+    x = np.sin(2.0 * np.pi * 2.0 * time) + 1e-4 * np.sin(2.0 * np.pi * 90.0 * time)
+    response = empirical_response([x], [lfilter(B, A, x)], STEP)
+    assert response is not None
+    assert np.min(np.abs(response.frequency - 90.0)) < 1.0
