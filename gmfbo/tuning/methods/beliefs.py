@@ -263,6 +263,28 @@ def single_source_model(state: TuningState) -> SourceModel:
     return SourceModel.fit(observations_of(state, "IS1"), SurrogateSettings(ard=True))
 
 
+def improve_axis(model: SourceModel, state: TuningState) -> Proposal:
+    """Maximise expected improvement of the axis over the box, on the gains that were tried.
+
+    Parameters
+    ----------
+    model : SourceModel
+        Of the cost of the axis, whatever else it knows.
+    state : TuningState
+        With a finished real run.
+    """
+    from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
+    from gmfbo.acquisition.maximise import maximise
+
+    real = observations_of(state, "IS1")
+    acquisition = CostAwareExpectedImprovement(
+        model, {"IS1": expected_incumbent(model, state, real)}, {"IS1": 1.0}
+    )
+    found = maximise(acquisition, search_of(state), ["IS1"], real)
+    expected = expected_at(model, found.point)
+    return Proposal("IS1", found.point, note=model.note, expected=expected)
+
+
 def improve_each_source(
     model: SourceModel | TruncatedModel,
     data: Observations,

@@ -14,11 +14,9 @@ from gmfbo.retuning.corrected_methods import GMFBO_ESTIMATED, OnCorrectedTwin
 from gmfbo.tuning.history.state import TuningState
 from gmfbo.tuning.methods import gmfbo
 from gmfbo.tuning.methods.beliefs import (
-    expected_at,
-    expected_incumbent,
+    improve_axis,
     least_expected,
     observations_of,
-    search_of,
     seek_finished,
 )
 from gmfbo.tuning.methods.gmfbo import Gmfbo
@@ -52,18 +50,9 @@ class ThreeSources:
 
     def propose(self, state: TuningState, rng: np.random.Generator) -> Proposal:
         """Maximise expected improvement of the axis over the box."""
-        from gmfbo.acquisition.improvement import CostAwareExpectedImprovement
-        from gmfbo.acquisition.maximise import maximise
-
         if not any(one.counts for one in state.of("IS1")):
             return seek_finished(state)
-        model, real = _three_sources(state), observations_of(state, "IS1")
-        acquisition = CostAwareExpectedImprovement(
-            model, {"IS1": expected_incumbent(model, state, real)}, {"IS1": 1.0}
-        )
-        found = maximise(acquisition, search_of(state), ["IS1"], real)
-        expected = expected_at(model, found.point)
-        return Proposal("IS1", found.point, note=model.note, expected=expected)
+        return improve_axis(_three_sources(state), state)
 
     def recommend(self, state: TuningState) -> tuple[Vector, float, float]:
         """Least posterior mean among the runs that settled."""
