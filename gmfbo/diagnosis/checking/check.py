@@ -24,6 +24,7 @@ from gmfbo.diagnosis.naming.decision_told import units_of
 from gmfbo.diagnosis.result.findings import Cost
 from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.controlled_signal import reference_of
 from gmfbo.sources.recorded.usable import usable
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -157,8 +158,9 @@ def _source(case: Case) -> str | None:
         for name in case.twin.file.inputs
         if all(name in r.plan.recording.signals for r in case.simulations.records)
     ]
-    if "reference" in inputs:
-        return "reference"
+    reference = reference_of(case.twin)
+    if reference in inputs:
+        return reference
     moving = [n for n in inputs if any(np.ptp(c) > 0.0 for c in _driven(case, n))]
     return moving[0] if moving else None
 

@@ -9,7 +9,7 @@ from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.locating.parities import Parities
 from gmfbo.errors import RecordingError
 from gmfbo.sources.recorded.contradiction import Doubts, flipped, in_unit, unrelated
-from gmfbo.sources.recorded.controlled_signal import controlled
+from gmfbo.sources.recorded.controlled_signal import controlled, reference_of
 from gmfbo.sources.recorded.likeness import MIDWAY, SAME_SHAPE, Likeness, likeness
 from gmfbo.sources.recorded.mistaken_unit import mistaken_unit
 from gmfbo.sources.twin.twin import FmuTwin
@@ -43,7 +43,10 @@ def refuse_columns(case: Case, checked: Parities, doubts: Doubts) -> None:
         name = case.simulations.records[k].name
         told = _of_command(case.twin, name, command, seen)
         if not told and k in doubts.position and seen.near < MIDWAY:
-            told = unrelated(name, controlled(case.twin), "nor is the command computed of it")
+            asked = reference_of(case.twin)
+            told = unrelated(
+                name, controlled(case.twin), asked, "nor is the command computed of it"
+            )
         if told:
             raise RecordingError(told)
 

@@ -32,6 +32,7 @@ from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, resolution
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
 from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.controlled_signal import reference_of
 from gmfbo.sources.twin.twin import FmuTwin
 
 Array = NDArray[np.float64]
@@ -114,7 +115,7 @@ def _clock(case: Case, recording: Recording) -> ClockQuality:
     rows = max(known.values(), key=lambda mask: int(mask.sum()))
     full = [n for n in names if known[n][rows].all()]
     positions = _told(recording, [n for n in full if n in case.rig.positions], rows)
-    others = _told(recording, [n for n in full if n == "reference"], rows)
+    others = _told(recording, [n for n in full if n == reference_of(case.twin)], rows)
     return clock_quality(recording.time[rows], lost_rows(positions, others))
 
 

@@ -21,7 +21,12 @@ from gmfbo.plain_words import number
 from gmfbo.recordings.columns.unit_in_name import note_on_header
 from gmfbo.recordings.recording import Recording, Trajectory
 from gmfbo.sources.recorded.clock_unit import clock_unit
-from gmfbo.sources.recorded.controlled_signal import controlled, seen_signal, unit_of
+from gmfbo.sources.recorded.controlled_signal import (
+    controlled,
+    reference_of,
+    seen_signal,
+    unit_of,
+)
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import AXIS_GAIN, mistaken_unit, times_si
 from gmfbo.sources.recorded.motion_unit import MotionUnit, motion_unit
@@ -81,7 +86,7 @@ def refuse_contradictions(twin: FmuTwin, recordings: Sequence[Recording]) -> Dou
     position, command = set(), set()
     motion, otherwise = {}, {}
     for k, recording in enumerate(recordings if signal else ()):
-        if "reference" not in recording.signals:
+        if reference_of(twin) not in recording.signals:
             continue
         run = twin.run({}, recording)
         clock = clock_unit(twin, recording, run)
@@ -129,7 +134,7 @@ def contradiction(twin: FmuTwin, recording: Recording, run: Trajectory) -> str:
     if moved is not None and moved.is_beyond_physics:
         return moved.told(recording.name or "recording")
     try:
-        if "reference" in recording.signals:
+        if reference_of(twin) in recording.signals:
             _refuse_motions(twin, recording, run, signal)
     except RecordingError as error:
         return str(error)
@@ -244,9 +249,10 @@ def _is_off(seen: Likeness) -> bool:
 
 def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: str) -> str:
     """What is wrong with the controlled signal, in one line; empty where nothing is."""
-    name, against = recording.name or "recording", "what the twin makes of reference"
+    name, reference = recording.name or "recording", reference_of(twin)
+    against = f"what the twin makes of {reference}"
     seen = seen_signal(twin, recording, signal, run)
-    asked = seen_signal(twin, recording, signal, recording, "reference")
+    asked = seen_signal(twin, recording, signal, recording, reference)
     if seen is None or asked is None:
         return ""
     if seen.is_flipped and _in_both_halves(twin, recording, run, signal, lambda s: s.is_flipped):
@@ -264,10 +270,12 @@ def _contradicts(twin: FmuTwin, recording: Recording, run: Recording, signal: st
         and asked.correlation >= SAME_SHAPE
         and _is_asked_in(twin, recording, signal, unit)
     ):
-        return in_unit(name, "reference", f"what {signal} follows", 1.0 / asked.gain, unit)
+        return in_unit(name, reference, f"what {signal} follows", 1.0 / asked.gain, unit)
     if seen.is_unrelated and asked.is_unrelated:
         share = number(100.0 * max(seen.shifted, 0.0) ** 2, 2)
-        return unrelated(name, signal, f"the simulation explains {share} % of its motion at best")
+        return unrelated(
+            name, signal, reference, f"the simulation explains {share} % of its motion at best"
+        )
     return ""
 
 
@@ -290,7 +298,7 @@ def _in_both_halves(
     An axis that becomes unstable may differ by as much, but only in the end.
     """
     if path is None:
-        steps = np.abs(np.diff(recording.signal("reference")))
+        steps = np.abs(np.diff(recording.signal(reference_of(twin))))
         if not steps.size or steps.max() > 0.5 * steps.sum():
             path = _way(run, signal)  # one step: what follows it moves, the reference does not
     if path is None:
@@ -311,8 +319,9 @@ def _way(run: Recording, signal: str) -> NDArray[np.float64]:
 
 def _is_asked_in(twin: FmuTwin, recording: Recording, signal: str, unit: str) -> bool:
     """Whether the twin makes what was recorded of a reference that is read in another unit."""
-    converted = recording.signal("reference") / times_si(unit)
-    asked = recording.with_signals({"reference": converted})
+    reference = reference_of(twin)
+    converted = recording.signal(reference) / times_si(unit)
+    asked = recording.with_signals({reference: converted})
     run = twin.run({}, asked)
     if run.status != "ok":
         return False
@@ -372,8 +381,8 @@ def in_unit(name: str, signal: str, against: str, gain: float, unit: str) -> str
     )
 
 
-def unrelated(name: str, signal: str, why: str) -> str:
+def unrelated(name: str, signal: str, reference: str, why: str) -> str:
     return (
-        f"{name}: {signal} does not follow reference, {why}; are these columns of one axis and one "
-        "run? record both together, or map the right columns"
+        f"{name}: {signal} does not follow {reference}, {why}; are these columns of one axis and "
+        "one run? record both together, or map the right columns"
     )

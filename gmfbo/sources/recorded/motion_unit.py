@@ -14,7 +14,12 @@ from gmfbo.errors import GmfboError
 from gmfbo.objective.fit import nrmse
 from gmfbo.plain_words import listed, percent
 from gmfbo.recordings.recording import Recording, Trajectory
-from gmfbo.sources.recorded.controlled_signal import controlled, seen_signal, unit_of
+from gmfbo.sources.recorded.controlled_signal import (
+    controlled,
+    reference_of,
+    seen_signal,
+    unit_of,
+)
 from gmfbo.sources.recorded.likeness import SAME_SHAPE, Likeness
 from gmfbo.sources.recorded.mistaken_unit import known_units, times_si
 from gmfbo.sources.twin.twin import FmuTwin
@@ -92,7 +97,7 @@ def motion_unit(twin: FmuTwin, recording: Recording, run: Trajectory) -> MotionU
         None in open loop, and where no compared signal is far from the simulated one.
     """
     signal = controlled(twin)
-    if not signal or not {"reference", signal} <= recording.signals.keys():
+    if not signal or not {reference_of(twin), signal} <= recording.signals.keys():
         return None
     if run.status == "ok" and not is_unlike(twin, recording, run):
         return None

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.recordings.recording import Recording
+from gmfbo.sources.recorded.controlled_signal import reference_of
 from gmfbo.sources.twin.twin import FmuTwin
 
 Array = NDArray[np.float64]
@@ -67,7 +68,7 @@ def _whole_angles(recording: Recording, twin: FmuTwin, units: dict[str, str]) ->
     if any(name in file.outputs for name in changed):
         changed |= {name: whole for name, whole in seen.items() if name in file.inputs}
     for name in [n for n in changed if n in file.outputs]:
-        start = _reference_start(recording, changed, units, name)
+        start = _start(recording, changed, units, (reference_of(twin), name))
         if start is not None:
             turn = _turn(recording.signal(name), units[name])
             own = changed[name][np.isfinite(changed[name])][0]
@@ -139,12 +140,13 @@ def _wraps_itself(
     )
 
 
-def _reference_start(
-    recording: Recording, changed: dict[str, Array], units: dict[str, str], output: str
+def _start(
+    recording: Recording, changed: dict[str, Array], units: dict[str, str], names: tuple[str, str]
 ) -> float | None:
     """First value of a reference in the unit of an output; None where there is none."""
-    reference = changed.get("reference", recording.signals.get("reference"))
-    if reference is None or units.get("reference") != units[output]:
+    asked, output = names
+    reference = changed.get(asked, recording.signals.get(asked))
+    if reference is None or units.get(asked) != units[output]:
         return None
     known = reference[np.isfinite(reference)]
     return float(known[0]) if known.size else None

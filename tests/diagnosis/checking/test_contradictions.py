@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from gmfbo.errors import RecordingError
 from gmfbo.physics import CATALOGUE, Excitation
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.contradiction import refuse_contradictions
+from gmfbo.sources.recorded.controlled_signal import reference_of
 from gmfbo.sources.recorded.likeness import likeness
 from gmfbo.sources.recorded.mistaken_unit import mistaken_unit
 from tests.diagnosis.servo_recordings import rewritten
@@ -84,6 +86,52 @@ def test_a_wrong_column_is_refused_in_one_line(
     with pytest.raises(RecordingError, match=f"^rec0.csv: .*{said}") as refused:
         consistent(twin, [scaled(little, **factors)], seed=0, jobs=1)
     assert "\n" not in str(refused.value)
+
+
+def setpoint(recording: Recording) -> Recording:
+    signals = {("setpoint" if n == "reference" else n): c for n, c in recording.signals.items()}
+    return replace(recording, signals=signals)
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_the_reference_is_known_by_its_role_and_not_by_its_name(
+    wrong: str, tmp_path: Path, little: Recording
+) -> None:
+    twin = rewritten("servo_axis", tmp_path, {'reference = "reference"': 'setpoint = "reference"'})
+    factors, said = WRONG[wrong]
+    consistent(twin, [setpoint(little)], seed=0, jobs=1)
+    said = said.replace("reference", "setpoint")
+    with pytest.raises(RecordingError, match=f"^rec0.csv: .*{said}"):
+        consistent(twin, [setpoint(scaled(little, **factors))], seed=0, jobs=1)
+
+
+OWN = {'reference = "reference"': 'setpoint = "reference"'}
+ROLES: dict[str, tuple[str, Mapping[str, str], str]] = {
+    "by name": ("servo_axis", {}, "reference"),
+    "by role": ("servo_axis", OWN, "setpoint"),
+    "a port beside it": (
+        "servo_axis",
+        {**OWN, "[outputs]": 'offset = "encoder_offset"\n[outputs]'},
+        "setpoint",
+    ),
+    "two that could be it": (
+        "servo_axis",
+        {
+            **OWN,
+            "[outputs]": 'tilt = "encoder_offset"\n[outputs]',
+            'sensor = "encoder_offset"': "#",
+        },
+        "",
+    ),
+    "no computed command": ("servo_axis", {**OWN, '\ncommand = "torque_command"': ""}, ""),
+    "open loop": ("motor_bench", {}, ""),
+}
+
+
+@pytest.mark.parametrize("case", ROLES)
+def test_an_input_is_the_reference_only_where_no_other_could_be(case: str, tmp_path: Path) -> None:
+    model, changes, name = ROLES[case]
+    assert reference_of(rewritten(model, tmp_path, changes)) == name
 
 
 def stops(t: Array) -> Array:
