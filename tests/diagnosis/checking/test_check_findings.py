@@ -301,6 +301,18 @@ def test_no_parameter_is_fitted_and_the_users_twin_is_left_as_it_was() -> None:
     assert told["torque_command"].apart > 0.2
 
 
+def test_without_its_controller_no_column_is_told_as_late(
+    sound: list[Recording], quick: FmuTwin
+) -> None:
+    """One file lacks the command: what friction holds up is not the position's clock."""
+    rubbing = SERVO.recordings(FRICTION)
+    signals = {n: c for n, c in rubbing[1].signals.items() if n != "torque_command"}
+    for second, is_told in ((rubbing[1], True), (replace(rubbing[1], signals=signals), False)):
+        seen = check(quick, [rubbing[0], second], jobs=1)
+        (row,) = [line for line in check_lines(seen) if line.startswith("position ")]
+        assert (row.split()[-2] != "-") == is_told
+
+
 def test_two_faults_of_one_kind_do_not_hide_each_other(
     sound: list[Recording], quick: FmuTwin
 ) -> None:
