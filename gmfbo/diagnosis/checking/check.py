@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from gmfbo.diagnosis.checking.recording_facts import recording_facts
 from gmfbo.diagnosis.checking.result import Check, ResponseSeen
 from gmfbo.diagnosis.checking.seen_alignment import against_controller
 from gmfbo.diagnosis.checking.showable_sizes import showable_sizes
+from gmfbo.diagnosis.checking.two_readings import Reading, agreed, note_on, slower_inputs, straight
 from gmfbo.diagnosis.naming.decision_told import units_of
 from gmfbo.diagnosis.result.findings import Cost
 from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
@@ -79,14 +81,20 @@ def check(
         read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
         given = usable(opened, read)
         notes = judge_motions(opened, given.recordings, given.doubts, seed=seed, jobs=jobs)
-        counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)))
-        nominal = open_nominal(opened, given.recordings, seed=seed, jobs=jobs, on_run=counted.one)
-        nominal.case.notes[:0] = (*given.notes, *notes)
-        try:
+        open_gaps = slower_inputs(opened, given.recordings)
+        counted = _Counted(told, _RUNS_A_RECORDING * max(1, len(read)) * (2 if open_gaps else 1))
+        open_for = partial(
+            open_nominal, recordings=given.recordings, seed=seed, jobs=jobs, on_run=counted.one
+        )
+        nominal = open_for(opened)
+        nominal.case.notes[:0] = (*given.notes, *notes, *note_on(open_gaps))
+        with nominal.case.simulations:
             refuse_columns(nominal.case, nominal.checked, given.doubts)
-            return _seen(nominal, told, started, later)
-        finally:
-            nominal.case.simulations.close()
+            reading = _read(nominal, later, told)
+            if open_gaps:
+                other = open_for(straight(opened, open_gaps))
+                reading = agreed(reading, _read_beside(nominal, other, later, told))
+            return _seen(nominal, reading, told, started)
     finally:
         if not isinstance(twin, FmuTwin):
             opened.close()
@@ -104,18 +112,36 @@ class _Counted:
             self._told("running the twin as it is", _OPENED * self._runs / self._expected)
 
 
-def _seen(
-    nominal: NominalCase, told: Progress, started: float, later: Mapping[str, float]
-) -> Check:
+def _read(nominal: NominalCase, later: Mapping[str, float], told: Progress) -> Reading:
     case = nominal.case
     told("looking at the columns", _OPENED)
     views = against_controller(case, nominal.checked)
     facts = {}
-    names = _names(case)
-    for k, name in enumerate(names):
+    for k, name in enumerate(_names(case)):
         view = views[k] if views else None
         own = recording_facts(case, k, view, _bandwidth(case, k))
         facts[name] = own.later_by(later.get(name, 0.0))
+    return Reading(
+        all_findings(case, facts, views, nominal.logged),
+        facts,
+        _logged(nominal),
+        nominal.checked.why_not.get("controller", ""),
+        _responses(case),
+    )
+
+
+def _read_beside(
+    nominal: NominalCase, other: NominalCase, later: Mapping[str, float], told: Progress
+) -> Reading:
+    """Read another case and close it; its runs count as the first one's."""
+    with other.case.simulations:
+        reading = _read(other, later, told)
+    nominal.case.simulations.runs += other.case.simulations.runs
+    return reading
+
+
+def _seen(nominal: NominalCase, reading: Reading, told: Progress, started: float) -> Check:
+    case = nominal.case
     excited = showable_sizes(
         case,
         lambda share: told("trying the effects", _OPENED + 0.05 + (0.95 - _OPENED) * share),
@@ -124,11 +150,11 @@ def _seen(
     units = units_of(case)
     return Check(
         twin=case.twin.name,
-        findings=all_findings(case, facts, views, nominal.logged),
-        recordings=facts,
-        logged=_logged(nominal),
-        parity_why_not=nominal.checked.why_not.get("controller", ""),
-        responses=_responses(case),
+        findings=reading.findings,
+        recordings=reading.facts,
+        logged=reading.logged,
+        parity_why_not=reading.why_not,
+        responses=reading.responses,
         showable=excited.showable,
         not_testable=excited.not_testable,
         notes=tuple(case.notes),

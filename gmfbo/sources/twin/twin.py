@@ -330,7 +330,19 @@ class FmuTwin:
         """
         other = copy.copy(self)
         other.file = self.file.model_copy(update={"uncertain": dict(uncertain)})
-        other.kept = self.kept
+        other.kept, other._binding = self.kept, self._binding
+        return other
+
+    def with_file(self, file: TwinFile) -> FmuTwin:
+        """The same FMUs under another twin file.
+
+        Parameters
+        ----------
+        file : TwinFile
+            Of the same variables.
+        """
+        other = self.with_uncertain(file.uncertain)
+        other.file, other._binding = file, replace(self._binding, file=file)
         return other
 
     def __reduce__(self) -> tuple[Callable[[], FmuTwin], tuple[()]]:
