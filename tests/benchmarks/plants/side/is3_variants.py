@@ -20,7 +20,6 @@ from gmfbo.tuning.methods.beliefs import (
     seek_finished,
 )
 from gmfbo.tuning.methods.gmfbo import Gmfbo
-from gmfbo.tuning.methods.twin_rows import axis_runs
 from gmfbo.tuning.query.method import CorrectionOptions, Proposal
 
 if TYPE_CHECKING:
@@ -91,17 +90,18 @@ class UncorrectedGmfbo(Gmfbo):
 @contextmanager
 def _uncorrected() -> Iterator[None]:
     """Within it real runs say nothing of trajectories: they count as what the twin did there."""
+    place: Any = gmfbo
+    as_it_is = place.axis_runs
 
     def without(state: TuningState, times: Vector) -> tuple[AxisRuns, CostOf]:
-        runs, cost_of = axis_runs(state, times)
+        runs, cost_of = as_it_is(state, times)
         return replace(runs, measured=runs.simulated), cost_of
 
-    place: Any = gmfbo
     place.axis_runs = without
     try:
         yield
     finally:
-        place.axis_runs = axis_runs
+        place.axis_runs = as_it_is
 
 
 IS3_SOURCE = OnCorrectedTwin(

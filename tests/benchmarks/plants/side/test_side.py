@@ -103,13 +103,15 @@ def test_without_corrections_real_trajectories_tell_nothing(monkeypatch: Any) ->
 
     values = np.zeros((2, 2))
     monkeypatch.setattr(gmfbo.Gmfbo, "propose", told)
-    monkeypatch.setattr(
-        "tests.benchmarks.plants.side.is3_variants.axis_runs",
-        lambda state, times: (AxisRuns(values, np.zeros(2), values, values + 1.0), None),
-    )
+
+    def before(state: Any, times: Any) -> tuple[AxisRuns, None]:
+        return AxisRuns(values, np.zeros(2), values, values + 1.0), None
+
+    monkeypatch.setattr(gmfbo, "axis_runs", before)
     with pytest.raises(RuntimeError):
         UncorrectedGmfbo().propose(None, None)  # type: ignore[arg-type]
     np.testing.assert_array_equal(seen[0].measured, values)
+    assert gmfbo.__dict__["axis_runs"] is before
 
 
 def test_other_noise_scales_that_of_the_plant_alone() -> None:
