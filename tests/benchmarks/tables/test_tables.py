@@ -12,7 +12,7 @@ import pytest
 from tests.benchmarks.plants import safety, twin_kinds
 from tests.benchmarks.plants.arrival import read_lines
 from tests.benchmarks.plants.run import RESULTS as PLANT_RESULTS
-from tests.benchmarks.tables import diagnosis, plant_variants, plants
+from tests.benchmarks.tables import diagnosis, plant_rivals, plant_variants, plants
 from tests.benchmarks.tables.results import MADE, RESULTS, commands
 from tests.benchmarks.tables.written import README, ROOT, TABLES, documented, write
 
@@ -73,6 +73,20 @@ def test_figures_of_the_plants_are_those_of_the_results() -> None:
     lines = [line for line in read_lines(PLANT_RESULTS) if line["method"] in plants.METHODS]
     assert {line["commit"][:8] for line in lines} == {made["engine"]}
     assert f"{len(lines)} studies" in text
+
+
+def test_what_the_correction_of_trajectories_is_worth_is_that_of_the_results() -> None:
+    page = (ROOT / "notebooks/docs/tuning_benchmark.md").read_text(encoding="utf-8")
+    text = re.sub(r"\s+", " ", page)
+    ours, without, third, calibrated = (
+        plant_rivals.mean_of(name)
+        for name in (plants.OURS, "is3_none", "is3_source", "gmfbo_calibrated")
+    )
+    assert f"needs {without:.1f} runs in place of {ours:.1f}, and {third:.1f} with" in text
+    assert f"its twin, and needs {calibrated:.1f}." in text
+    spent = plant_rivals.costs_to_target("gmfbo_paper")
+    *first, last = (f"{spent[plant]:.0f}" for plant in twin_kinds.CHOSEN)
+    assert f"`gmfbo_paper` spends {', '.join(first)} and {last} until" in text
 
 
 def test_figures_of_cheap_rivals_kinds_of_twins_and_envelopes_are_those_of_the_results() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.benchmarks.tables import diagnosis, plant_variants, plants, tuning
+from tests.benchmarks.tables import diagnosis, plant_rivals, plant_variants, plants, tuning
 
 ROOT = Path(__file__).resolve().parents[3]
 README = "README.md"
@@ -17,6 +17,7 @@ TABLES: tuple[tuple[str, Callable[[], str]], ...] = (
     (_TUNING, plant_variants.cheap_rivals),
     (_TUNING, plant_variants.misled),
     (_TUNING, plant_variants.leaving),
+    (_TUNING, plant_rivals.others),
     (_TUNING, tuning.all_methods),
     (_TUNING, tuning.by_noise),
     (_TUNING, tuning.by_initial_runs),
