@@ -27,3 +27,9 @@ def test_the_ratios_are_told_and_no_value_alone(case: CaseFolder) -> None:
     assert {*fit["fitted_on"], *fit["held_out"]} == {"v0.csv", "v1.csv", "v2.csv"}
     position = fit["signals"]["position"]
     assert position["parameters_only"] < 1.2 * position["noise_floor"]
+
+
+def test_a_start_that_is_to_be_fitted_is_refused_with_what_to_write(case: CaseFolder) -> None:
+    answer = case.gmfbo(COMMAND.replace("twin.toml", "twin_fit.toml"))
+    assert answer.code == 2
+    assert '[initial] x0 = "fit" is not fitted: runs start at' in " ".join(answer.err.split())

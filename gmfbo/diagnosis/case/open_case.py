@@ -11,6 +11,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_noise
+from gmfbo.diagnosis.case.opening_notes import not_scored, starts_not_fitted
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
 from gmfbo.diagnosis.case.probed_loop import begun_at_rest, probed_loop
 from gmfbo.diagnosis.case.tracking import track_recordings
@@ -35,7 +36,6 @@ from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.physics import Excitation
-from gmfbo.plain_words import listed
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
@@ -91,8 +91,13 @@ def open_case(
     opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
     opening.new_rows = new_rows
     opening.wider = wider or WiderRanges({}, {})
-    case = opening.case(substeps)
-    case.notes += _what_is_not_scored(case)
+    starts = starts_not_fitted(twin)
+    try:
+        case = opening.case(substeps)
+    except RecordingError as error:
+        # A start that is not the recording's may be why.
+        raise RecordingError("; ".join([str(error), *starts])) from error
+    case.notes += [*starts, *not_scored(case)]
     return case
 
 
@@ -125,18 +130,6 @@ def open_unseen(
 
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _what_is_not_scored(case: Case) -> list[str]:
-    """A note where recordings have no window; the twin would be judged without them in silence."""
-    scored = {window.record for window in case.budget.windows}
-    left = [r.name for k, r in enumerate(case.simulations.records) if k not in scored]
-    if not left:
-        return []
-    return [
-        f"{listed(left)}: not scored, since the recording starts in another state than the twin "
-        "and ends before that is forgotten; state it in [initial], or record longer"
-    ]
 
 
 class _Opening:
