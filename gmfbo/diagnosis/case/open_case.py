@@ -95,6 +95,8 @@ def open_case(
     try:
         case = opening.case(substeps)
     except RecordingError as error:
+        if not starts:
+            raise
         # A start that is not the recording's may be why.
         raise RecordingError("; ".join([str(error), *starts])) from error
     case.notes += [*starts, *not_scored(case)]

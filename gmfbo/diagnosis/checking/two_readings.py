@@ -68,7 +68,7 @@ def slower_inputs(twin: FmuTwin, recordings: Sequence[Recording]) -> list[str]:
     return [
         name
         for name in sorted(inputs_unstated(twin))
-        if any(_spacing(recording, name) > 1.5 * twin.step for recording in recordings)
+        if any(round(_spacing(recording, name) / twin.step) > 1 for recording in recordings)
     ]
 
 

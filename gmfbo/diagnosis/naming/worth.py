@@ -7,8 +7,7 @@ no certainty. How often claims were right was counted, and that is what is print
 
 from __future__ import annotations
 
-from math import log
-
+import numpy as np
 from scipy.special import expit, logit
 
 from gmfbo.diagnosis.comparison.numbers import MOST_TOLD, WORTH
@@ -32,6 +31,10 @@ def worth(belief: float, gain: float) -> float:
         [nats] Log odds of the best hypothesis with one of them against the best without any; less
         than 1 counts as 1, and more than `MOST_TOLD` as that.
     """
-    start, by_belief, by_gain = WORTH
-    odds = float(logit(min(max(belief, LAST_DIGIT), 1.0 - LAST_DIGIT)))
-    return float(expit(start + by_belief * odds + by_gain * log(min(max(gain, 1.0), MOST_TOLD))))
+    return float(expit(np.dot(WORTH, terms(belief, gain))))
+
+
+def terms(belief: float, gain: float) -> tuple[float, float, float]:
+    """What the three numbers of `WORTH` multiply; arguments as for `worth`."""
+    odds = logit(np.clip(belief, LAST_DIGIT, 1.0 - LAST_DIGIT))
+    return 1.0, float(odds), float(np.log(np.clip(gain, 1.0, MOST_TOLD)))

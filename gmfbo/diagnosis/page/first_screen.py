@@ -221,7 +221,7 @@ def _moved_parameters(parameters: Mapping[str, EstimatedParameter]) -> list[str]
     """Parameters whose refitted interval leaves out the value in the twin."""
     facts = []
     for name, one in parameters.items():
-        if not one.identifiable or one.low <= one.nominal <= one.high:
+        if not (one.identifiable and one.is_moved):
             continue
         path = ("parameters", name)
         shown = marked_interval(path, one.value, one.low, one.high, one.unit)

@@ -63,6 +63,11 @@ class EstimatedParameter:
         return self.value > self.bound if self.at_bound == "high" else self.value < self.bound
 
     @property
+    def is_moved(self) -> bool:
+        """Whether the interval leaves out the value in the twin."""
+        return not self.low <= self.nominal <= self.high
+
+    @property
     def where_fixed(self) -> str:
         """Words for the line that holds it fixed, and for what else may be wrong in its place.
 

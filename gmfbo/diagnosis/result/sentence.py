@@ -19,6 +19,7 @@ from gmfbo.plain_words import NOT_EXCITED, listed, number, percent, quantity, wo
 from gmfbo.units import quantity as prefixed
 
 if TYPE_CHECKING:
+    from gmfbo.diagnosis.result.estimated import EstimatedParameter
     from gmfbo.diagnosis.result.findings import Findings
     from gmfbo.diagnosis.result.named_effect import NamedEffect
     from gmfbo.diagnosis.result.next_experiment import NextExperiment
@@ -64,14 +65,9 @@ def _parameters(diagnosis: Findings) -> str:
     moved = {
         name: parameter
         for name, parameter in diagnosis.parameters.items()
-        if parameter.identifiable and not parameter.low <= parameter.nominal <= parameter.high
-        if not parameter.is_beyond
+        if parameter.identifiable and parameter.is_moved and not parameter.is_beyond
     }
-    values = ", ".join(
-        f"{name} is {quantity(parameter.value, parameter.unit)} instead of "
-        f"{quantity(parameter.nominal, '')}{parameter.where_fixed}"
-        for name, parameter in list(moved.items())[:3]
-    )
+    values = ", ".join(_instead(name, one) for name, one in list(moved.items())[:3])
     more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
     told = f": {values}{more}" if values else ""
     hidden = [name for name, one in diagnosis.parameters.items() if not one.identifiable]
@@ -111,11 +107,16 @@ def _left_over(diagnosis: Findings, errors: Mapping[str, float]) -> str:
 def _freed(diagnosis: Findings) -> str:
     """Sentences on fixed values that are wrong beside what is missing; empty where none is."""
     return " ".join(
-        f"{name} is {quantity(one.value, one.unit)} instead of "
-        f"{quantity(one.nominal, '')}{one.where_fixed}."
+        f"{_instead(name, one)}."
         for name, one in diagnosis.parameters.items()
-        if one.fixed and not one.low <= one.nominal <= one.high
+        if one.fixed and one.is_moved
     )
+
+
+def _instead(name: str, one: EstimatedParameter) -> str:
+    """Clause on a value that is another than in the twin."""
+    nominal = quantity(one.nominal, "")
+    return f"{name} is {quantity(one.value, one.unit)} instead of {nominal}{one.where_fixed}"
 
 
 def _physics(diagnosis: Findings) -> str:

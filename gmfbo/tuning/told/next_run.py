@@ -53,8 +53,12 @@ def next_run(request: TrialRequest, count: int, *, parallel: bool = False) -> di
         Whether it was asked for beside others.
     """
     names = reference_files(count, request.number if parallel else None)
-    told: dict[str, object] = {"trial": request.number, "gains": dict(request.gains)}
-    return {**told, "references": names, "note": request.note}
+    return {
+        "trial": request.number,
+        "gains": dict(request.gains),
+        "references": names,
+        "note": request.note,
+    }
 
 
 def write_next_run(

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import expit, logit
 from scipy.stats import beta
 
-LAST_DIGIT = 0.005
-"""Half of the last digit that is printed of a probability: 1.00 is anything from 0.995."""
+from gmfbo.diagnosis.naming.worth import LAST_DIGIT
 
 RESAMPLED = 2000
 

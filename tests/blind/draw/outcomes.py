@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import json
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -54,3 +56,28 @@ def tell(text: str, file: Path | None) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
     print(text)
+
+
+def tell_of(
+    about: str | None,
+    arguments: Sequence[str] | None,
+    table: Callable[[list[dict[str, Any]]], str],
+) -> None:
+    """Command line of a table: `OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]`.
+
+    Parameters
+    ----------
+    about : str or None
+        What it prints.
+    arguments : sequence of str or None
+        As typed; None for those of the process.
+    table : callable
+        From the lines of all files to the text.
+    """
+    parser = argparse.ArgumentParser(
+        description=(about or "").strip(), formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("outcomes", type=Path, nargs="+")
+    parser.add_argument("--text", type=Path, help="file for the table")
+    given = parser.parse_args(arguments)
+    tell(table([line for path in given.outcomes for line in read_outcomes(path)]), given.text)

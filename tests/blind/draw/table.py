@@ -5,11 +5,9 @@ python -m tests.blind.draw.table OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +15,7 @@ from tests.blind.draw.cases import SIZES
 from tests.blind.draw.judging import PHYSICS_CLAIMED, Interval, Judged, judge
 from tests.blind.draw.measures import NORMAL, clopper_pearson, clustered_share, recalibration
 from tests.blind.draw.nulls import VARIANTS
-from tests.blind.draw.outcomes import read_outcomes, tell
+from tests.blind.draw.outcomes import tell_of
 
 
 def table(judged: Sequence[Judged]) -> str:
@@ -221,15 +219,7 @@ def _failures(judged: Sequence[Judged]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line: python -m tests.blind.draw.table."""
-    parser = argparse.ArgumentParser(
-        description=(__doc__ or "").strip(), formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("outcomes", type=Path, nargs="+")
-    parser.add_argument("--text", type=Path, help="file for the table")
-    given = parser.parse_args(arguments)
-    lines = [line for path in given.outcomes for line in read_outcomes(path)]
-    text = table([judge(line) for line in lines])
-    tell(text, given.text)
+    tell_of(__doc__, arguments, lambda lines: table([judge(line) for line in lines]))
 
 
 if __name__ == "__main__":

@@ -10,23 +10,21 @@ second, and by the line in force.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.special import expit, logit
+from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.numbers import MOST_TOLD, WORTH
-from gmfbo.diagnosis.naming.worth import LAST_DIGIT, worth
+from gmfbo.diagnosis.comparison.numbers import WORTH
+from gmfbo.diagnosis.naming.worth import terms, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
-from tests.blind.draw.outcomes import read_outcomes, tell
+from tests.blind.draw.outcomes import tell_of
 
 Array = NDArray[np.float64]
 
@@ -99,9 +97,7 @@ def line_of(stated: Sequence[Stated]) -> Array:
 
 
 def _columns(stated: Sequence[Stated]) -> Array:
-    belief = np.clip([one.belief for one in stated], LAST_DIGIT, 1.0 - LAST_DIGIT)
-    gain = np.log(np.clip([one.gain for one in stated], 1.0, MOST_TOLD))
-    return np.column_stack([np.ones(len(stated)), logit(belief), gain])
+    return np.array([terms(one.belief, one.gain) for one in stated])
 
 
 def of_other_machines(stated: Sequence[Stated]) -> list[float]:
@@ -176,14 +172,7 @@ def by_probability(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line: python -m tests.blind.draw.worth."""
-    parser = argparse.ArgumentParser(
-        description=(__doc__ or "").strip(), formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("outcomes", type=Path, nargs="+")
-    parser.add_argument("--text", type=Path, help="file for the table")
-    given = parser.parse_args(arguments)
-    lines = [line for path in given.outcomes for line in read_outcomes(path)]
-    tell(table(stated_in(lines)), given.text)
+    tell_of(__doc__, arguments, lambda lines: table(stated_in(lines)))
 
 
 if __name__ == "__main__":

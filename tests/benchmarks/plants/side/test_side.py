@@ -133,7 +133,7 @@ def test_all_parts_name_methods_that_can_be_made() -> None:
 
 
 def test_ax_finds_a_minimum() -> None:
-    pytest.importorskip("ax", reason="pip install ax-platform")
+    pytest.importorskip("ax", reason="the rival Ax is in no extra: pip install ax-platform")
     method, points = AxDefault(1), [np.array([0.2, 0.8]), np.array([0.9, 0.1])]
     for _ in range(12):
         asked = method.propose(of_runs(points), np.random.default_rng(0))
