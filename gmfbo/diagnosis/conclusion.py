@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
 from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART
 from gmfbo.diagnosis.diagnosis import Diagnosis
@@ -126,7 +127,7 @@ class Conclusion:
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
             seed=seed,
             versions=_versions(),
-            notes=(*case.notes, *self._no_twin),
+            notes=(*case.notes, *told_starts(case, decision.model), *self._no_twin),
             predictions=predictions_of(case, decision, result.augmented, self.units),
             latent=self._latent,
             residual_tests=tests,

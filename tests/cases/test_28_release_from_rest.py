@@ -29,7 +29,21 @@ def test_the_ratios_are_told_and_no_value_alone(case: CaseFolder) -> None:
     assert position["parameters_only"] < 1.2 * position["noise_floor"]
 
 
-def test_a_start_that_is_to_be_fitted_is_refused_with_what_to_write(case: CaseFolder) -> None:
+def test_a_start_that_nobody_recorded_is_fitted_to_each_recording(case: CaseFolder) -> None:
     answer = case.gmfbo(COMMAND.replace("twin.toml", "twin_fit.toml"))
+    assert answer.code == 0
+    assert "x0 was fitted to each recording: 0.1 m (v0.csv)" in " ".join(answer.out.split())
+    found = case.json("f/diagnosis.json")
+    assert found["verdict"] == "parameters"
+    for one in found["combinations"]:
+        assert one["low"] <= TRUTH[one["expression"]] <= one["high"]
+    position = found["fit"]["signals"]["position"]
+    assert position["parameters_only"] < 1.2 * position["noise_floor"]
+
+
+def test_one_uncertain_start_for_all_is_refused_with_what_to_write(case: CaseFolder) -> None:
+    answer = case.gmfbo(COMMAND.replace("twin.toml", "twin_unc.toml"))
     assert answer.code == 2
-    assert '[initial] x0 = "fit" is not fitted: runs start at' in " ".join(answer.err.split())
+    assert 'state the start in [initial]: a recorded signal, a number, or "fit"' in " ".join(
+        answer.err.split()
+    )

@@ -10,10 +10,16 @@ from functools import partial
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.fitted_starts import (
+    first_starts,
+    fitted_with_starts,
+    settle_starts,
+)
 from gmfbo.diagnosis.case.measured_budget import measured_budget, without_loop_noise
-from gmfbo.diagnosis.case.opening_notes import not_scored, starts_not_fitted
+from gmfbo.diagnosis.case.opening_notes import not_scored
 from gmfbo.diagnosis.case.other_starts import fitted_from_elsewhere
 from gmfbo.diagnosis.case.probed_loop import begun_at_rest, probed_loop
+from gmfbo.diagnosis.case.recorded_reading import recorded_reading
 from gmfbo.diagnosis.case.tracking import track_recordings
 from gmfbo.diagnosis.case.wider_ranges import WiderRanges, stated_ranges
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
@@ -22,7 +28,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
 from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
-from gmfbo.diagnosis.runs.logging_convention import logged_new, shows_late
+from gmfbo.diagnosis.runs.logging_convention import logged_new
 from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges
 from gmfbo.diagnosis.runs.probing_torque import command_range, moving_torque
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
@@ -91,15 +97,8 @@ def open_case(
     opening = _Opening(twin, recordings, seed, jobs or _processors(), notes, on_run)
     opening.new_rows = new_rows
     opening.wider = wider or WiderRanges({}, {})
-    starts = starts_not_fitted(twin)
-    try:
-        case = opening.case(substeps)
-    except RecordingError as error:
-        if not starts:
-            raise
-        # A start that is not the recording's may be why.
-        raise RecordingError("; ".join([str(error), *starts])) from error
-    case.notes += [*starts, *not_scored(case)]
+    case = opening.case(substeps)
+    case.notes += not_scored(case)
     return case
 
 
@@ -191,6 +190,8 @@ class _Opening:
         simulations.rest = like.simulations.rest
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
+        if first_starts(simulations, self.twin, nominal):
+            nominal = simulations.run([Point()])[0]
         excitation = like.setting.excitation
         if simulations.tracking is None:
             nominal, _ = begun_at_rest(simulations, nominal, like.rig, excitation.loop_time)
@@ -201,6 +202,9 @@ class _Opening:
         hypothesis = Hypothesis(like.setting)
         base = fit(misfit, hypothesis, like.base.parameters, parallel=True, iterations=1)
         assert base is not None, "the nominal twin was simulated a moment ago"
+        if settle_starts(misfit, base):
+            base = fit(misfit, hypothesis, base.parameters, parallel=True, iterations=1)
+            assert base is not None, "it was simulated at these values a moment ago"
         if leave_out_noise(simulations, like.rig, base) is not None:
             nominal = simulations.run([Point()])[0]
             base = fit(misfit, hypothesis, base.parameters, parallel=True, iterations=1)
@@ -244,8 +248,10 @@ class _Opening:
     def _case(self, simulations: Simulations, substeps: int) -> Case:
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
+        if first_starts(simulations, self.twin, nominal):
+            nominal = simulations.run([Point()])[0]
         rig = describe_rig(self.twin.binding, simulations.records)
-        simulations.reading = self._reading(rig, simulations, substeps)
+        simulations.reading = recorded_reading(self.twin, simulations, rig, substeps)
         if rig.position is not None:
             simulations.encoder = Reading(rig.position, rig.position_to_si)
         stiffness, nominal, notes = probed_loop(simulations, nominal, rig, self._inertia())
@@ -285,6 +291,8 @@ class _Opening:
         refitted = fit_to_the_end(misfit, Hypothesis(setting), base.parameters)
         assert refitted is not None, "it was simulated at these values a moment ago"
         levels = noise_levels(simulations.records, base.simulated)
+        if simulations.starts:  # where the fit has found that the recordings start
+            nominal = simulations.run([Point()])[0]
         return Case(
             self.twin,
             simulations,
@@ -300,17 +308,6 @@ class _Opening:
         )
 
     # ---- steps -----------------------------------------------------------------------------
-
-    def _reading(self, rig: Rig, simulations: Simulations, substeps: int) -> Reading | None:
-        """The recorded position, where its column lacks the sensor port's signal, or is late."""
-        file, port = self.twin.file, self.twin.file.ports.get("sensor")
-        if rig.position is None or port is None:
-            return None
-        if port in file.wires and file.wires[port] == file.outputs[rig.position].variable:
-            return Reading(rig.position, rig.position_to_si)
-        if not shows_late(simulations, rig.position, rig.position_to_si):
-            return None
-        return Reading(rig.position, rig.position_to_si, 1.0 / substeps)
 
     def _inertia(self) -> float | None:
         role = self.twin.file.roles.get("inertia")
@@ -390,6 +387,8 @@ class _Opening:
         misfit = without_loop_noise(simulations, windows, rig, noise)
         start = self.wider.values
         hypothesis = with_clear_steps(misfit, Hypothesis(setting), start, parallel=True)
+        if simulations.starts:
+            return fitted_with_starts(misfit, hypothesis, start)
         base = fit_to_the_end(misfit, hypothesis, start)
         assert base is not None, "the nominal twin was simulated a moment ago"
         return fitted_from_elsewhere(misfit, base)

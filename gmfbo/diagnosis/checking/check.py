@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
 from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.diagnosis.checking.empirical_response import Response, empirical_response
@@ -157,7 +158,7 @@ def _seen(nominal: NominalCase, reading: Reading, told: Progress, started: float
         responses=reading.responses,
         showable=excited.showable,
         not_testable=excited.not_testable,
-        notes=tuple(case.notes),
+        notes=(*case.notes, *told_starts(case)),
         units={"position": units.position, "velocity": units.velocity},
         cost=Cost(case.simulations.runs, time.perf_counter() - started),
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.fitted_starts import at_own_starts
 from gmfbo.diagnosis.comparison.evidence import grams, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
@@ -21,7 +22,6 @@ from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.simulation_errors import errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening
-from gmfbo.diagnosis.runs.simulations import Simulations
 
 Array = NDArray[np.float64]
 
@@ -219,17 +219,20 @@ def _stated_on(
     return Part(problem, whitening, there)
 
 
-def quiet(simulations: Simulations, row: Fitted) -> Fitted:
+def quiet(case: Case, row: Fitted, told_by: Collection[int] = ()) -> Fitted:
     """A fit without the noise that its recordings hold, as it foretells what is not known.
 
     Parameters
     ----------
-    simulations : Simulations
-        Of the recordings that are foretold.
+    case : Case
+        With the recordings that are foretold.
     row : Fitted
         At its values.
+    told_by : collection of int
+        Windows that tell where their recordings start, where starts are fitted.
     """
-    runs = simulations.run([row.hypothesis.point(row.x)])[0]
+    point = at_own_starts(case, row.hypothesis.point(row.x), told_by)
+    runs = case.simulations.run([point])[0]
     return replace(row, runs=runs, own=np.zeros((0, 0)), heard=None)
 
 

@@ -21,6 +21,7 @@ from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import segment_whitener
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.runs.start_changes import start_changes
 
 Array = NDArray[np.float64]
 
@@ -150,10 +151,11 @@ def errors_of(
     runs = simulations.run([quiet])[0]
     known = runs if point.noise is None else simulations.run([point])[0]
     level = kernels.beyond_rounding(level)
-    constant = [
+    constant: list[Sequence[Sequence[Array] | None]] = [
         simulations.input_errors(quiet, runs),
         *_averaging(simulations, runs),
         *_held(simulations, kernels, held),
+        *start_changes(simulations, quiet, runs),
     ]
     found: list[Sequence[Sequence[Array] | None]] = [simulations.step_errors(quiet, runs)]
     if "sensor" in kernels.simulated and level > 0.0:

@@ -14,6 +14,7 @@ from typing import Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.runs.fitted_start import FittedStart
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import (
     PlayedNoise,
@@ -70,6 +71,8 @@ class Simulations:
         Communication steps until the loop is at rest; 0 where it does not come to rest.
     finer : callable () -> Simulations, or None
         Opens simulators of the same recordings at half the step, where the twin takes it.
+    starts : tuple of FittedStart
+        Starts of the axis that are fitted to each recording.
     unstated : frozenset of str
         Inputs of which the twin file does not say what they do between their rows.
     begins_at_rest : bool
@@ -83,6 +86,7 @@ class Simulations:
         self.records = tuple(records)
         self.rest = 0
         self.begins_at_rest = True
+        self.starts: tuple[FittedStart, ...] = ()
         self.new_rows: frozenset[str] = frozenset()
         self.tracking: Tracking | None = None
         self.encoder: Reading | None = None
@@ -112,6 +116,7 @@ class Simulations:
             finer.rest, finer.begins_at_rest = self.rest, self.begins_at_rest
             finer.new_rows, finer.tracking = self.new_rows, self.tracking
             finer.encoder, finer.reading = self.encoder, self.reading
+            finer.starts = self.starts
             if finer.reading is not None:
                 finer.reading = replace(finer.reading, late=0.5 * finer.reading.late)
             both = zip(self.records, (record.plan for record in finer.records), strict=True)
@@ -264,9 +269,13 @@ class Simulations:
         self, point: Point, record: int, tracking: Tracking | None, acts_at_rest: bool = False
     ) -> _Run:
         physics = point.physics_in(record)
-        values = tuple(point.parameters_in(record).items())
+        values = tuple(self._parameters(point, record).items())
         plan = self._plan(record, physics, acts_at_rest)
         return _Run(plan, record, values, tuple(physics.items()), tracking)
+
+    def _parameters(self, point: Point, record: int) -> dict[str, float]:
+        starts = {start.name: start.values[record] for start in self.starts}
+        return {**starts, **point.parameters_in(record)}
 
     def _seen(self, response: Response, record: int, pushed: Columns) -> Simulated:
         if self.reading is not None:
@@ -327,7 +336,7 @@ class Simulations:
         physics = {**settings, **point.physics_in(record)}
         plan = self.records[record].plan
         with self._simulator() as simulator:
-            values = point.parameters_in(record)
+            values = self._parameters(point, record)
             return simulator.run(plan, values, physics, measured=measured, held=held)
 
     def read(self, response: Response, record: int) -> tuple[NDArray[np.float64], ...]:

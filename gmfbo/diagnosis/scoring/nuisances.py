@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.runs.scored_record import Record, ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.runs.start_changes import start_changes
 from gmfbo.sources.twin_file.entries import OutputEntry
 
 Direction = tuple[NDArray[np.float64], ...]
@@ -173,11 +174,14 @@ def nuisance_directions(
         Torque at the port for a unit of command.
     """
 
+    starts = start_changes(simulations, point, base)
+
     def one(k: int) -> list[Direction]:
         record = simulations.records[k]
         own = record_directions(record, base[k], alignments)
         if simulations.tracking is not None:
             own = [_followed(simulations, point, base[k], k, error) for error in own]
+        own += [start[k] for start in starts]
         return own + actuator_directions(simulations, point, base, k, torque_per_command)
 
     return list(simulations.map(one, range(len(base))))

@@ -63,7 +63,8 @@ def windows_of(
     if not windows:
         raise RecordingError(
             f"expected at least {LEAST_ROWS} rows in a row after the start has been forgotten, "
-            f"{SETTLING * loop_time:.2g} s; got none; record longer, or without gaps"
+            f"{SETTLING * loop_time:.2g} s; got none; record longer, or without gaps, or "
+            'state the start in [initial]: a recorded signal, a number, or "fit"'
         )
     return tuple(windows)
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.case.fitted_starts import at_own_starts
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.result.explained import FreeRun
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
@@ -33,11 +34,13 @@ def free_runs(
         return {}
     records = sorted({case.budget.windows[i].record for i in scored})
     models = [plain] if augmented is None else [plain, augmented]
-    points = [Point(), *(model.hypothesis.point(model.x) for model in models)]
+    told_by = set(range(len(case.budget.windows))) - set(scored)
+    own = [at_own_starts(case, model.hypothesis.point(model.x), told_by) for model in models]
+    points = [Point(), *own]
     runs = [{k: simulations.run_freely(point, k) for k in records} for point in points]
     names = dict.fromkeys(s.name for k in records for s in simulations.records[k].signals)
     errors = {name: [*(_nrmse(case, name, run) for run in runs), float("nan")] for name in names}
-    return {name: FreeRun(*own[:3]) for name, own in errors.items()}
+    return {name: FreeRun(*found[:3]) for name, found in errors.items()}
 
 
 def _nrmse(case: Case, name: str, runs: Mapping[int, Simulated]) -> float:

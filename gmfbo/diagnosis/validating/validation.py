@@ -111,13 +111,13 @@ def validate(
         after = part_of(case, search, ledger, decision.row, chosen)
     scored = split.held_out or chosen
     left = decision.compared.scored.size_beside(decision.row.elements)
-    told = [quiet(case.simulations, part.fitted) for part in (before, after)]
+    told = [quiet(case, part.fitted, chosen) for part in (before, after)]
     about = (decision.base, decision.row)
     there = foretelling(search, ledger, decision.row)
     seen = [seen_on(case, search, there, row, scored, about, left) for row in told]
     without = {}
     for name, row in _without(decision).items():
-        lost = quiet(case.simulations, part_of(case, search, ledger, row, chosen).fitted)
+        lost = quiet(case, part_of(case, search, ledger, row, chosen).fitted, chosen)
         without[name] = seen_on(case, search, there, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
     plain = measured(misfit, told[0])
@@ -151,13 +151,13 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     there_ledger = ledger_on(unseen, ledger, whole.fitted)
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
-        run = quiet(unseen.simulations, row)
+        run = quiet(unseen, row)
         there.append(seen_on(unseen, search, there_ledger, run, split.held_out, (), left))
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
     for name, row in _without(decision).items():
-        lost = quiet(unseen.simulations, row)
+        lost = quiet(unseen, row)
         without[name] = seen_on(unseen, search, there_ledger, lost, split.held_out, ())
     seen = _Seen(decision, there_ledger, there[0], there[1], without)
     found = _scored(told, whole, seen)

@@ -1,0 +1,90 @@
+"""Coast-downs of a bench whose log begins somewhere, at some speed: `[initial] NAME = "fit"`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from gmfbo import FmuTwin, check, diagnose, models_folder
+from gmfbo.diagnosis.case.open_case import open_case, open_unseen
+from gmfbo.errors import RecordingError
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.twin.augmented_twin import AugmentedTwin
+
+NOISE = 3e-5  # [rad]
+STARTS = [(0.1, 20.0), (0.5, -30.0), (-0.3, 12.0)]  # [rad], [rad/s]
+VISCOUS, LEVEL = 0.02, 0.03  # [N.m.s/rad], [N.m]
+FIT = {"initial_position": "fit", "initial_velocity": "fit"}
+
+
+def bench(initial: Mapping[str, str | float] = FIT) -> FmuTwin:
+    twin = FmuTwin(models_folder() / "motor_bench.toml")
+    changed = twin.with_file(twin.file.model_copy(update={"initial": dict(initial)}))
+    return changed.with_uncertain({"viscous": (0.0, 0.08)})
+
+
+def coast_downs(physics: Mapping[str, float], seed: int = 3) -> list[Recording]:
+    rng, time = np.random.default_rng(seed), np.arange(1400, dtype=np.float64) * 1e-3
+    off = np.zeros(time.size)
+    made = []
+    with bench() as twin, AugmentedTwin(twin, substeps=10, isolated=False) as simulator:
+        for k, (position, velocity) in enumerate(STARTS):
+            truth = {
+                "viscous": VISCOUS,
+                "initial_position": position,
+                "initial_velocity": velocity,
+            }
+            asked = Recording(time=time, signals={"current": off}, written_by="test")
+            run = simulator.run(simulator.plan(asked, truth), truth, physics)
+            seen = run.held["position"] + NOISE * rng.standard_normal(time.size)
+            signals = {"current": off, "position": seen}
+            made.append(
+                Recording(time=time, signals=signals, name=f"rec{k}.csv", written_by="test")
+            )
+    return made
+
+
+def test_starts_and_friction_are_found_together() -> None:
+    with (
+        bench() as twin,
+        closing((case := open_case(twin, coast_downs({}), seed=0, jobs=1)).simulations),
+    ):
+        position, velocity = case.simulations.starts
+        assert case.base.parameters["viscous"] == pytest.approx(VISCOUS, rel=1e-3)
+        # A straight line through so many rows leaves a thousandth of a row's noise at its end.
+        assert position.values == pytest.approx([p for p, _ in STARTS], abs=NOISE)
+        assert velocity.values == pytest.approx([v for _, v in STARTS], abs=5e-4)
+        unseen = open_unseen(case, coast_downs({}, seed=4), seed=0, jobs=1)
+        with closing(unseen.simulations):
+            assert unseen.simulations.starts[1].values == pytest.approx(velocity.values, abs=1e-3)
+
+
+def test_friction_that_the_twin_lacks_is_named_and_the_table_begins_where_the_axis_did() -> None:
+    with bench() as twin:
+        found = diagnose(twin, coast_downs({"coulomb_friction.level": LEVEL}), seed=0)
+    (effect,) = found.effects
+    assert effect.name == "coulomb_friction"
+    assert effect.parameters["level"].low <= LEVEL <= effect.parameters["level"].high
+    position = found.fit.signals["position"]
+    assert position.augmented < 1.2 * position.noise_floor < 0.01 * position.parameters_only
+    (note,) = [n for n in found.notes if n.startswith("[initial] initial_velocity was fitted")]
+    assert "20 rad/s (rec0.csv), -30 rad/s (rec1.csv), 12 rad/s (rec2.csv)" in note
+
+
+def test_a_check_starts_where_the_first_rows_do() -> None:
+    """Over a whole recording a twin with other friction would ask for another start."""
+    with bench() as twin:
+        seen = check(twin, coast_downs({}), seed=0)
+    (note,) = [n for n in seen.notes if n.startswith("[initial] initial_position was fitted")]
+    assert "0.1 rad (rec0.csv), 0.5 rad (rec1.csv), -0.3 rad (rec2.csv)" in note
+
+
+def test_a_start_that_moves_nothing_recorded_is_refused() -> None:
+    with (
+        bench({"initial_logged_current": "fit"}) as twin,
+        pytest.raises(RecordingError, match="initial_logged_current moves none; give a number"),
+    ):
+        open_case(twin, coast_downs({}), seed=0, jobs=1)
