@@ -33,6 +33,7 @@ from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.validating.explained_share import Squares
 from gmfbo.diagnosis.validating.free_run import free_runs
+from gmfbo.diagnosis.validating.noise_floors import noise_floors
 
 _STANDARD_ERRORS = 2.0  # by which held-out stretches have to speak against names
 _ONE_NAT = 1.0  # of log density: less says nothing, however even
@@ -231,7 +232,8 @@ class _Told:
 def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     case, augmented = told.case, told.augmented
     shown = augmented if seen.decision.row.elements else None
-    signals = _table(case, told.scored, told.plain, shown, told.unnamed)
+    floors = noise_floors(seen.after, seen.ledger)
+    signals = _table(case, told.scored, told.plain, shown, told.unnamed, floors)
     distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     removed = squares.removed if distance > SAME else None
@@ -294,6 +296,7 @@ def _table(
     plain: Fitted,
     augmented: Fitted | None,
     unnamed: Sequence[Simulated] | None,
+    floors: Mapping[str, float],
 ) -> dict[str, SignalFit]:
     names = [s.name for record in case.simulations.records for s in record.signals]
     free, table = free_runs(case, scored, plain, augmented), {}
@@ -310,7 +313,7 @@ def _table(
             unnamed_spline=(
                 float("nan") if unnamed is None else _nrmse(case, scored, name, unnamed)
             ),
-            noise_floor=_floor(case, scored, name),
+            noise_floor=_of_range(case, scored, name, floors.get(name, np.nan)),
             free_run=free.get(name),
         )
     return table
@@ -323,38 +326,28 @@ def _nrmse(
     simulated: Sequence[Simulated],
 ) -> float:
     """RMS error over the range of the recorded signal, over all scored rows."""
-    square, count, low, high = 0.0, 0, np.inf, -np.inf
+    square, count = 0.0, 0
     for k, record in enumerate(case.simulations.records):
         for i, signal in enumerate(record.signals):
             rows = rows_of(case, scored, k, i)
-            if signal.name != name or not rows.size:
-                continue
-            residual = signal.values - simulated[k].signals[i]
-            square += float(np.sum(residual[rows] ** 2))
-            count += rows.size
-            low = min(low, float(signal.values[rows].min()))
-            high = max(high, float(signal.values[rows].max()))
-    extent = high - low
-    return float(np.sqrt(square / count) / extent) if count and extent > 0.0 else float("nan")
+            if signal.name == name:
+                square += float(np.sum((signal.values - simulated[k].signals[i])[rows] ** 2))
+                count += rows.size
+    return _of_range(case, scored, name, float(np.sqrt(square / count)) if count else np.nan)
 
 
-def _floor(case: Case, scored: Sequence[int], name: str) -> float:
-    """NRMSE by noise alone: the sensor noise carried by the loop, and the signal's own noise."""
-    squares, extents = [], []
-    for k, record in enumerate(case.simulations.records):
-        for i, signal in enumerate(record.signals):
-            rows = rows_of(case, scored, k, i)
-            if signal.name != name or not rows.size:
-                continue
-            through = case.budget.loop_noise[k]
-            loop = float(np.mean([np.mean(c[i] ** 2) for c in through])) if through else 0.0
-            squares.append(loop + case.budget.own_variances[k][i])
-            extents.append(signal.values[rows])
-    if not squares:
-        return float("nan")
-    values = np.concatenate(extents)
-    extent = float(np.ptp(values))
-    return float(np.sqrt(np.mean(squares)) / extent) if extent > 0.0 else float("nan")
+def _of_range(case: Case, scored: Sequence[int], name: str, error: float) -> float:
+    """An error [SI] over the range of the recorded signal, over all scored rows."""
+    values = np.concatenate(
+        [
+            signal.values[rows_of(case, scored, k, i)]
+            for k, record in enumerate(case.simulations.records)
+            for i, signal in enumerate(record.signals)
+            if signal.name == name
+        ]
+    )
+    extent = float(np.ptp(values)) if values.size else 0.0
+    return error / extent if extent > 0.0 else float("nan")
 
 
 def _curves(case: Case, plain: Fitted, augmented: Fitted | None) -> tuple[Curve, ...]:

@@ -54,12 +54,12 @@ def test_starts_and_friction_are_found_together() -> None:
     ):
         position, velocity = case.simulations.starts
         assert case.base.parameters["viscous"] == pytest.approx(VISCOUS, rel=1e-3)
-        # A straight line through so many rows leaves a thousandth of a row's noise at its end.
-        assert position.values == pytest.approx([p for p, _ in STARTS], abs=NOISE)
-        assert velocity.values == pytest.approx([v for _, v in STARTS], abs=5e-4)
+        # The first fit forgives 0.05 % of a position's range, which is 10 rad here.
+        assert position.values == pytest.approx([p for p, _ in STARTS], abs=1e-3)
+        assert velocity.values == pytest.approx([v for _, v in STARTS], abs=1e-2)
         unseen = open_unseen(case, coast_downs({}, seed=4), seed=0, jobs=1)
         with closing(unseen.simulations):
-            assert unseen.simulations.starts[1].values == pytest.approx(velocity.values, abs=1e-3)
+            assert unseen.simulations.starts[1].values == pytest.approx(velocity.values, abs=1e-2)
 
 
 def test_friction_that_the_twin_lacks_is_named_and_the_table_begins_where_the_axis_did() -> None:
