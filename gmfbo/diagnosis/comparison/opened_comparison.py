@@ -34,19 +34,14 @@ from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.segments import segments_of
+from gmfbo.diagnosis.comparison.starting.fixed_parameters import fixed_parameters
 from gmfbo.diagnosis.comparison.starting.pointed_starts import pointed_starts
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import SETTLING
 from gmfbo.diagnosis.screening.testable_effects import candidates
-from gmfbo.sources.binding.name_patterns import matching
-from gmfbo.sources.twin.twin import FmuTwin
-from gmfbo.sources.twin.uncertain import Uncertain
 
 _MOST_STRETCHES = 200
-_FREED_RANGE = 4.0
-"""Times the value of a freed parameter, either way: three standard deviations and a half."""
-
 _LEAST_OWN, _LEAST_OWN_POSITION = 5e-4, 1e-6  # of a signal's range
 _LEAST_ROUNDING = 0.1  # of a resolution: a reading may be rounded before the controller reads it
 _LEAST_JITTER_S = 1e-7
@@ -285,23 +280,4 @@ def _elements(
     excitation = case.setting.excitation
     found = [*candidates(effects, excitation), *(c for c in passing if c.effect in effects)]
     added = [Element(candidate=c.with_nuisances(excitation)) for c in found]
-    return (*added, *(Element(freed=u) for u in _fixed_parameters(case.twin, held)))
-
-
-def _fixed_parameters(twin: FmuTwin, held: Collection[str]) -> list[Uncertain]:
-    """Real parameters that the twin file holds fixed, and that a small factor may change."""
-    file, binding = twin.file, twin.binding
-    certain = [n for p in file.fixed.names for n in matching(p, binding.parameters)]
-    stated = {*file.uncertain, *file.initial, *file.gains, *certain, *held}
-    found = []
-    for name, bound in binding.parameters.items():
-        variable, value = bound.variable, twin.nominal(name)  # as the twin runs, not its FMU
-        is_scalar = variable.type == "Real" and value != 0.0
-        if name in stated or not is_scalar or variable.variability == "fixed":
-            continue
-        low, high = sorted((value / _FREED_RANGE, value * _FREED_RANGE))
-        low = max(low, variable.minimum if variable.minimum is not None else low)
-        high = min(high, variable.maximum if variable.maximum is not None else high)
-        if low < value < high:
-            found.append(Uncertain(name, value, low, high))
-    return found
+    return (*added, *(Element(freed=u) for u in fixed_parameters(case, held)))
