@@ -18,7 +18,6 @@ from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
 from gmfbo.diagnosis.fitting.central_slopes import with_central_slopes
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated
-from gmfbo.diagnosis.fitting.misfit import chi2
 from gmfbo.diagnosis.locating.mismatch_place import locate, located_at
 from gmfbo.diagnosis.locating.parities import parities
 from gmfbo.diagnosis.naming.alignment_told import alignments
@@ -249,10 +248,15 @@ class Conclusion:
 
     @property
     def _parameters_matter(self) -> bool:
-        """Whether refitting the uncertain parameters explains clearly more."""
-        case = self.case
-        nominal = chi2(case.plain.residual(case.nominal))
-        return nominal - case.base.measured_by(case.plain).chi2 > TOLD_APART
+        """Whether the recordings tell the refitted twin from the twin as it came."""
+        base, compared = self.decision.base, self.decision.compared
+        problem, whitening = compared.search.problem, compared.ledger.whitening
+        refitted = self.case.simulations.run([base.hypothesis.point(base.x)])[0]
+        nominal, fitted = (
+            whitening.square(problem.residual(problem.values(runs), base.nuisances))
+            for runs in (self.case.nominal, refitted)
+        )
+        return nominal - fitted > TOLD_APART
 
     @property
     def _sufficiency(self) -> Sufficiency:
