@@ -1,4 +1,4 @@
-"""The side table of the plants: rivals of others, variants of ours, and an envelope."""
+"""The side table of the plants: rivals of others, variants of ours, noise, and an envelope."""
 
 from __future__ import annotations
 
@@ -95,6 +95,22 @@ def others() -> str:
 
 def _has(found: Arrivals, method: str) -> bool:
     return all(found.runs.get((plant, method)) for plant in twin_kinds.CHOSEN)
+
+
+def by_noise() -> str:
+    """Ours and two rivals at 0.3, 1 and 3 times the noise."""
+    rows = []
+    for method in MAIN[:3]:
+        for factor in (0.3, 1.0, 3.0):
+            lines = (
+                _main(seeds_of(lines_of("noise_3")))
+                if factor == 1.0
+                else lines_of(f"noise_{factor:g}")
+            )
+            name = f"`{method}`" if factor == 0.3 else ""
+            rows.append([name, f"{factor:g}", *_row(_arrivals(lines), method)])
+    head = _heads("method")
+    return table([head[0], "noise", *head[1:]], rows)
 
 
 def limited() -> str:

@@ -18,6 +18,7 @@ TABLES: tuple[tuple[str, Callable[[], str]], ...] = (
     (_TUNING, plant_variants.misled),
     (_TUNING, plant_variants.leaving),
     (_TUNING, plant_rivals.others),
+    (_TUNING, plant_rivals.by_noise),
     (_TUNING, plant_rivals.limited),
     (_TUNING, tuning.all_methods),
     (_TUNING, tuning.by_noise),
