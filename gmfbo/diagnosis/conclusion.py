@@ -96,7 +96,7 @@ class Conclusion:
         progress("locating", 0.95)
         names = [found.winner.name for found in decision.rounds]
         shares = {name: result.squares.share(name) for name in names}
-        named = named_effects(decision, result.augmented, spread, self.units, shares)
+        named = named_effects(decision, result.augmented, spread, self.units, shares, case.twin)
         tests = residual_tests(self.unseen or case, result.curves, result.scored, result.augmented)
         verdict = self._verdict(tests)
         location = self._location(verdict)

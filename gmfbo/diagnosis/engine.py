@@ -18,6 +18,7 @@ from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.locating.parities import logged_as, parities
 from gmfbo.diagnosis.result.whereabouts import TimeWindow
+from gmfbo.diagnosis.runs.exciting_pieces import exciting_pieces
 from gmfbo.diagnosis.runs.given_recording import as_recording, on_fmu_clock
 from gmfbo.diagnosis.screening.exclusion import Excluded, check_assumed, excluded
 from gmfbo.diagnosis.stage_times import Progress, StageTimes
@@ -79,13 +80,16 @@ def diagnose(
     started, told = time.perf_counter(), StageTimes(progress or _silent, "reading")
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     ruled_out = _checked(opened, assume, exclude)
-    read, later = on_fmu_clock([as_recording(one, opened) for one in recordings], opened)
+    whole = [as_recording(one, opened) for one in recordings]
+    pieces, notes = exciting_pieces(whole, opened)
+    read, later = on_fmu_clock(pieces, opened)
     unseen, more = on_fmu_clock([as_recording(one, opened) for one in validate or ()], opened)
     told("running the twin", 0.0)
     with ExitStack() as closing:
         if opened is not twin:
             closing.enter_context(opened)
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
+        cases.seen.notes.extend(notes)
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, cases.unseen)
     found = replace(found, cost=replace(found.cost, stages=told.seconds))

@@ -12,7 +12,7 @@ from gmfbo.diagnosis.comparison.moves import Shown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.intervals import Spread
-from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.decision import Decision, Round
 from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.diagnosis.result.certainty import statement_of
 from gmfbo.diagnosis.result.explained import Share
@@ -23,7 +23,9 @@ from gmfbo.diagnosis.result.named_effect import (
     NotTestable,
 )
 from gmfbo.physics import CATALOGUE, Excitation, Units
+from gmfbo.plain_words import quantity
 from gmfbo.sources.binding.augmented_binding import PORT_OUTPUTS
+from gmfbo.sources.twin.twin import FmuTwin
 
 if TYPE_CHECKING:
     from gmfbo.sources.export.export import PhysicsParameter
@@ -57,6 +59,7 @@ def named_effects(
     spread: Spread,
     units: Units,
     shares: Mapping[str, Share | None],
+    twin: FmuTwin,
 ) -> tuple[NamedEffect, ...]:
     """Accepted effects at the values that the held-out recordings were scored with.
 
@@ -72,6 +75,8 @@ def named_effects(
         Of the twin.
     shares : mapping of str to Share or None
         What each effect explains.
+    twin : FmuTwin
+        Whose parameters may explain as much.
     """
     place = len(augmented.hypothesis.setting.uncertain)
     identified: dict[str, dict[str, IdentifiedValue]] = {}
@@ -96,7 +101,7 @@ def named_effects(
                 name=name,
                 port=law.port,
                 probability=found.shares[0].probability if found.shares else found.probability,
-                statement=statement_of(fact, found.names, found.probability),
+                statement=statement_of(fact, found.names, found.probability, _instead(found, twin)),
                 equation=law.equation,
                 parameters=identified[name],
                 evidence=found.gain,
@@ -109,6 +114,18 @@ def named_effects(
             )
         )
     return tuple(named)
+
+
+def _instead(found: Round, twin: FmuTwin) -> dict[str, str]:
+    """What each parameter of the twin in a set would be, in words."""
+    told = {}
+    for rival in found.rivals:
+        kind, _, name = rival.name.partition(":")
+        if kind == "parameter":
+            unit, value = twin.binding.variables[name].variable.unit, rival.fitted.parameters[name]
+            nominal = quantity(twin.nominal(name), unit)
+            told[rival.name] = f"{quantity(value, unit)} instead of {nominal}"
+    return told
 
 
 def detectable_sizes(

@@ -6,6 +6,8 @@ All printers take their verb from here, so that none is surer than the probabili
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from gmfbo.plain_words import words
@@ -83,7 +85,12 @@ def label(effect: NamedEffect) -> str:
     return words(effect.name) if alone else f"{words(effect.name)}?"
 
 
-def statement_of(fact: str, names: tuple[str, ...], probability: float) -> str:
+def statement_of(
+    fact: str,
+    names: tuple[str, ...],
+    probability: float,
+    values: Mapping[str, str] = MappingProxyType({}),
+) -> str:
     """Say what is missing, no surer than it is.
 
     Parameters
@@ -94,6 +101,8 @@ def statement_of(fact: str, names: tuple[str, ...], probability: float) -> str:
         Effects that the data cannot tell apart, the one that fits best first.
     probability : float
         That one of them is at work.
+    values : mapping of str to str, optional
+        Of each parameter of the twin among them, what it would be: "1.6 ms instead of 1 ms".
 
     Returns
     -------
@@ -101,6 +110,11 @@ def statement_of(fact: str, names: tuple[str, ...], probability: float) -> str:
         One sentence; of a set it has no size, since each of its laws has another one.
     """
     if len(names) > 1:
-        named = ", ".join(words(name) for name in names)
-        fact = f"One of {named} is missing from the twin ({CANNOT_TELL})."
+        laws = [words(name) for name in names if name not in values]
+        named = f"one of {', '.join(laws)}" if len(laws) > 1 else "".join(laws)
+        be = "is" if is_sure(probability) else "may be"
+        clauses = [f"{named} is missing from the twin"] if laws else []
+        clauses += [f"{name.partition(':')[2]} {be} {value}" for name, value in values.items()]
+        told = f"{', or '.join(clauses)} ({CANNOT_TELL})."
+        fact = told[0].upper() + told[1:] if laws else told
     return with_verb(fact, probability)

@@ -11,12 +11,15 @@ from gmfbo.diagnosis.case.fitted_starts import at_own_starts
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.result.explained import FreeRun
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.scoring.windows import starts_elsewhere
 
 
 def free_runs(
     case: Case, scored: Sequence[int], plain: Fitted, augmented: Fitted | None
 ) -> dict[str, FreeRun]:
     """NRMSE of whole recordings by signal; none of a twin that its controller corrects.
+
+    A recording that starts in another state than the twin tells nothing of it.
 
     Parameters
     ----------
@@ -32,7 +35,16 @@ def free_runs(
     simulations = case.simulations
     if simulations.tracking is None:
         return {}
-    records = sorted({case.budget.windows[i].record for i in scored})
+    loop_time = case.setting.excitation.loop_time
+    records = [
+        k
+        for k in sorted({case.budget.windows[i].record for i in scored})
+        if not starts_elsewhere(
+            simulations.records[k], case.nominal[k], case.rig.positions, loop_time
+        )
+    ]
+    if not records:
+        return {}
     models = [plain] if augmented is None else [plain, augmented]
     told_by = set(range(len(case.budget.windows))) - set(scored)
     own = [at_own_starts(case, model.hypothesis.point(model.x), told_by) for model in models]

@@ -163,6 +163,21 @@ def test_a_weak_set_may_be() -> None:
     assert claim(replace(OFFSET, rivals=weaker)) == f"may be {SET}"
 
 
+def test_a_parameter_of_a_set_is_told_with_what_it_would_be() -> None:
+    """It had been "one of torsional compliance, parameter:filter_time is missing"."""
+    names, would_be = ("torsional_compliance", "parameter:filter_time"), "1.6 ms instead of 1 ms"
+    said = statement_of("?", names, 0.9, {names[1]: would_be})
+    assert said == (
+        f"Torsional compliance is missing from the twin, or filter_time is {would_be} "
+        "(the recordings cannot tell them apart)."
+    )
+    said = statement_of("?", ("backlash", *names), 0.7, {names[1]: would_be})
+    assert said == (
+        "One of backlash, torsional compliance may be missing from the twin, or filter_time may be "
+        f"{would_be} (the recordings cannot tell them apart)."
+    )
+
+
 def test_a_drawing_asks_unless_one_name_is_sure() -> None:
     assert label(FRICTION) == "coulomb friction"
     assert label(OFFSET) == "constant torque offset?"
