@@ -54,12 +54,18 @@ class Fit:
     explainable_error_removed : float or None
         Share of the explainable error that the named physics removes, in the norm of noise alone,
         as `share`; None where there is next to nothing to explain.
+    log_density_gain, gain_error : float or None
+        [nats] By how much the held-out recordings are likelier by the model than by the refitted
+        twin, and the standard error of that over stretches. None where nothing is named, and in
+        diagnoses made before it was told.
     """
 
     fitted_on: tuple[str, ...]
     held_out: tuple[str, ...]
     signals: Mapping[str, SignalFit]
     explainable_error_removed: float | None = None
+    log_density_gain: float | None = None
+    gain_error: float | None = None
 
     @property
     def most_improved(self) -> str | None:

@@ -237,7 +237,8 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     removed = squares.removed if distance > SAME else None
-    table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed)
+    gain = (float(gains.sum()), _error_of(gains)) if shown is not None else (None, None)
+    table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed, *gain)
     return Validated(
         table,
         _curves(case, told.plain, shown),
@@ -266,8 +267,12 @@ def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:
     """
     if distance <= SAME:
         return False
-    error = float(np.std(gains)) * np.sqrt(gains.size)
-    return bool(gains.sum() < -max(_STANDARD_ERRORS * error, _ONE_NAT))
+    return bool(gains.sum() < -max(_STANDARD_ERRORS * _error_of(gains), _ONE_NAT))
+
+
+def _error_of(gains: NDArray[np.float64]) -> float:
+    """[nats] Standard error of the sum over stretches."""
+    return float(np.std(gains) * np.sqrt(gains.size))
 
 
 def _distance(before: Part, after: Part) -> float:

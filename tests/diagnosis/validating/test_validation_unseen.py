@@ -64,6 +64,11 @@ def test_the_physics_carries_over_to_what_was_not_seen(unseen: Diagnosis) -> Non
     removed = unseen.fit.explainable_error_removed
     assert removed is not None
     assert removed > 0.99
+    gain, error = unseen.fit.log_density_gain, unseen.fit.gain_error
+    assert gain is not None
+    assert error is not None
+    # Few stretches hold most of it: even so clear a gain is hardly two standard errors.
+    assert gain > error > 1e4
     for fit in unseen.fit.signals.values():
         assert fit.augmented < 0.3 * fit.parameters_only
         assert fit.augmented < 1.5 * fit.noise_floor
@@ -115,6 +120,7 @@ def test_where_nothing_is_missing_the_refitted_twin_alone_is_scored() -> None:
     assert diagnosis.effects == ()
     assert diagnosis.fit.held_out == ("rec1.csv", "rec2.csv")
     assert diagnosis.fit.explainable_error_removed is None
+    assert diagnosis.fit.log_density_gain is None
     for fit in diagnosis.fit.signals.values():
         assert np.isnan(fit.augmented)
         assert fit.parameters_only < 1.2 * fit.noise_floor
