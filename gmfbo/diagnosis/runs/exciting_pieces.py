@@ -14,7 +14,7 @@ from gmfbo.sources.twin.twin import FmuTwin
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 100_000
+MOST_STEPS = 60_000
 """Communication steps of all recordings together that are compared: minutes on two cores."""
 
 PIECE_STEPS = 4_000
