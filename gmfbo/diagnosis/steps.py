@@ -14,6 +14,8 @@ from gmfbo.diagnosis.conclusion import Conclusion
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.naming.decided_by_score import decide, measured
 from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.worth import has_fallen
+from gmfbo.diagnosis.result.held_out_errors import Fit
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.screening.exclusion import Excluded
 from gmfbo.diagnosis.screening.searched_lines import SearchedLines
@@ -74,6 +76,7 @@ class Search:
         case.notes.extend(decision.notes)
         self.progress("validating", 0.85)
         decision, result = self._confirmed(decision, unseen)
+        decision = _held_against(decision, result.fit)
         found = Conclusion(case, unseen, decision, reasons, result, self.lines.response)
         return found.diagnosis(seed, started, self.progress)
 
@@ -145,3 +148,10 @@ class Search:
         if unseen & {windows[i].record for i in split.fitted}:
             return None
         return decision.shown_unknown.function.played(unseen)
+
+
+def _held_against(decision: Decision, fit: Fit) -> Decision:
+    """A decision with the probabilities that held-out recordings leave its names."""
+    signals = fit.signals.values()
+    fell = has_fallen((one.parameters_only, one.augmented) for one in signals)
+    return replace(decision, rounds=tuple(one.held_against(fell) for one in decision.rounds))

@@ -282,7 +282,7 @@ def _round(
     once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
     most = min(most, SEEN_ONCE) if once else most
     belief, gain = min(claim.probability, most), _log_odds(compared, claim)
-    told = min(worth(belief, gain), most)
+    told = min(worth(belief, gain, fell=True), most)
     shares = [
         RivalShare(name, told / claim.probability * beliefs[name]) for name in (winner, *others)
     ]
@@ -295,6 +295,7 @@ def _round(
         gain,
         per_recording(names, compared, gains),
         once,
+        most,
     )
 
 

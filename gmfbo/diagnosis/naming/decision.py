@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
@@ -13,6 +13,7 @@ from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.naming.worth import worth
 from gmfbo.diagnosis.result.named_effect import RivalShare
 
 
@@ -59,6 +60,8 @@ class Round:
         What of the whitened square falls in each recording.
     once : str
         Stretch without which it would not be said; empty where others tell it as well.
+    most : float
+        Largest probability that may be told.
     """
 
     winner: Evidence
@@ -69,6 +72,16 @@ class Round:
     gain: float
     per_recording: Mapping[str, float]
     once: str = ""
+    most: float = 1.0
+
+    def held_against(self, fell: bool) -> Round:
+        """The same as told once it is known whether a held-out error falls with the model."""
+        told = min(worth(self.belief, self.gain, fell=fell), self.most)
+        shares = tuple(
+            replace(one, probability=told / self.probability * one.probability)
+            for one in self.shares
+        )
+        return replace(self, probability=told, shares=shares)
 
     @property
     def names(self) -> tuple[str, ...]:

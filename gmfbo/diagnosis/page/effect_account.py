@@ -75,7 +75,8 @@ def _worth(own: tuple[str | int, ...], effect: NamedEffect) -> str:
     return (
         f"<p>If one of these explanations were true to the last digit, {whose} would be at work "
         f"with a probability of {belief}. None is: stated is how often effects with such odds "
-        "were right on simulated axes whose truth was known.</p>"
+        "and such errors on unseen recordings were right on simulated axes whose truth was "
+        "known.</p>"
     )
 
 

@@ -2,7 +2,7 @@
 
 python -m tests.blind.draw.worth OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]
 
-Each claim of an effect counts as right where the truth is in its set. Fitted are the three numbers
+Each claim of an effect counts as right where the truth is in its set. Fitted are the four numbers
 of `gmfbo.diagnosis.comparison.numbers.WORTH`; printed is how honest the odds were as believed, how
 honest by the line that the other machines tell, by that of the first half of the cases on the
 second, and by the line in force.
@@ -21,7 +21,7 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from gmfbo.diagnosis.comparison.numbers import WORTH
-from gmfbo.diagnosis.naming.worth import terms, worth
+from gmfbo.diagnosis.naming.worth import has_fallen, terms, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
 from tests.blind.draw.outcomes import tell_of
@@ -44,6 +44,8 @@ class Stated:
         [nats] Its log odds.
     right : bool
         Whether the truth is in the set.
+    fell : bool
+        Whether a held-out error falls with all that is named.
     machine : str
         Of the case.
     case : int
@@ -53,6 +55,7 @@ class Stated:
     belief: float
     gain: float
     right: bool
+    fell: bool
     machine: str
     case: int
 
@@ -71,6 +74,8 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
         if judged.outcome == "failed":
             continue
         claims = {claim.name: claim for claim in judged.claims}
+        signals = line["diagnosis"]["fit"]["signals"].values()
+        fell = has_fallen((one["parameters_only"], one["augmented"]) for one in signals)
         for effect in line["diagnosis"]["effects"]:
             belief = effect.get("belief")
             found.append(
@@ -78,6 +83,7 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
                     effect["set_probability"] if belief is None else belief,
                     effect["evidence"],
                     claims[effect["name"]].judged != "false",
+                    fell,
                     judged.machine,
                     int(judged.case),
                 )
@@ -86,18 +92,18 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
 
 
 def line_of(stated: Sequence[Stated]) -> Array:
-    """The three numbers of `WORTH`, by maximum likelihood."""
+    """The four numbers of `WORTH`, by maximum likelihood."""
     columns, right = _columns(stated), np.array([one.right for one in stated], dtype=float)
 
     def loss(line: Array) -> float:
         odds = columns @ line
         return float(np.sum(np.logaddexp(0.0, odds) - right * odds))
 
-    return np.asarray(minimize(loss, np.zeros(3), tol=1e-10).x)
+    return np.asarray(minimize(loss, np.zeros(len(WORTH)), tol=1e-10).x)
 
 
 def _columns(stated: Sequence[Stated]) -> Array:
-    return np.array([terms(one.belief, one.gain) for one in stated])
+    return np.array([terms(one.belief, one.gain, fell=one.fell) for one in stated])
 
 
 def of_other_machines(stated: Sequence[Stated]) -> list[float]:
@@ -129,12 +135,16 @@ def recalibrated(stated: Sequence[Stated]) -> dict[str, tuple[str, ...]]:
     told = {
         "as believed": _told([one.belief for one in stated], stated),
         "by the line of all other machines": _told(of_other_machines(stated), stated),
-        "by the line in force": _told([worth(one.belief, one.gain) for one in stated], stated),
+        "by the line in force": _told(_in_force(stated), stated),
     }
     if first and second:
         halves = list(expit(_columns(second) @ line_of(first)))
         told[f"from case {HALF} on, by those before"] = _told(halves, second)
     return told
+
+
+def _in_force(stated: Sequence[Stated]) -> list[float]:
+    return [worth(one.belief, one.gain, fell=one.fell) for one in stated]
 
 
 def _told(probabilities: Sequence[float], stated: Sequence[Stated]) -> tuple[str, ...]:
@@ -152,8 +162,13 @@ def _told(probabilities: Sequence[float], stated: Sequence[Stated]) -> tuple[str
 
 def _by_worth(stated: Sequence[Stated]) -> list[str]:
     """How many claims of each probability by the line in force were right."""
-    rows = by_probability(stated, [worth(one.belief, one.gain) for one in stated])
+    rows = by_probability(stated, _in_force(stated))
     told = [f"{low:g} to {high:g}: {right} of {count}" for low, high, right, count in rows]
+    fell = {
+        "a held-out error falls": [one.right for one in stated if one.fell],
+        "none falls": [one.right for one in stated if not one.fell],
+    }
+    told += ["", *(f"{text}: {sum(own)} of {len(own)}" for text, own in fell.items())]
     return ["probability by the line in force: right", *told]
 
 
