@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -80,20 +80,25 @@ def diagnose(
     started, told = time.perf_counter(), StageTimes(progress or _silent, "reading")
     opened = twin if isinstance(twin, FmuTwin) else FmuTwin(twin)
     ruled_out = _checked(opened, assume, exclude)
-    whole = [as_recording(one, opened) for one in recordings]
-    pieces, notes = exciting_pieces(whole, opened)
-    read, later = on_fmu_clock(pieces, opened)
+    read, later, notes = _compared(recordings, opened)
     unseen, more = on_fmu_clock([as_recording(one, opened) for one in validate or ()], opened)
     told("running the twin", 0.0)
     with ExitStack() as closing:
-        if opened is not twin:
-            closing.enter_context(opened)
+        closing.enter_context(nullcontext() if opened is twin else opened)
         cases = _cases(ruled_out.held_in(opened), read, unseen, seed, jobs, closing)
         cases.seen.notes.extend(notes)
         search = Search(cases.seen, np.random.default_rng(seed), assume, ruled_out, told)
         found = search.diagnosis(seed, started, cases.unseen)
-    found = replace(found, cost=replace(found.cost, stages=told.seconds))
-    return _by_own_clocks(replace(found, not_compared=cases.not_compared), {**later, **more})
+    cost = replace(found.cost, stages=told.seconds)
+    return _by_own_clocks(replace(found, cost=cost, not_compared=cases.not_compared), later | more)
+
+
+def _compared(
+    recordings: Sequence[Recording | str | Path], twin: FmuTwin
+) -> tuple[list[Recording], dict[str, float], list[str]]:
+    """What is compared, on the FMU's clock; what gives their own clock back; and notes."""
+    pieces, notes = exciting_pieces([as_recording(one, twin) for one in recordings], twin)
+    return *on_fmu_clock(pieces, twin), notes
 
 
 def _by_own_clocks(found: Diagnosis, later: Mapping[str, float]) -> Diagnosis:

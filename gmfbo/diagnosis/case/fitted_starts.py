@@ -33,10 +33,10 @@ _PROBE = 1e-3  # of a start, or its unit: only its effect's size is read
 _LEAST_EFFECT = 1e-9  # of a signal's range, per unit: the axis has nothing of this start
 
 
-def first_starts(
-    simulations: Simulations, twin: FmuTwin, runs: Sequence[Simulated]
-) -> tuple[FittedStart, ...]:
-    """Starts that a twin file wants fitted, from the first rows of the recordings.
+def begun_at_first_rows(
+    simulations: Simulations, twin: FmuTwin, runs: list[Simulated]
+) -> list[Simulated]:
+    """Let the twin start where the first rows are, where its file wants starts fitted.
 
     There neither parameters nor forces have moved the axis yet.
 
@@ -46,8 +46,13 @@ def first_starts(
         Of the recordings; is told the starts.
     twin : FmuTwin
         With its twin file.
-    runs : sequence of Simulated
+    runs : list of Simulated
         The twin as it is.
+
+    Returns
+    -------
+    list of Simulated
+        The twin from there; the same where no start is fitted.
 
     Raises
     ------
@@ -56,7 +61,7 @@ def first_starts(
     """
     names = [name for name, source in twin.file.initial.items() if source == "fit"]
     if not names:
-        return ()
+        return runs
     probed = tuple(_unmeasured(twin, name, len(runs)) for name in names)
     columns = changes_by(simulations, probed, Point(), runs, _PROBE)
     found = []
@@ -70,7 +75,7 @@ def first_starts(
         found.append(replace(start, spread=start.spread / effect))
     simulations.starts = tuple(found)
     simulations.starts = _led(simulations, tuple(found), Point(), runs, _first_rows)
-    return simulations.starts
+    return simulations.run([Point()])[0]
 
 
 def at_own_starts(case: Case, point: Point, told_by: Collection[int]) -> Point:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import (
-    first_starts,
+    begun_at_first_rows,
     fitted_with_starts,
     settle_starts,
 )
@@ -190,8 +190,7 @@ class _Opening:
         simulations.rest = like.simulations.rest
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
-        if first_starts(simulations, self.twin, nominal):
-            nominal = simulations.run([Point()])[0]
+        nominal = begun_at_first_rows(simulations, self.twin, nominal)
         excitation = like.setting.excitation
         if simulations.tracking is None:
             nominal, _ = begun_at_rest(simulations, nominal, like.rig, excitation.loop_time)
@@ -248,8 +247,7 @@ class _Opening:
     def _case(self, simulations: Simulations, substeps: int) -> Case:
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
-        if first_starts(simulations, self.twin, nominal):
-            nominal = simulations.run([Point()])[0]
+        nominal = begun_at_first_rows(simulations, self.twin, nominal)
         rig = describe_rig(self.twin.binding, simulations.records)
         simulations.reading = recorded_reading(self.twin, simulations, rig, substeps)
         if rig.position is not None:

@@ -78,19 +78,7 @@ def named_effects(
     twin : FmuTwin
         Whose parameters may explain as much.
     """
-    place = len(augmented.hypothesis.setting.uncertain)
-    identified: dict[str, dict[str, IdentifiedValue]] = {}
-    for candidate in augmented.hypothesis.effects:
-        own = identified.setdefault(candidate.effect, {})
-        for i, parameter in enumerate(candidate.parameters, start=place):
-            if parameter not in candidate.law.own_nuisances:
-                own[parameter.name] = IdentifiedValue(
-                    float(augmented.x[i]),
-                    units.resolve(parameter.unit),
-                    float(spread.low[i]),
-                    float(spread.high[i]),
-                )
-        place += len(candidate.parameters)
+    identified = _identified(augmented, spread, units)
     at = {c.effect: {**c.more, **c.values} for c in augmented.hypothesis.effects}
     named = []
     for found in decision.rounds:
@@ -114,6 +102,26 @@ def named_effects(
             )
         )
     return tuple(named)
+
+
+def _identified(
+    augmented: Fitted, spread: Spread, units: Units
+) -> dict[str, dict[str, IdentifiedValue]]:
+    """Values of each effect's parameters."""
+    place = len(augmented.hypothesis.setting.uncertain)
+    identified: dict[str, dict[str, IdentifiedValue]] = {}
+    for candidate in augmented.hypothesis.effects:
+        own = identified.setdefault(candidate.effect, {})
+        for i, parameter in enumerate(candidate.parameters, start=place):
+            if parameter not in candidate.law.own_nuisances:
+                own[parameter.name] = IdentifiedValue(
+                    float(augmented.x[i]),
+                    units.resolve(parameter.unit),
+                    float(spread.low[i]),
+                    float(spread.high[i]),
+                )
+        place += len(candidate.parameters)
+    return identified
 
 
 def _instead(found: Round, twin: FmuTwin) -> dict[str, str]:
