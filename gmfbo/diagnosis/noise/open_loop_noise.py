@@ -79,7 +79,7 @@ class ReadNoise:
             share * np.roll(noise, n) * (np.arange(noise.size) >= n)
             for n, share in zip(delays, response, strict=True)
         )
-        return answer, 1.0 - left / max(power, 1e-300)
+        return answer, 1.0 - left / power if power > 0.0 else 0.0  # a coast-down has no command
 
     def _fast_half(
         self, command: Array, delays: NDArray[np.int64], half: int
