@@ -126,7 +126,7 @@ class Conclusion:
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
             seed=seed,
             versions=_versions(),
-            notes=(*case.notes, *told_starts(case, decision.model), *self._no_twin),
+            notes=self._notes,
             predictions=predictions_of(case, decision, result.augmented, self.units),
             latent=self._latent,
             residual_tests=tests,
@@ -139,6 +139,12 @@ class Conclusion:
                 else augmentation_of(case, result.augmented, self.units)
             ),
         )
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """Each remark once; those of unseen recordings are among the case's."""
+        starts = told_starts(self.case, self.decision.model)
+        return tuple(dict.fromkeys((*self.case.notes, *starts, *self._no_twin)))
 
     @property
     def _no_twin(self) -> tuple[str, ...]:

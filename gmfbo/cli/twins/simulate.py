@@ -194,6 +194,11 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
         for m in missing
     ]
     lines += still_lines(source, recorded)
+    lines += [
+        f'[initial] {name} = "fit": a diagnosis fits it, this run begins at the FMU\'s value'
+        for name, start in source.file.initial.items()
+        if start == "fit"
+    ]
     return lines + list(filter(None, [contradiction(source, recorded, run)]))
 
 

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 _FIRST_ROWS = 8  # the slope of a noisy position is known from so many to 15 % of a row's noise
 _ROUNDS, _OWN_ROUNDS = 10, 3
 _SETTLED = 0.1  # of a whitened square
+_SHOWN, _LEAST_STEP, _LARGEST_STEP = 20.0, 1e-5, 1e-2  # of a row's noise; of a signal's range
 _PROBE = 1e-3  # of a start, or its unit: only its effect's size is read
 _LEAST_EFFECT = 1e-9  # of a signal's range, per unit: the axis has nothing of this start
 
@@ -63,7 +64,7 @@ def begun_at_first_rows(
     if not names:
         return runs
     probed = tuple(_unmeasured(twin, name, len(runs)) for name in names)
-    columns = changes_by(simulations, probed, Point(), runs, _PROBE)
+    columns = changes_by(simulations, probed, Point(), runs)
     found = []
     for start, own in zip(probed, columns, strict=True):
         effect = _largest_effect(simulations, own)
@@ -72,10 +73,24 @@ def begun_at_first_rows(
                 f'[initial] {start.name} = "fit": expected a start that moves a recorded signal; '
                 f"{start.name} moves none; give a number in its place"
             )
-        found.append(replace(start, spread=start.spread / effect))
+        spread = start.spread / effect
+        found.append(replace(start, spread=spread, step=spread * _step_share(simulations)))
+    _refuse_blank_beginnings(simulations)
     simulations.starts = tuple(found)
     simulations.starts = _led(simulations, tuple(found), Point(), runs, _first_rows)
     return simulations.run([Point()])[0]
+
+
+def _refuse_blank_beginnings(simulations: Simulations) -> None:
+    """A start cannot be told by rows that are blank: what is known begins elsewhere."""
+    for record in simulations.records:
+        first = float(record.plan.grid[0])
+        late = min(signal.time[0] - _FIRST_ROWS * signal.spacing for signal in record.signals)
+        if late > first:
+            raise RecordingError(
+                f'{record.name}: [initial] NAME = "fit" needs a signal from the first row on, its '
+                f"first {late - first:.2g} s are blank; cut them"
+            )
 
 
 def at_own_starts(case: Case, point: Point, told_by: Collection[int]) -> Point:
@@ -227,7 +242,22 @@ def _unmeasured(twin: FmuTwin, name: str, recordings: int) -> FittedStart:
     variable, value = twin.binding.variables[name].variable, twin.nominal(name)
     low = -np.inf if variable.minimum is None else variable.minimum
     high = np.inf if variable.maximum is None else variable.maximum
-    return FittedStart(name, (value,) * recordings, abs(value) or 1.0, low, high)
+    size = abs(value) or 1.0
+    return FittedStart(name, (value,) * recordings, size, _PROBE * size, low, high)
+
+
+def _step_share(simulations: Simulations) -> float:
+    """Of the start that moves a signal by its range: a step that shows beside the least noise.
+
+    A larger one would break an axis loose of its friction.
+    """
+    shares = [
+        _noise(signal.values) / float(np.ptp(signal.values))
+        for record in simulations.records
+        for signal in record.signals
+        if np.ptp(signal.values) > 0.0
+    ]
+    return float(np.clip(_SHOWN * min(shares, default=1.0), _LEAST_STEP, _LARGEST_STEP))
 
 
 def _largest_effect(simulations: Simulations, columns: Sequence[Sequence[Array]]) -> float:
@@ -273,8 +303,8 @@ def told_starts(case: Case, model: Fitted | None = None) -> list[str]:
     for start in starts:
         unit = variables[start.name].variable.si_unit or ""
         told = ", ".join(
-            f"{quantity(value, unit)} ({record.name})"
-            for value, record in zip(start.values, records, strict=True)
+            f"{quantity(value, unit)} ({record.name}{', the bound of the FMU' if ends else ''})"
+            for value, record, ends in zip(start.values, records, start.at_bound, strict=True)
         )
         found.append(f"[initial] {start.name} was fitted to each recording: {told}")
     return found

@@ -42,6 +42,9 @@ def verdict_sentence(diagnosis: Findings) -> str:
     return " ".join(filter(None, (not_compared(diagnosis), *parts)))
 
 
+_FAR_ABOVE = 2.0  # times the noise floor: nobody calls that "to the noise"
+
+
 def _nothing(diagnosis: Findings) -> str:
     if diagnosis.evidence == "insufficient":
         return "These recordings cannot tell: they show no left-out physics, but excite too little."
@@ -92,12 +95,13 @@ def _parameters(diagnosis: Findings) -> str:
 def _left_over(diagnosis: Findings, errors: Mapping[str, float]) -> str:
     """Clause on what is more than noise beside nothing that was named; empty where nothing is."""
     follows = follows_clearly(diagnosis)
-    if diagnosis.effects or not (follows or remainder_words(diagnosis.remainder)):
-        return ""
-    told = STILL_FOLLOWS if follows else "more than noise is left"
     floors = {name: fit.noise_floor for name, fit in diagnosis.fit.signals.items()}
     over = {name: errors[name] / floor for name, floor in floors.items() if floor > 0.0}
     name = max(over, key=lambda signal: over[signal], default="")
+    is_far = bool(over) and over[name] > _FAR_ABOVE
+    if diagnosis.effects or not (follows or is_far or remainder_words(diagnosis.remainder)):
+        return ""
+    told = STILL_FOLLOWS if follows else "more than noise is left"
     if not over or not over[name] > 1.0:
         return told
     shown = f"{words(name)} error {percent(errors[name])}{_floor(floors[name])}"

@@ -19,7 +19,8 @@ MOST_STEPS = 60_000
 
 PIECE_STEPS = 4_000
 _LEAST_ROWS = 256  # of a piece
-_LEAD = 0.25  # of a piece: simulated and not scored, until its start is forgotten
+_LEAD = 0.25  # of a piece: simulated before it and not scored, until its start is forgotten
+_LEAST_SEEN = 0.5  # of a piece's rows, with a signal to compare
 _KNOWN_BEFORE = 1e-3  # of all rows, in each direction: a first piece has to show something
 
 
@@ -53,18 +54,29 @@ def exciting_pieces(
     tuple of list of Recording and list of str
         What is compared, and a note where it is not all.
     """
-    durations = [recording.duration for recording in recordings]
-    steps = sum(durations) / twin.step
-    if steps <= MOST_STEPS:
+    durations = [_used(recording)[1] - _used(recording)[0] for recording in recordings]
+    if sum(durations) / twin.step <= MOST_STEPS:
         return list(recordings), []
     pieces = _pieces(recordings, twin)
+    if not pieces:  # nothing to compare: who opens them says so
+        return list(recordings), []
     chosen = _chosen(pieces, [_steps(recordings, piece, twin) for piece in pieces])
     found = _joined(recordings, chosen)
-    told = sum(recording.duration for recording in found)
+    told = sum(_used(recording)[1] - _used(recording)[0] for recording in found)
+    if told > 0.99 * sum(durations):  # one piece of a slow logger may be more than is wanted
+        return list(recordings), []
     return found, [
-        f"{told:.3g} of {sum(durations):.3g} s were compared, in the {len(found)} stretches that "
-        "excite most: all of it would take hours"
+        f"{told:.3g} of {sum(durations):.3g} s were compared, those that excite most: all of it "
+        "would take hours"
     ]
+
+
+def _used(recording: Recording) -> tuple[float, float]:
+    """[s] First and last time that may be scored."""
+    first, last = float(recording.time[0]), float(recording.time[-1])
+    if recording.use is None:
+        return first, last
+    return max(first, recording.use[0]), max(first, min(last, recording.use[1]))
 
 
 def _pieces(recordings: Sequence[Recording], twin: FmuTwin) -> list[_Piece]:
@@ -77,9 +89,16 @@ def _pieces(recordings: Sequence[Recording], twin: FmuTwin) -> list[_Piece]:
     for k, (recording, own) in enumerate(zip(recordings, regressors, strict=True)):
         spacing = recording.duration / max(1, len(recording) - 1)
         length = max(round(PIECE_STEPS * twin.step / spacing), _LEAST_ROWS)
-        count = max(1, len(recording) // length)
-        edges = np.linspace(0, len(recording), count + 1).astype(int)
+        begin, last = np.searchsorted(recording.time, _used(recording))
+        end = min(int(last) + 1, len(recording))
+        count = max(1, (end - int(begin)) // length)
+        edges = np.linspace(begin, end, count + 1).astype(int)
+        seen = np.zeros(len(recording), dtype=bool)
+        for name in twin.file.outputs:
+            seen |= np.isfinite(recording.signals.get(name, np.full(len(recording), np.nan)))
         for first, last in pairwise(edges):
+            if np.mean(seen[first:last]) < _LEAST_SEEN:
+                continue
             part = np.divide(
                 own[:, first:last],
                 scale[:, None],
@@ -91,19 +110,21 @@ def _pieces(recordings: Sequence[Recording], twin: FmuTwin) -> list[_Piece]:
 
 
 def _regressors(recording: Recording, names: Sequence[str]) -> Array:
-    """Each signal about its mean, its square, its rate and that rate's direction, shape (4k, n)."""
+    """Each signal about its mean, its square, its rate and that rate's direction, shape (4k, n).
+
+    Nothing where a signal is blank.
+    """
     made = []
     for name in names:
         column = np.zeros(len(recording))
         known = np.isfinite(recording.signals.get(name, np.full(len(recording), np.nan)))
         if known.sum() > 1:
-            column = np.interp(
-                recording.time, recording.time[known], recording.signals[name][known]
-            )
-        rate = np.gradient(column, recording.time)
+            there = recording.time[known]
+            column = np.interp(recording.time, there, recording.signals[name][known])
+            column = (column - column[known].mean()) * known
+        rate = np.gradient(column, recording.time) * known
         usual = float(np.sqrt(np.mean(rate**2))) or 1.0
-        centred = column - column.mean()
-        made += [centred, centred**2, rate, np.tanh(rate / usual)]
+        made += [column, column**2, rate, np.tanh(rate / usual)]
     return np.array(made)
 
 
@@ -136,24 +157,22 @@ def _joined(recordings: Sequence[Recording], chosen: Sequence[_Piece]) -> list[R
             runs[-1] = (piece.recording, runs[-1][1], piece.rows.stop)
         else:
             runs.append((piece.recording, piece.rows.start, piece.rows.stop))
-    lengths = [piece.rows.stop - piece.rows.start for piece in chosen]
-    lead = int(_LEAD * min(lengths))
-    return [_cut(recordings[k], first, last, lead) for k, first, last in runs]
+    lengths = {piece.recording: piece.rows.stop - piece.rows.start for piece in chosen}
+    return [_cut(recordings[k], first, last, int(_LEAD * lengths[k])) for k, first, last in runs]
 
 
 def _cut(recording: Recording, first: int, last: int, lead: int) -> Recording:
     """A stretch of a recording, of which what comes after a lead is scored."""
-    if (first, last) == (0, len(recording)):
+    time, before = recording.time, max(0, first - lead)
+    if (before, last) == (0, len(recording)):
         return recording
-    rows, time = slice(first, last), recording.time
-    use = (float(time[first + lead if first else 0]), float(time[last - 1]))
-    if recording.use is not None:
-        use = (max(use[0], recording.use[0]), min(use[1], recording.use[1]))
+    rows = slice(before, last)
+    use = _used(recording)
     return replace(
         recording,
         time=time[rows],
         signals={name: column[rows] for name, column in recording.signals.items()},
         schedules={name: column[rows] for name, column in recording.schedules.items()},
-        use=use,
-        name=f"{recording.name} [{time[first]:.4g}, {time[last - 1]:.4g}] s",
+        use=(max(use[0], float(time[first])), min(use[1], float(time[last - 1]))),
+        name=f"{recording.name} [{time[first]:.13g}, {time[last - 1]:.13g}] s",
     )

@@ -14,8 +14,6 @@ from gmfbo.diagnosis.runs.simulations import Simulations
 
 Array = NDArray[np.float64]
 
-_STEP = 0.01  # of the start that moves a signal by its range
-
 
 def start_changes(
     simulations: Simulations, point: Point, runs: Sequence[Simulated]
@@ -39,9 +37,8 @@ def changes_by(
     starts: Sequence[FittedStart],
     point: Point,
     runs: Sequence[Simulated],
-    share: float = _STEP,
 ) -> list[list[tuple[Array, ...]]]:
-    """[SI] Change of each recording's signals by each start, per spread, from a share of it.
+    """[SI] Change of each recording's signals by each start, per spread of its prior.
 
     Parameters
     ----------
@@ -53,17 +50,10 @@ def changes_by(
         At which the twin runs; the noise that it plays is left out.
     runs : sequence of Simulated
         The recordings there, without it.
-    share : float
-        Of the spread, by which a start is moved.
     """
     found = []
     for start in starts:
-        sizes = [
-            -share * start.spread
-            if value + share * start.spread > start.high
-            else share * start.spread
-            for value in start.values
-        ]
+        sizes = start.sizes()
         moved = [value + size for value, size in zip(start.values, sizes, strict=True)]
         point_moved = replace(point, noise=None, own=own_points(point, start.name, moved))
         pairs = zip(simulations.run([point_moved])[0], runs, sizes, strict=True)

@@ -11,6 +11,7 @@ from gmfbo.errors import InputError, did_you_mean
 from gmfbo.sources.binding.name_patterns import matching
 from gmfbo.sources.binding.table_nodes import LEAST_NODES, elements, shape_of
 from gmfbo.sources.fmu_file.fmu_variable import FmuVariable, is_parameter
+from gmfbo.sources.fmu_file.job import ValueType
 from gmfbo.sources.twin_file.twin_file import ControllerEntry, SignalEntry
 
 if TYPE_CHECKING:
@@ -223,6 +224,24 @@ def _initial_problems(binding: Binding) -> Iterator[str]:
             yield f"[initial] '{name}': no signal '{source}'" + did_you_mean(source, signals)
         elif not isinstance(source, str) and not misfit:
             yield from _bounds_problem(binding, "[initial]", name, source)
+        elif source == "fit" and not misfit:
+            yield from _fitted_start_problems(binding, name)
+
+
+def _fitted_start_problems(binding: Binding, name: str) -> Iterator[str]:
+    """A start that is to be fitted and cannot, or of which something else is said too."""
+    file, kind = binding.file, binding.variables[name].variable.value_type
+    if kind not in (ValueType.REAL, ValueType.FLOAT32):
+        yield f"[initial] '{name}' = \"fit\": expected a real number to fit; give its value"
+    tables = {
+        "uncertain": [*file.uncertain],
+        "parameters": [*file.parameters],
+        "gains": [*file.gains],
+        "fixed": [n for p in file.fixed.names for n in matching(p, binding.parameters)],
+    }
+    for table, names in tables.items():
+        if name in names:
+            yield f"[initial] '{name}' = \"fit\" and [{table}] both say what it is: remove one"
 
 
 def _wire_problems(binding: Binding) -> Iterator[str]:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from gmfbo import FmuTwin, check, diagnose, models_folder
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
-from gmfbo.errors import RecordingError
+from gmfbo.errors import InputError, RecordingError
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
@@ -82,6 +84,52 @@ def test_a_check_starts_where_the_first_rows_do() -> None:
         seen = check(twin, coast_downs({}), seed=0)
     (note,) = [n for n in seen.notes if n.startswith("[initial] initial_position was fitted")]
     assert "0.1 rad (rec0.csv), 0.5 rad (rec1.csv), -0.3 rad (rec2.csv)" in note
+
+
+def test_a_start_needs_rows_that_tell_it() -> None:
+    recordings = coast_downs({})
+    blank = np.where(recordings[1].time < 0.2, np.nan, recordings[1].signals["position"])
+    recordings[1] = recordings[1].with_signals({"position": blank})
+    with (
+        bench() as twin,
+        pytest.raises(RecordingError, match=r"rec1\.csv.*its first 0\.19 s are blank; cut them"),
+    ):
+        open_case(twin, recordings, seed=0, jobs=1)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("[uncertain]", '"initial_velocity" = [-50.0, 50.0]'),
+        ("[parameters]", '"initial_velocity" = 5.0'),
+        ("[fixed]", 'names = ["initial_*"]'),
+    ],
+)
+def test_a_start_of_which_something_else_is_said_is_refused(
+    table: str, said: str, tmp_path: Path
+) -> None:
+    text = (models_folder() / "motor_bench.toml").read_text(encoding="utf-8")
+    fmu = (models_folder() / "motor_bench.fmu").as_posix()
+    text = text.replace("motor_bench.fmu", fmu)
+    text = text.replace("[initial]", '[initial]\n"initial_velocity" = "fit"')
+    if table in text:
+        text = text.replace(table, f"{table}\n{said}")
+    else:
+        text += f"\n{table}\n{said}\n"
+    path = tmp_path / "twin.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=rf"{re.escape(table)} both say what it is: remove one"):
+        FmuTwin(path)
+
+
+def test_a_start_moves_an_axis_no_further_than_its_noise_needs() -> None:
+    """A step of a hundredth of the range breaks it loose of its friction, and is no slope."""
+    with (
+        bench() as twin,
+        closing(open_case(twin, coast_downs({}), seed=0, jobs=1).simulations) as s,
+    ):
+        position, _ = s.starts
+    assert 1e-5 * position.spread <= position.step < 1e-3 * position.spread
 
 
 def test_a_start_that_moves_nothing_recorded_is_refused() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -42,7 +44,9 @@ def test_of_ten_minutes_the_stretches_that_move_are_compared() -> None:
     recording = log(busy)
     with bench() as twin:
         pieces, (note,) = exciting_pieces([recording], twin)
-    assert sum(piece.duration for piece in pieces) <= MOST_STEPS * 1e-3
+    scored = [piece.use[1] - piece.use[0] for piece in pieces if piece.use is not None]
+    assert sum(scored) <= MOST_STEPS * 1e-3
+    assert len(scored) == len(pieces)
     inside = np.zeros(recording.time.size, dtype=bool)
     for piece in pieces:
         rows = np.searchsorted(recording.time, piece.time)
@@ -54,7 +58,36 @@ def test_of_ten_minutes_the_stretches_that_move_are_compared() -> None:
         if piece.time[0] > 0.0:  # the start is forgotten before it is scored
             assert piece.use[0] == pytest.approx(piece.time[0] + 1.0, abs=0.01)
     assert inside[np.repeat(busy, 1000)].all()
-    assert "of 600 s were compared" in note
+    assert "of 589 s were compared" in note
+
+
+def test_only_what_is_used_counts_and_is_cut() -> None:
+    recording = log(np.ones(120, dtype=bool))
+    with bench() as twin:
+        (same,), notes = exciting_pieces([replace(recording, use=(100.0, 110.0))], twin)
+        late, _ = exciting_pieces([replace(recording, use=(40.0, 119.0))], twin)
+    assert (len(same), notes) == (len(recording), [])
+    assert all(piece.use is not None and 40.0 <= piece.use[0] < piece.use[1] for piece in late)
+
+
+def test_pieces_of_a_clock_that_counts_from_1970_have_names_of_their_own() -> None:
+    recording = log(np.arange(600) % 20 < 4)
+    epoch = replace(recording, time=recording.time + 1.7e9, use=None)
+    with bench() as twin:
+        pieces, _ = exciting_pieces([epoch], twin)
+    assert len({piece.name for piece in pieces}) == len(pieces) > 1
+
+
+def test_what_is_blank_excites_nothing() -> None:
+    recording = log(np.ones(120, dtype=bool))
+    blank = np.where(recording.time < 60.0, np.nan, recording.signals["position"])
+    recording = replace(recording.with_signals({"position": blank}), use=None)
+    with bench() as twin:
+        pieces, _ = exciting_pieces([recording], twin)
+    seen = [
+        p.signals["position"][(p.time >= p.use[0]) & (p.time <= p.use[1])] for p in pieces if p.use
+    ]
+    assert np.mean(np.isfinite(np.concatenate(seen))) > 0.9
 
 
 def test_pieces_that_lie_end_to_end_are_one() -> None:
