@@ -21,7 +21,7 @@ MAIN = (OURS, "bo_ei", "log_ei", "identify_then_optimise")
 SAID = {
     "ax": "`ax`, its default strategy",
     "nelder_mead": "`nelder_mead`, from the gains in force",
-    "mfbo_takg": "`mfbo_takg`",
+    "mfbo_takg": "`mfbo_takg`, 2 or 3 seeds",
     "gmfbo_paper": "`gmfbo_paper`",
     "gmfbo_calibrated": "`gmfbo_calibrated`",
     "is3_source": "`gmfbo_estimated`, corrected runs as a third source",
