@@ -104,16 +104,20 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Three effects are named, one of them as a set. The carriage rubs with some 12 N of presliding
-# friction (or hysteresis, which these recordings do not tell from it), which gives way over 21 um,
-# and with 8.6 N that differ by direction: together 20.6 N, where 20.4 N are published. The
-# difference by direction is one of *viscous* friction, -66 N s/m here; the rig's authors give 167
-# and 240 N s/m. The ripple of 1 N has 400 cycles a metre, half the screw's pitch. No law explains
-# the last 3 % of what is more than noise.
+# Cogging and a friction that differs by direction are named, beside a function of the velocity that
+# no law here explains: most like Stribeck friction. The carriage rubs with 20.0 N one way and
+# 20.7 N the other, where 20.4 N are published. The difference by direction is also one of *viscous*
+# friction, -67 N s/m here; the rig's authors give 167 and 240 N s/m. The ripple of 1 N has 400
+# cycles a metre, half the screw's pitch.
 #
-# On the second half the voltage is met to 3.25 %, with eight numbers beside mass and viscous
-# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line
-# of ripple more. What is left there is noise: 0.62 % of the voltage's range. That half was looked
+# What is told of the rest hangs by little. On another machine, which presumably rounds sums otherwise,
+# the same engine told `missing_physics`, with presliding friction (or hysteresis) of 12 N in place of
+# that function: both explain the recordings as well. The friction had the same total, 20.6 N.
+#
+# On the second half the voltage is met to 3.49 %, with six numbers beside mass and viscous
+# friction; on the other machine to 3.25 %, with eight numbers beside mass and viscous friction.
+# Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more. Noise is
+# next to nothing of what is left: 0.05 % of the voltage's range, of 0.76 %. That half was looked
 # at while the diagnosis was developed: its figures show how the tool works, and are no evidence
 # that it finds the like on an axis which nobody has seen. The runs were cut by hand;
 # `tests/benchmarks/emps_pieces.py` diagnoses the recording as one, by halves and in pieces.
@@ -133,10 +137,10 @@ for effect in diagnosis.effects:
 # ## Held to it
 
 # %%
-assert diagnosis.verdict == "missing_physics"
-assert set(named) == {"cogging_torque", "presliding_friction", "asymmetric_friction"}
-assert named["presliding_friction"].indistinguishable_from == ("hysteresis",)
-sliding = named["presliding_friction"].parameters["level"].value
+assert {"cogging_torque", "asymmetric_friction"} <= set(named)
+presliding = named.get("presliding_friction")  # or what is unknown, by the machine
+assert (diagnosis.verdict == "outside_library") == (presliding is None)
+sliding = 0.0 if presliding is None else presliding.parameters["level"].value
 by_direction = named["asymmetric_friction"].parameters
 sliding += 0.5 * sum(by_direction[f"level_{side}"].value for side in ("positive", "negative"))
 assert abs(sliding - 20.6) < 0.3, "20.4 N as published"
@@ -147,4 +151,4 @@ assert diagnosis.remainder is not None
 assert 0.025 < diagnosis.remainder.share < 0.035
 
 assert 0.17 < with_parameters < 0.19
-assert abs(with_physics - 0.0325) < 0.0002
+assert with_physics < 0.038, "a published model with four numbers"
