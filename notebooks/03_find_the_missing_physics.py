@@ -110,9 +110,10 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # friction, -67 N s/m here; the rig's authors give 167 and 240 N s/m. The ripple of 1 N has 400
 # cycles a metre, half the screw's pitch.
 #
-# What is told of the rest hangs by little. On another machine, which presumably rounds sums otherwise,
-# the same engine told `missing_physics`, with presliding friction (or hysteresis) of 12 N in place of
-# that function: both explain the recordings as well. The friction had the same total, 20.6 N.
+# What is told of the rest hangs by little. On another machine, which presumably rounds sums
+# otherwise, the same engine told `missing_physics`, with presliding friction (or hysteresis) of
+# 12 N in place of that function: both explain the recordings as well. The friction had the same
+# total, 20.6 N.
 #
 # On the second half the voltage is met to 3.49 %, with six numbers beside mass and viscous
 # friction; on the other machine to 3.25 %, with eight numbers beside mass and viscous friction.

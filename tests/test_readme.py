@@ -58,7 +58,13 @@ def test_readme_can_be_read_in_minutes() -> None:
 
 def test_the_real_axis_is_told_with_its_halves_and_beside_the_published_model() -> None:
     (line,) = re.findall(r"^- \*\*18 % to 3\.5 %\*\*.*?(?=^- )", README, re.MULTILINE | re.DOTALL)
-    for part in ("second half", "found in the first", "cut by hand", "3.8 % with 4 numbers", "has 8"):
+    for part in (
+        "second half",
+        "found in the first",
+        "cut by hand",
+        "3.8 % with 4 numbers",
+        "has 8",
+    ):
         assert part in line
     notebook = (ROOT / "notebooks/03_find_the_missing_physics.py").read_text(encoding="utf-8")
     told = " ".join(notebook.replace("\n# ", " ").split())
