@@ -196,8 +196,7 @@ def _doubts(source: FmuTwin, recorded: Recording, run: Trajectory) -> list[str]:
     lines += still_lines(source, recorded)
     lines += [
         f'[initial] {name} = "fit": a diagnosis fits it, this run begins at the FMU\'s value'
-        for name, start in source.file.initial.items()
-        if start == "fit"
+        for name in source.file.fitted_starts
     ]
     return lines + list(filter(None, [contradiction(source, recorded, run)]))
 

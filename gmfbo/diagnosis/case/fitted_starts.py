@@ -60,10 +60,9 @@ def begun_at_first_rows(
     RecordingError
         A start moves no recorded signal.
     """
-    names = [name for name, source in twin.file.initial.items() if source == "fit"]
-    if not names:
+    if not twin.file.fitted_starts:
         return runs
-    probed = tuple(_unmeasured(twin, name, len(runs)) for name in names)
+    probed = tuple(_unmeasured(twin, name, len(runs)) for name in twin.file.fitted_starts)
     columns = changes_by(simulations, probed, Point(), runs)
     found = []
     for start, own in zip(probed, columns, strict=True):
@@ -76,8 +75,7 @@ def begun_at_first_rows(
         spread = start.spread / effect
         found.append(replace(start, spread=spread, step=spread * _step_share(simulations)))
     _refuse_blank_beginnings(simulations)
-    simulations.starts = tuple(found)
-    simulations.starts = _led(simulations, tuple(found), Point(), runs, _first_rows)
+    simulations.starts = _led(simulations, found, Point(), runs, _first_rows)
     return simulations.run([Point()])[0]
 
 

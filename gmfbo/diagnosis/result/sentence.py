@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from gmfbo.diagnosis.result.named_effect import NamedEffect
     from gmfbo.diagnosis.result.next_experiment import NextExperiment
 
+_FAR_ABOVE = 2.0  # times the noise floor: nobody calls that "to the noise"
+
 
 def verdict_sentence(diagnosis: Findings) -> str:
     """Verdict of a diagnosis, in one or a few sentences."""
@@ -40,9 +42,6 @@ def verdict_sentence(diagnosis: Findings) -> str:
     parts = (narrow, ends, told) if diagnosis.verdict == "outside_library" else (narrow, told, ends)
     # What was not looked at comes before anything that is called right.
     return " ".join(filter(None, (not_compared(diagnosis), *parts)))
-
-
-_FAR_ABOVE = 2.0  # times the noise floor: nobody calls that "to the noise"
 
 
 def _nothing(diagnosis: Findings) -> str:

@@ -82,7 +82,7 @@ def _used(recording: Recording) -> tuple[float, float]:
 def _pieces(recordings: Sequence[Recording], twin: FmuTwin) -> list[_Piece]:
     names = [*twin.file.inputs, *twin.file.outputs]
     regressors = [_regressors(recording, names) for recording in recordings]
-    square = sum(np.nansum(own**2, axis=1) for own in regressors)
+    square = sum(np.sum(own**2, axis=1) for own in regressors)
     rows = sum(own.shape[1] for own in regressors)
     scale = np.sqrt(square / rows)
     found = []
@@ -93,9 +93,7 @@ def _pieces(recordings: Sequence[Recording], twin: FmuTwin) -> list[_Piece]:
         end = min(int(last) + 1, len(recording))
         count = max(1, (end - int(begin)) // length)
         edges = np.linspace(begin, end, count + 1).astype(int)
-        seen = np.zeros(len(recording), dtype=bool)
-        for name in twin.file.outputs:
-            seen |= np.isfinite(recording.signals.get(name, np.full(len(recording), np.nan)))
+        seen = np.any([_known(recording, name) for name in twin.file.outputs], axis=0)
         for first, last in pairwise(edges):
             if np.mean(seen[first:last]) < _LEAST_SEEN:
                 continue
@@ -117,7 +115,7 @@ def _regressors(recording: Recording, names: Sequence[str]) -> Array:
     made = []
     for name in names:
         column = np.zeros(len(recording))
-        known = np.isfinite(recording.signals.get(name, np.full(len(recording), np.nan)))
+        known = _known(recording, name)
         if known.sum() > 1:
             there = recording.time[known]
             column = np.interp(recording.time, there, recording.signals[name][known])
@@ -126,6 +124,11 @@ def _regressors(recording: Recording, names: Sequence[str]) -> Array:
         usual = float(np.sqrt(np.mean(rate**2))) or 1.0
         made += [column, column**2, rate, np.tanh(rate / usual)]
     return np.array(made)
+
+
+def _known(recording: Recording, name: str) -> NDArray[np.bool_]:
+    """Rows in which a signal is not blank; none where it was not recorded."""
+    return np.isfinite(recording.signals.get(name, np.full(len(recording), np.nan)))
 
 
 def _steps(recordings: Sequence[Recording], piece: _Piece, twin: FmuTwin) -> float:

@@ -222,6 +222,11 @@ class TwinFile(Table):
         except ValidationError as error:
             raise TwinFileError(f"{label}: {describe_problems(error, cls)}") from None
 
+    @property
+    def fitted_starts(self) -> tuple[str, ...]:
+        """Entries of [initial] that a diagnosis fits to each recording."""
+        return tuple(name for name, source in self.initial.items() if source == "fit")
+
     @classmethod
     def read(cls, path: str | Path) -> TwinFile:
         """Read and validate a twin file.
