@@ -14,7 +14,7 @@ from gmfbo.diagnosis.comparison.numbers import TOLD_APART, UNLIKE
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.naming.decision_told import units_of
 from gmfbo.diagnosis.result.named_effect import DetectableSize, NotTestable
-from gmfbo.diagnosis.screening.probes import Probe, Screened, probes, screen
+from gmfbo.diagnosis.screening.probes import Probe, Screened, probes, screened
 from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
 from gmfbo.physics import CATALOGUE
 
@@ -97,10 +97,11 @@ def _sizes(
     if not whiteners:
         return {}, {}
     misfit = case.misfit.with_whiteners(whiteners)
-    screened = screen(misfit, case.base.measured_by(misfit), tried, [0] * len(whiteners))
+    base = case.base.measured_by(misfit)
+    told = [screened(misfit, base, probe) for probe in tried]
     most: dict[str, float] = {}
     felt: dict[str, float] = {}
-    for entry in screened:
+    for entry in told:
         name = entry.probe.candidate.effect
         most[name] = max(most.get(name, 0.0), entry.unlike_parameters)
         felt[name] = max(felt.get(name, 0.0), entry.information)
@@ -109,19 +110,19 @@ def _sizes(
         for name, share in most.items()
         if share < UNLIKE
     }
-    return _detectable(case, screened), alike
+    return _detectable(case, told), alike
 
 
-def _detectable(case: Case, screened: Sequence[Screened]) -> dict[str, DetectableSize]:
+def _detectable(case: Case, told: Sequence[Screened]) -> dict[str, DetectableSize]:
     """Smallest size of each effect that would be told."""
     sizes: dict[str, DetectableSize] = {}
     excitation, units = case.setting.excitation, units_of(case)
-    for entry in screened:
+    for entry in told:
         candidate = entry.probe.candidate
         law = candidate.law
         if entry.information <= 0.0 or candidate.searched > 1:
             continue  # several lines together show at a smaller size than any of them
-        at_probe = entry.probe.scaled(np.ones(len(entry.probe.columns)))
+        at_probe = entry.probe.at_probe
         smallest = law.size({**at_probe.more, **at_probe.values}, excitation)
         if all(entry.probe.amplitudes):
             smallest *= float(np.sqrt(TOLD_APART / entry.information))

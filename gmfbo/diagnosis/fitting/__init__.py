@@ -2,6 +2,6 @@
 
 `fit.fit` minimises the chi2 of a `misfit.Misfit` over a `hypothesis.Hypothesis` and gives a
 `fit.Fitted`; `intervals.estimated` puts its parameters into the result.
-`linear_left_out.square_after_refit` scores a model on stretches left out of its fit, and
-`regression.Regression` fits columns to residuals.
+`regression.Regression` fits columns to residuals, scored by `linear_left_out.Normal` on what was
+left out.
 """

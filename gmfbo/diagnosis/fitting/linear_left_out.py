@@ -63,13 +63,6 @@ class Normal:
                     for m, v in zip(matrix, vector, strict=True)
                 ]
             )
-        return self._after(change)
-
-    def fitted(self) -> NDArray[np.float64]:
-        """chi2 of each group after a fit on all, shape (n_groups,)."""
-        return self._after(np.repeat(self.solution()[None], len(self.square), axis=0))
-
-    def _after(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
         linear = np.einsum("gi,gi->g", change, self.vector)
         quadratic = np.einsum("gi,gij,gj->g", change, self.matrix, change)
         remains: NDArray[np.float64] = self.square - 2.0 * linear + quadratic
@@ -102,22 +95,6 @@ def normal_equations(
         vector[g] += a @ r
         square[g] += r @ r
     return Normal(matrix, vector, square, np.zeros(n) if precision is None else precision)
-
-
-def square_after_refit(residual: Blocks, columns: Blocks, precision: NDArray[np.float64]) -> float:
-    """chi2 over all windows after a linear step of all changes.
-
-    Parameters
-    ----------
-    residual : Blocks
-        Shape (n_residuals,) a window.
-    columns : Blocks
-        Shape (n, n_residuals) a window.
-    precision : ndarray, shape (n,)
-        Of a weak prior of each change.
-    """
-    normal = normal_equations(residual, columns, [0] * len(residual), precision)
-    return float(normal.fitted().sum())
 
 
 def sums_of_others(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -50,8 +50,6 @@ class PortResponse:
         Communication points of each recording.
     size : float
         [port's unit] Of the excitation.
-    nonlinearity : float
-        Share by which the response to half the size is not half the response.
     """
 
     port: str
@@ -60,12 +58,6 @@ class PortResponse:
     samplings: tuple[tuple[Sampling, ...], ...]
     rows: tuple[int, ...]
     size: float
-    nonlinearity: float
-
-    @property
-    def length_s(self) -> float:
-        """[s] After which everything is forgotten."""
-        return self.step * max(kernel.size for own in self.kernels for kernel in own)
 
     def filtered(self, record: int, column: Array) -> tuple[Array, ...]:
         """Change of the signals by a signal at the port.
@@ -180,9 +172,7 @@ def measure_port_response(
     size = _SIZE * _range_of(case, port)
     columns = {k: random_binary(records[k].plan.grid.size, rng) for k in longest}
     excited = _Excited(simulations, port, base, columns)
-    half, *whole = simulations.map(
-        excited.answer, [(longest[0], 0.5 * size), *((k, size) for k in longest)]
-    )
+    whole = simulations.map(excited.answer, [(k, size) for k in longest])
     step = float(np.diff(records[0].plan.grid[:2])[0])
     kernels: dict[int, dict[str, Array]] = {}
     for group, k, changes in zip(groups, longest, whole, strict=True):
@@ -200,7 +190,6 @@ def measure_port_response(
         ),
         tuple(record.plan.grid.size for record in records),
         size,
-        _nonlinearity(half, whole[0]),
     )
 
 
@@ -240,12 +229,3 @@ def _on_grid(simulations: Simulations, run: Simulated) -> dict[str, Array]:
         name: response.new[name] if name in simulations.new_rows else held
         for name, held in response.held.items()
     }
-
-
-def _nonlinearity(half: dict[str, Array], whole: dict[str, Array]) -> float:
-    shares = []
-    for name, values in whole.items():
-        size = float(np.sqrt(np.mean(values**2)))
-        if size > 0.0:
-            shares.append(float(np.sqrt(np.mean((half[name] - values) ** 2))) / size)
-    return max(shares, default=0.0)

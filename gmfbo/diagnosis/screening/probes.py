@@ -6,15 +6,14 @@ nonlinearity are in it; it is then regressed on together with the parameters' se
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
-from gmfbo.diagnosis.fitting.hypothesis import PRIOR_WIDTH, Candidate, Hypothesis
-from gmfbo.diagnosis.fitting.linear_left_out import Normal, normal_equations
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
 from gmfbo.diagnosis.fitting.misfit import Misfit
 
 Column = list[tuple[NDArray[np.float64], ...]]
@@ -36,38 +35,20 @@ class Probe:
         Parameter that each column is linear in; empty for one that only has a shape.
     sizes : tuple of float
         Value of each at which its column was simulated.
-    one_sided : tuple of bool
-        The amplitude cannot be negative.
     columns : list of Column
         Change of the signals by each.
-    scales : mapping of str to float
-        Typical size of each parameter.
     """
 
     candidate: Candidate
     amplitudes: tuple[str, ...]
     sizes: tuple[float, ...]
-    one_sided: tuple[bool, ...]
     columns: list[Column]
-    scales: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def prior(self) -> NDArray[np.float64]:
-        """Precision of a weak prior of each column's multiple, shape (n_columns,)."""
-        excitation = self.scales
-        widths = [
-            PRIOR_WIDTH * excitation.get(n, s) / s
-            for n, s in zip(self.amplitudes, self.sizes, strict=True)
-        ]
-        return np.array(widths) ** -2.0
-
-    def scaled(self, shares: NDArray[np.float64]) -> Candidate:
-        """Return the effect with each amplitude at this multiple of its probing size."""
-        values = dict(self.candidate.values)
-        for name, size, share in zip(self.amplitudes, self.sizes, shares, strict=True):
-            if name:
-                values[name] = size * float(share)
-        return self.candidate.with_values(values)
+    def at_probe(self) -> Candidate:
+        """The effect with each amplitude at its probing size."""
+        sizes = {n: s for n, s in zip(self.amplitudes, self.sizes, strict=True) if n}
+        return self.candidate.with_values({**self.candidate.values, **sizes})
 
 
 def probes(misfit: Misfit, base: Fitted, candidates: Iterable[Candidate]) -> list[Probe]:
@@ -104,31 +85,24 @@ def _planned(base: Hypothesis, candidate: Candidate) -> tuple[Probe, list[Hypoth
     shapes = {n: v for n, v in candidate.values.items() if n not in amplitudes}
     if not amplitudes:
         variant = replace(base, effects=(*base.effects, candidate))
-        return Probe(candidate, ("",), (1.0,), (True,), [], scales), [variant]
+        return Probe(candidate, ("",), (1.0,), []), [variant]
     share = _TIMING_PROBE if law.family == "timing" else 1.0
     sizes = [share * candidate.values[name] or _PROBE * scales[name] for name in amplitudes]
     variants = []
     for name, size in zip(amplitudes, sizes, strict=True):
         alone = {**dict.fromkeys(amplitudes, 0.0), **shapes, name: size}
         variants.append(replace(base, effects=(*base.effects, candidate.with_values(alone))))
-    one_sided = tuple(bounds[name][0] == 0.0 for name in amplitudes)
-    return Probe(candidate, tuple(amplitudes), tuple(sizes), one_sided, [], scales), variants
+    return Probe(candidate, tuple(amplitudes), tuple(sizes), []), variants
 
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """How much a probe explains of what a fitted model leaves.
+    """How far recordings tell a probe from parameters.
 
     Attributes
     ----------
     probe : Probe
         What was tried.
-    kept : tuple of int
-        Columns with an admissible sign.
-    shares : ndarray, shape (n_columns,)
-        Multiple of its probing size at which each fits best; 0 where it was dropped.
-    gain : float
-        Fall of chi2 on what was left out.
     unlike_parameters : float
         Share of the probe's own change that parameters cannot make.
     information : float
@@ -136,102 +110,28 @@ class Screened:
     """
 
     probe: Probe
-    kept: tuple[int, ...]
-    shares: NDArray[np.float64]
-    gain: float
     unlike_parameters: float
     information: float
 
 
-def screen(
-    misfit: Misfit, base: Fitted, tried: Sequence[Probe], groups: Sequence[int]
-) -> list[Screened]:
-    """Regress what a fitted model leaves on each probe, best first.
+def screened(misfit: Misfit, base: Fitted, probe: Probe) -> Screened:
+    """Compare the change that a probe makes with those that parameters make.
 
     Parameters
     ----------
     misfit : Misfit
-        Recordings and budget.
+        Recordings and noise.
     base : Fitted
-        The model so far.
-    tried : sequence of Probe
+        The model about which it was simulated.
+    probe : Probe
         What to try.
-    groups : sequence of int
-        Group of each window; whole groups are left out together.
     """
-    screened = []
-    without = normal_equations(base.residual, base.sensitivity, groups, base.prior)
-    reference = (float(without.left_out().sum()), float(without.fitted().sum()))
-    for probe in tried:
-        columns = stacked(misfit, probe.columns)
-        screened.append(_screen_one(base, probe, columns, groups, reference))
-    return sorted(screened, key=lambda s: -s.gain)
-
-
-def _screen_one(
-    base: Fitted,
-    probe: Probe,
-    columns: tuple[NDArray[np.float64], ...],
-    groups: Sequence[int],
-    reference: tuple[float, float],
-) -> Screened:
-    n_own = base.x.size
-    if not all(probe.amplitudes):
-        return _screen_shape(base, probe, columns, groups, reference)
-    together = tuple(
-        np.concatenate([own, more]) for own, more in zip(base.sensitivity, columns, strict=True)
-    )
-    prior = np.concatenate([base.prior, probe.prior])
-    whole = normal_equations(base.residual, together, groups, prior)
-    kept = list(range(len(probe.columns)))
-    while kept:
-        part = whole.only([*range(n_own), *(n_own + i for i in kept)])
-        solution = part.solution()[n_own:]
-        wrong = [i for i, s in zip(kept, solution, strict=True) if probe.one_sided[i] and s <= 0.0]
-        if not wrong:
-            shares = np.zeros(len(probe.columns))
-            shares[kept] = solution
-            gain = _gain(reference, part)
-            return Screened(probe, tuple(kept), shares, gain, *_unlike(part, n_own))
-        kept.remove(wrong[0])
-    share, information = _unlike(whole, n_own)
-    return Screened(probe, (), np.zeros(len(probe.columns)), 0.0, share, information)
-
-
-def _gain(reference: tuple[float, float], normal: Normal) -> float:
-    """Fall of the square on what was left out, or on all where that is less.
-
-    The former alone varies by a hundred under noise, where one group carries most information.
-    """
-    left_out = reference[0] - float(normal.left_out().sum())
-    return min(left_out, reference[1] - float(normal.fitted().sum()))
-
-
-def _screen_shape(
-    base: Fitted,
-    probe: Probe,
-    columns: tuple[NDArray[np.float64], ...],
-    groups: Sequence[int],
-    reference: tuple[float, float],
-) -> Screened:
-    """A limit has no size to scale: it is tried as it stands, the parameters refitted."""
-    residual = tuple(r - c[0] for r, c in zip(base.residual, columns, strict=True))
-    without = normal_equations(residual, base.sensitivity, groups, base.prior)
-    together = tuple(
-        np.concatenate([own, more]) for own, more in zip(base.sensitivity, columns, strict=True)
-    )
-    whole = normal_equations(base.residual, together, groups)
-    gain = _gain(reference, without)
-    return Screened(probe, (0,), np.ones(1), gain, *_unlike(whole, base.x.size))
-
-
-def _unlike(normal: Normal, n_own: int) -> tuple[float, float]:
-    """Share and square of the columns' change that parameters' sensitivities cannot make."""
-    g = normal.matrix.sum(axis=0)
-    own, cross, more = g[:n_own, :n_own], g[:n_own, n_own:], g[n_own:, n_own:]
-    total = float(np.trace(more))
-    if not n_own or total <= 0.0:
-        return (1.0 if total > 0.0 else 0.0), total
-    explained = cross.T @ np.linalg.lstsq(own, cross, rcond=1e-10)[0]
-    left = float(np.trace(more - explained))
-    return left / total, left
+    made = stacked(misfit, probe.columns)
+    total = float(sum(np.sum(more**2) for more in made))
+    if not base.x.size or total <= 0.0:
+        return Screened(probe, 1.0 if total > 0.0 else 0.0, total)
+    own, more = np.concatenate(base.sensitivity, axis=1), np.concatenate(made, axis=1)
+    cross = own @ more.T
+    explained = cross.T @ np.linalg.lstsq(own @ own.T, cross, rcond=1e-10)[0]
+    left = total - float(np.trace(explained))
+    return Screened(probe, left / total, left)

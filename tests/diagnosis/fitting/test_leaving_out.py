@@ -66,7 +66,8 @@ def test_windows_of_one_group_are_left_out_together() -> None:
 def test_a_single_group_has_nothing_left_out_and_is_scored_by_its_own_fit() -> None:
     residual, sensitivity = linear_problem(np.random.default_rng(3), 1, 2)
     normal = normal_equations(residual, sensitivity, [0])
-    np.testing.assert_allclose(normal.left_out(), normal.fitted())
+    fitted = residual[0] - normal.solution() @ sensitivity[0]
+    np.testing.assert_allclose(normal.left_out(), [fitted @ fitted])
 
 
 def test_sums_of_others_lose_nothing_to_a_group_that_outweighs_them() -> None:
