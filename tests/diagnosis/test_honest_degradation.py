@@ -147,6 +147,7 @@ def test_an_assumed_effect_is_tested_where_the_recordings_seem_not_to_show_it() 
     assert "coulomb_friction" in named(diagnosis)
 
 
+@pytest.mark.slow
 def test_without_noise_friction_is_exact_and_nothing_else_is_named() -> None:
     assert decides_on_friction(QUIET_SERVO.recordings(FRICTION), within=0.01)
 

@@ -64,6 +64,7 @@ def pushes(t: NDArray[np.float64]) -> NDArray[np.float64]:
     return 1.5 * np.sign(np.sin(2.2 * np.pi * t + 0.3))
 
 
+@pytest.mark.slow
 def test_what_a_sensor_does_is_named_at_its_port() -> None:
     recordings = SERVO.recordings({"sensor_lag.time": 8e-3})
     diagnosis = diagnosed(SERVO.twin(), recordings, only=("sensor_lag",))

@@ -143,6 +143,7 @@ def test_control_a_recording_that_begins_with_a_step_is_not_held_before_it() -> 
         assert case.simulations.records[0].plan.lead == 0
 
 
+@pytest.mark.slow
 def test_friction_and_a_load_are_found_in_moves_with_rests() -> None:
     names = ("coulomb_friction", "gravity_torque", "elastic_return", "sensor_eccentricity")
     with closing((case := open_small(SERVO.twin(), recorded())).simulations):

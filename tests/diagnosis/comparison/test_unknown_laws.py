@@ -223,6 +223,7 @@ def test_a_curve_over_the_velocity_has_no_slope_that_friction_makes() -> None:
     assert np.corrcoef(curve.y, truth)[0, 1] > 0.99
 
 
+@pytest.mark.slow
 def test_a_law_that_only_imitates_the_unknown_is_not_beside_it() -> None:
     """Friction over the position explains part of a drag that changes over it (draw case 018)."""
     found = left(rippled_drag, ["position_dependent_friction", "viscous_friction"])

@@ -116,6 +116,7 @@ def test_a_delay_is_named_at_its_size_and_no_shaft_beside_it() -> None:
     assert any("answers noise of the recorded position" in note for note in diagnosis.notes)
 
 
+@pytest.mark.slow
 def test_an_axis_without_delay_is_only_refitted() -> None:
     diagnosis = diagnosed(BENCH.twin(), loop_recordings(0.0), only=TIMING)
     assert diagnosis.verdict == "parameters"
