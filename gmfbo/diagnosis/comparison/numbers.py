@@ -103,6 +103,10 @@ MOST_TOLD = 1000.0
 """[nats] More say nothing more: of claims that gained 1,000 to 3,000 96 % were right, of those that
 gained more than 10,000 91 % (the same draw)."""
 
+MOST_SAID = 0.9
+"""[1] Most probability that is told of a name: what beliefs are worth was counted on simulated
+axes, and of real ones nobody knows the truth."""
+
 SEEN_ONCE = 0.75
 """[1] Most that is believed of what would not be said without its best stretch."""
 

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_flo
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
+    MOST_SAID,
     NAMED,
     SEEN_ONCE,
     UNLIKE,
@@ -282,6 +283,7 @@ def _round(
     once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
     most = min(most, SEEN_ONCE) if once else most
     belief, gain = min(claim.probability, most), _log_odds(compared, claim)
+    most = min(most, MOST_SAID)
     told = min(worth(belief, gain, fell=True), most)
     shares = [
         RivalShare(name, told / claim.probability * beliefs[name]) for name in (winner, *others)

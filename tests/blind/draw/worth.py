@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.numbers import WORTH
+from gmfbo.diagnosis.comparison.numbers import MOST_SAID, WORTH
 from gmfbo.diagnosis.naming.worth import has_fallen, terms, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
@@ -132,9 +132,11 @@ def recalibrated(stated: Sequence[Stated]) -> dict[str, tuple[str, ...]]:
     """Claims, Brier score, intercept and slope of their recalibration, by where odds are from."""
     first = [one for one in stated if one.case < HALF]
     second = [one for one in stated if one.case >= HALF]
+    others = of_other_machines(stated)
     told = {
         "as believed": _told([one.belief for one in stated], stated),
-        "by the line of all other machines": _told(of_other_machines(stated), stated),
+        "by the line of all other machines": _told(others, stated),
+        f"the same, at most {MOST_SAID:g}": _told([min(p, MOST_SAID) for p in others], stated),
         "by the line in force": _told(_in_force(stated), stated),
     }
     if first and second:

@@ -6,8 +6,10 @@ from collections.abc import Collection, Mapping, Sequence
 
 import pytest
 
+from gmfbo.diagnosis.comparison.numbers import MOST_SAID
 from gmfbo.diagnosis.naming.decided_by_score import decide
 from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.worth import worth
 from gmfbo.physics import CATALOGUE
 from tests.diagnosis.short_recordings import SERVO, Reference, climb, moves, multisine, open_small
 
@@ -63,6 +65,7 @@ def test_coulomb_friction_is_named_at_its_level_and_not_once_more_by_a_larger_la
     (found,) = decision.rounds
     assert found.winner.effect.values["level"] == pytest.approx(0.25, rel=0.02)
     assert found.gain > 100.0 * decision.threshold
+    assert found.probability == MOST_SAID < worth(found.belief, found.gain, fell=True)
     assert not {rival.name for rival in found.rivals} & LAWS
     assert decision.notes == ()
 
