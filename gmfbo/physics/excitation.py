@@ -56,7 +56,7 @@ class Excitation:
     angular : bool
         Whether the position is an angle [rad]; else it is a length [m].
     reversals : int
-        Sign changes of the velocity that last.
+        Changes of direction after which the axis travels on by a thousandth of its stroke.
     load : float or None
         Largest `|load torque|` where that state is known; else the current replaces it.
     effective_current : float or None

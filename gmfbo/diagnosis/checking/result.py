@@ -150,7 +150,7 @@ class RecordingFacts:
     bandwidth : float
         [Hz] Highest frequency at which the response to the reference is trusted; NaN if none.
     reversals : int
-        Sign changes of the velocity that last.
+        Changes of direction after which the axis travels on.
     position, speed : tuple of float
         [FMU's units] Lowest and highest; of the speed the 0.5 and 99.5 % quantiles.
     clock : ClockQuality

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 from scipy.spatial import ConvexHull
 
 from gmfbo.diagnosis.runs.scored_record import Record
@@ -14,6 +15,7 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
+_TURN_SHARE = 1e-3  # of the stroke: going back by less is no change of direction
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _AT_REST = 0.02  # of the motion caused by a push: a smaller distance counts as rest
@@ -41,9 +43,33 @@ def states_of(simulated: Simulated, record: Record) -> States:
 
 
 def reversals(*states: States) -> int:
-    """Sign changes of the velocity that last, also from one recording to the next."""
-    moving = [s.velocity[np.abs(s.velocity) > 2.0 * s.rest] for s in states]
-    return int(np.count_nonzero(np.diff(np.sign(np.concatenate(moving)))))
+    """Changes of direction after which an axis travels on, also from one recording to the next.
+
+    An axis that follows encoder counts, or noise, changes the sign of its velocity many times while
+    it moves one way: a change counts where it then goes back by a thousandth of its stroke.
+    """
+    travels = [cumulative_trapezoid(s.velocity, s.time, initial=0) for s in states]
+    least = _TURN_SHARE * max(float(np.ptp(travel)) for travel in travels)
+    ways = [way for travel in travels for way in _ways(travel, least)]
+    return int(np.count_nonzero(np.diff(ways)))
+
+
+def _ways(travel: NDArray[np.float64], least: float) -> list[int]:
+    """Directions in which an axis goes on for longer than this, one after the other."""
+    steps = np.diff(travel)
+    turning = np.flatnonzero(np.diff(np.sign(steps[steps != 0.0])))
+    ends = travel[np.flatnonzero(steps)[turning] + 1]
+    ways, low, high = list[int](), float(travel[0]), float(travel[0])
+    for end in map(float, (*ends, travel[-1])):
+        way = ways[-1] if ways else 0
+        low, high = min(low, end), max(high, end)
+        if way <= 0 and end > low + least:
+            ways.append(1)
+            high = end
+        elif way >= 0 and end < high - least:
+            ways.append(-1)
+            low = end
+    return ways
 
 
 def demands(*states: States) -> tuple[tuple[float, float], ...]:
