@@ -15,7 +15,6 @@ from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.naming.decided_by_score import decide, measured
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.naming.worth import has_fallen
-from gmfbo.diagnosis.result.held_out_errors import Fit
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.screening.exclusion import Excluded
 from gmfbo.diagnosis.screening.searched_lines import SearchedLines
@@ -76,7 +75,7 @@ class Search:
         case.notes.extend(decision.notes)
         self.progress("validating", 0.85)
         decision, result = self._confirmed(decision, unseen)
-        decision = _held_against(decision, result.fit)
+        decision = _held_against(decision, result)
         found = Conclusion(case, unseen, decision, reasons, result, self.lines.response)
         return found.diagnosis(seed, started, self.progress)
 
@@ -150,8 +149,10 @@ class Search:
         return decision.shown_unknown.function.played(unseen)
 
 
-def _held_against(decision: Decision, fit: Fit) -> Decision:
+def _held_against(decision: Decision, result: Validated) -> Decision:
     """A decision with the probabilities that held-out recordings leave its names."""
-    signals = fit.signals.values()
+    signals = result.fit.signals.values()
     fell = has_fallen((one.parameters_only, one.augmented) for one in signals)
-    return replace(decision, rounds=tuple(one.held_against(fell) for one in decision.rounds))
+    left = result.squares.remainder or 0.0
+    rounds = tuple(one.held_against(fell=fell, left=left) for one in decision.rounds)
+    return replace(decision, rounds=rounds)

@@ -13,9 +13,9 @@ from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_flo
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
+    DOUBTED,
     MOST_SAID,
     NAMED,
-    SEEN_ONCE,
     UNLIKE,
     named_log_odds,
 )
@@ -281,7 +281,7 @@ def _round(
     gains = gains_of(compared, row, without)
     names = [record.name for record in case.simulations.records]
     once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
-    most = min(most, SEEN_ONCE) if once else most
+    most = min(most, DOUBTED) if once else most
     belief, gain = min(claim.probability, most), _log_odds(compared, claim)
     most = min(most, MOST_SAID)
     told = min(worth(belief, gain, fell=True), most)

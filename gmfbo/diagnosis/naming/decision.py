@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
-from gmfbo.diagnosis.comparison.numbers import INADEQUACY_TOLERANCE, MOST
+from gmfbo.diagnosis.comparison.numbers import DOUBTED, INADEQUACY_TOLERANCE, MOST
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
@@ -74,9 +74,18 @@ class Round:
     once: str = ""
     most: float = 1.0
 
-    def held_against(self, fell: bool) -> Round:
-        """The same as told once it is known whether a held-out error falls with the model."""
-        told = min(worth(self.belief, self.gain, fell=fell), self.most)
+    def held_against(self, *, fell: bool, left: float) -> Round:
+        """The same as told once the model has met held-out recordings.
+
+        Parameters
+        ----------
+        fell : bool
+            Whether an error falls with it.
+        left : float
+            Share of what is more than noise there that it does not explain.
+        """
+        most = self.most if left <= MOST else min(self.most, DOUBTED)
+        told = min(worth(self.belief, self.gain, fell=fell), most)
         shares = tuple(
             replace(one, probability=told / self.probability * one.probability)
             for one in self.shares

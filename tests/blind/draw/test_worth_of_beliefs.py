@@ -24,7 +24,7 @@ def claims(line: tuple[float, float, float, float], count: int) -> list[Stated]:
     odds = odds + line[3] * fell
     right = rng.random(count) < expit(odds)
     return [
-        Stated(float(b), float(g), bool(r), bool(f), f"machine {k % 4}", k)
+        Stated(float(b), float(g), bool(r), bool(f), 0.0, f"machine {k % 4}", k)
         for k, (b, g, r, f) in enumerate(zip(belief, gain, right, fell, strict=True))
     ]
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.numbers import MOST_SAID, WORTH
+from gmfbo.diagnosis.comparison.numbers import DOUBTED, MOST, MOST_SAID, WORTH
 from gmfbo.diagnosis.naming.worth import has_fallen, terms, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
@@ -46,6 +46,8 @@ class Stated:
         Whether the truth is in the set.
     fell : bool
         Whether a held-out error falls with all that is named.
+    left : float
+        Share of what is more than noise on held-out recordings that no name explains.
     machine : str
         Of the case.
     case : int
@@ -56,6 +58,7 @@ class Stated:
     gain: float
     right: bool
     fell: bool
+    left: float
     machine: str
     case: int
 
@@ -84,6 +87,7 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
                     effect["evidence"],
                     claims[effect["name"]].judged != "false",
                     fell,
+                    (line["diagnosis"]["remainder"] or {"share": 0.0})["share"],
                     judged.machine,
                     int(judged.case),
                 )
@@ -115,6 +119,14 @@ def of_other_machines(stated: Sequence[Stated]) -> list[float]:
     return [float(expit(_columns([one]) @ lines[one.machine])[0]) for one in stated]
 
 
+def as_told(probabilities: Sequence[float], stated: Sequence[Stated]) -> list[float]:
+    """Probabilities with the limits under which they are told."""
+    return [
+        min(p, DOUBTED if one.left > MOST else MOST_SAID)
+        for p, one in zip(probabilities, stated, strict=True)
+    ]
+
+
 def table(stated: Sequence[Stated]) -> str:
     """Text of all that is printed."""
     line, force = line_of(stated), ", ".join(f"{value:g}" for value in WORTH)
@@ -136,7 +148,7 @@ def recalibrated(stated: Sequence[Stated]) -> dict[str, tuple[str, ...]]:
     told = {
         "as believed": _told([one.belief for one in stated], stated),
         "by the line of all other machines": _told(others, stated),
-        f"the same, at most {MOST_SAID:g}": _told([min(p, MOST_SAID) for p in others], stated),
+        "the same, as it is told": _told(as_told(others, stated), stated),
         "by the line in force": _told(_in_force(stated), stated),
     }
     if first and second:
@@ -169,6 +181,7 @@ def _by_worth(stated: Sequence[Stated]) -> list[str]:
     fell = {
         "a held-out error falls": [one.right for one in stated if one.fell],
         "none falls": [one.right for one in stated if not one.fell],
+        "more than half is left": [one.right for one in stated if one.left > MOST],
     }
     told += ["", *(f"{text}: {sum(own)} of {len(own)}" for text, own in fell.items())]
     return ["probability by the line in force: right", *told]

@@ -50,7 +50,14 @@ def test_an_error_falls_where_a_signal_is_met_better_by_more_than_the_last_digit
 def test_what_is_told_of_a_set_falls_with_its_members() -> None:
     shares = (RivalShare("a", 0.6), RivalShare("b", 0.3))
     sure = Round(None, (), 1.0, 0.9, shares, 1e3, {}, most=0.8)  # type: ignore[arg-type]
-    weaker, same = sure.held_against(False), sure.held_against(True)
+    weaker = sure.held_against(fell=False, left=0.0)
+    same = sure.held_against(fell=True, left=0.5)
     assert weaker.probability == worth(1.0, 1e3, fell=False)
     assert sum(one.probability for one in weaker.shares) == pytest.approx(weaker.probability)
     assert same.probability == 0.8
+
+
+def test_names_that_leave_most_of_the_error_are_no_facts() -> None:
+    sure = Round(None, (), 1.0, 0.9, (), 1e7, {})  # type: ignore[arg-type]
+    assert sure.held_against(fell=True, left=0.4).probability > 0.8
+    assert sure.held_against(fell=True, left=0.6).probability < 0.8
