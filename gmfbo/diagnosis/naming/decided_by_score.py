@@ -124,12 +124,12 @@ def _said(
         if set(claim.members) & set(silent):
             notes.append(
                 f"{words(claim.members[0])} would explain these recordings as well as anything, "
-                "but they hold no reversal that could tell: nothing is named"
+                "but they hold no reversal that could tell: it is not named"
             )
             continue
         said.append(claim)
-    # What stands beside a name in doubt was found beside it.
-    return ([], notes) if notes else _beside(said, unknown)
+    said, more = _beside(said, unknown)
+    return said, [*notes, *more]
 
 
 def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim], list[str]]:

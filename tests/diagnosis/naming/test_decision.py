@@ -87,10 +87,19 @@ def test_friction_and_a_delay_are_named_one_after_the_other_the_stronger_first()
 @pytest.mark.parametrize(
     "claimable", [("constant_torque_offset",), pytest.param((), marks=pytest.mark.slow)]
 )
-def test_friction_on_a_ramp_one_way_puts_all_names_in_doubt(claimable: tuple[str, ...]) -> None:
+def test_friction_on_a_ramp_one_way_is_not_named(claimable: tuple[str, ...]) -> None:
     """A constant torque would do the same there: to name it would be a guess."""
     names = ("coulomb_friction", "transport_delay", *claimable)
     decision = decision_on(FRICTION, (climb, climb), names=names, silent=["coulomb_friction"])
     assert any("no reversal" in note for note in decision.notes)
     assert decision.rounds == ()
     assert decision.model.hypothesis.effects == ()
+
+
+def test_what_a_one_way_motion_shows_is_named_beside_friction_that_it_does_not() -> None:
+    """A load that turns with the shaft shows over the position, whatever else holds it back."""
+    names = ("coulomb_friction", "gravity_torque")
+    hidden = {**FRICTION, "gravity_torque.sine": -0.3}
+    decision = decision_on(hidden, (climb, climb), names=names, silent=["coulomb_friction"])
+    assert any("no reversal" in note for note in decision.notes)
+    assert winners(decision) == ["gravity_torque"]
