@@ -96,8 +96,8 @@ def all_findings(
                 "no_reversal",
                 "",
                 "",
-                "the velocity never changes sign: friction and a constant torque look alike, a "
-                "gap does not show",
+                "the axis never turns back: friction and a constant torque look alike, a gap does "
+                "not show",
                 "add a recording that moves to and fro",
             )
         )
