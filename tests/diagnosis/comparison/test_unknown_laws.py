@@ -236,6 +236,7 @@ def test_a_law_of_the_library_needs_no_unknown() -> None:
     assert left(square_drag, ["quadratic_drag", "coulomb_friction"]) is None
 
 
+@pytest.mark.slow
 def test_a_law_that_is_nearly_the_unknown_does_not_hide_it() -> None:
     """Draw case 007: quadratic drag explains 98 % of a cubic one."""
     found = left(cubic_drag, ["quadratic_drag", "coulomb_friction"])
