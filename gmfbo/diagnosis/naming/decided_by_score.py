@@ -14,7 +14,6 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
-    MOST_SAID,
     NAMED,
     UNLIKE,
     named_log_odds,
@@ -27,7 +26,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round
 from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
-from gmfbo.diagnosis.naming.worth import worth
+from gmfbo.diagnosis.naming.worth import most_told, worth
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
 from gmfbo.diagnosis.result.named_effect import RivalShare
 from gmfbo.physics import CATALOGUE
@@ -283,8 +282,7 @@ def _round(
     once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
     most = min(most, DOUBTED) if once else most
     belief, gain = min(claim.probability, most), _log_odds(compared, claim)
-    most = min(most, MOST_SAID)
-    told = min(worth(belief, gain, fell=True), most)
+    told = min(worth(belief, gain, fell=True), most, most_told(0.0))
     shares = [
         RivalShare(name, told / claim.probability * beliefs[name]) for name in (winner, *others)
     ]

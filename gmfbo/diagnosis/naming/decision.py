@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.moves import Shown
-from gmfbo.diagnosis.comparison.numbers import DOUBTED, INADEQUACY_TOLERANCE, MOST
+from gmfbo.diagnosis.comparison.numbers import INADEQUACY_TOLERANCE, MOST
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
-from gmfbo.diagnosis.naming.worth import worth
+from gmfbo.diagnosis.naming.worth import most_told, worth
 from gmfbo.diagnosis.result.named_effect import RivalShare
 
 
@@ -84,8 +84,7 @@ class Round:
         left : float
             Share of what is more than noise there that it does not explain.
         """
-        most = self.most if left <= MOST else min(self.most, DOUBTED)
-        told = min(worth(self.belief, self.gain, fell=fell), most)
+        told = min(worth(self.belief, self.gain, fell=fell), self.most, most_told(left))
         shares = tuple(
             replace(one, probability=told / self.probability * one.probability)
             for one in self.shares

@@ -12,7 +12,14 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.special import expit, logit
 
-from gmfbo.diagnosis.comparison.numbers import LEAST_FALL, MOST_TOLD, WORTH
+from gmfbo.diagnosis.comparison.numbers import (
+    DOUBTED,
+    LEAST_FALL,
+    MOST,
+    MOST_SAID,
+    MOST_TOLD,
+    WORTH,
+)
 
 LAST_DIGIT = 0.005
 """Half of the last digit of a probability: a belief counts as no nearer to 0 or 1."""
@@ -43,6 +50,17 @@ def terms(belief: float, gain: float, *, fell: bool) -> tuple[float, float, floa
     """What the four numbers of `WORTH` multiply; arguments as for `worth`."""
     odds = logit(np.clip(belief, LAST_DIGIT, 1.0 - LAST_DIGIT))
     return 1.0, float(odds), float(np.log(np.clip(gain, 1.0, MOST_TOLD))), float(fell)
+
+
+def most_told(left: float) -> float:
+    """Largest probability that is told of a name beside held-out recordings.
+
+    Parameters
+    ----------
+    left : float
+        Share of what is more than noise there that no name explains.
+    """
+    return MOST_SAID if left <= MOST else DOUBTED
 
 
 def has_fallen(errors: Iterable[tuple[float | None, float | None]]) -> bool:

@@ -15,7 +15,6 @@ from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import Excitation, States
 
-_TURN_SHARE = 1e-3  # of the stroke: going back by less is no change of direction
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _AT_REST = 0.02  # of the motion caused by a push: a smaller distance counts as rest
@@ -46,10 +45,10 @@ def reversals(*states: States) -> int:
     """Changes of direction after which an axis travels on, also from one recording to the next.
 
     An axis that follows encoder counts, or noise, changes the sign of its velocity many times while
-    it moves one way: a change counts where it then goes back by a thousandth of its stroke.
+    it moves one way: a change counts where it then goes back by more than a resolution.
     """
     travels = [cumulative_trapezoid(s.velocity, s.time, initial=0) for s in states]
-    least = _TURN_SHARE * max(float(np.ptp(travel)) for travel in travels)
+    least = _UNSEEN_STEP * max(float(np.ptp(travel)) for travel in travels)
     ways = [way for travel in travels for way in _ways(travel, least)]
     return int(np.count_nonzero(np.diff(ways)))
 

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.numbers import DOUBTED, MOST, MOST_SAID, WORTH
-from gmfbo.diagnosis.naming.worth import has_fallen, terms, worth
+from gmfbo.diagnosis.comparison.numbers import MOST, WORTH
+from gmfbo.diagnosis.naming.worth import has_fallen, most_told, terms, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
 from tests.blind.draw.outcomes import tell_of
@@ -121,10 +121,7 @@ def of_other_machines(stated: Sequence[Stated]) -> list[float]:
 
 def as_told(probabilities: Sequence[float], stated: Sequence[Stated]) -> list[float]:
     """Probabilities with the limits under which they are told."""
-    return [
-        min(p, DOUBTED if one.left > MOST else MOST_SAID)
-        for p, one in zip(probabilities, stated, strict=True)
-    ]
+    return [min(p, most_told(one.left)) for p, one in zip(probabilities, stated, strict=True)]
 
 
 def table(stated: Sequence[Stated]) -> str:
