@@ -15,7 +15,7 @@ from gmfbo.retuning import RETUNING
 from gmfbo.tuning.methods import METHODS
 
 BASH = shutil.which("bash")
-needs_bash = pytest.mark.skipif(BASH is None, reason="no bash here")
+needs_bash = pytest.mark.skipif(BASH is None, reason="needs bash, whose completion it asks")
 
 CANDIDATES = {
     "gmfbo di": ["diagnose"],

@@ -72,7 +72,7 @@ def test_a_case_that_takes_too_long_is_ended_and_says_so(tmp_path: Path) -> None
     assert read_outcomes(to)[0]["note"] == "more than 1 s"
 
 
-@pytest.mark.skipif(os.name == "nt", reason="ends a process group")
+@pytest.mark.skipif(os.name == "nt", reason="the test ends a process group, which Windows has not")
 def test_a_runner_that_is_stopped_ends_its_case_and_writes_no_line(tmp_path: Path) -> None:
     out, to = drawn(tmp_path / "draw", 1), tmp_path / "outcomes.jsonl"
     command = [sys.executable, "-m", "tests.blind.draw.run", "--out", str(out), "--to", str(to)]

@@ -90,7 +90,7 @@ def test_the_report_is_opened_only_where_that_is_asked_for(
     assert len(opened) == 1, "a diagnosis that failed has no new page to open"
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="BROWSER is that of Linux")
+@pytest.mark.skipif(sys.platform != "linux", reason="opens pages as Linux does")
 @pytest.mark.parametrize(("program", "shown"), [("/bin/echo", ""), ("/no/browser", "open {page}")])
 def test_a_page_is_handed_to_the_browser_of_this_machine(
     program: str, shown: str, tmp_path: Path
