@@ -81,7 +81,11 @@ class Search:
 
     def _decision(self, reasons: dict[str, str]) -> Decision:
         testable = [name for name in CATALOGUE if name not in reasons]
-        silent = [name for name, why in reasons.items() if why == NOT_EXCITED_BY_REVERSALS]
+        silent = [
+            name
+            for name, why in reasons.items()
+            if why == NOT_EXCITED_BY_REVERSALS and not CATALOGUE[name].shows_at_turns
+        ]
         return decide(
             self.case,
             testable,

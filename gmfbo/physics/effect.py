@@ -259,6 +259,9 @@ class Effect:
         That signal for unit size at its typical shape: for screening and location.
     not_excited : callable (Excitation) -> str or None
         Reason why these recordings cannot show it, or None.
+    shows_at_turns : bool
+        Whether its own form shows only where the axis turns: a motion one way shows no more of it
+        than of a simpler law.
     requires : tuple of str
         Required states beyond position and command. Velocity and current are not listed: the
         position is differentiated, and the command replaces an unknown current.
@@ -300,6 +303,7 @@ class Effect:
     signal: Callable[[States, Values], Array] | None = None
     feature: Callable[[States], Array] | None = None
     not_excited: Callable[[Excitation], str | None] = _always_excited
+    shows_at_turns: bool = False
     requires: tuple[str, ...] = ()
     inertia_share: bool = False
     acts_at_rest: bool = False

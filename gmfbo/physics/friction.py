@@ -74,7 +74,7 @@ def reversal_region(parameters: Values, units: Units) -> str:
 
 
 def no_reversal(excitation: Excitation) -> str | None:
-    """Reason if there is no reversal: friction then equals a constant torque."""
+    """Reason if there is no reversal: unless the axis rests, friction then is a constant torque."""
     return None if excitation.reversals > 0 else "no reversal of the velocity"
 
 

@@ -10,16 +10,20 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.evidence import (
+    LEAST_STRETCHES,
+    Grams,
+    spread_moves,
+    weightings,
+)
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import FIXED_FLOOR, NAMED
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
-from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.physics import CATALOGUE
 
 Array = NDArray[np.float64]
 
-_DRAWS = 400
 _MOST_SETS = 10_000  # of one size that are looked at: a tenth of a second
 
 
@@ -44,39 +48,43 @@ class Claim:
         return float(sum(self.beliefs))
 
 
-def posterior_draws(fitted: Fitted, whitening: Whitening, seed: int = 0) -> Array:
-    """Values of the free quantities under the parabola about a fit, shape (draws, p).
+def posterior_draws(fitted: Fitted, inner: Grams, seed: int = 0) -> Array:
+    """Values of the free quantities by the bagged posterior about a fit, shape (draws, p).
 
+    Each is drawn under the parabola of one weighting of the stretches (Huggins and Miller 2023), as
+    the evidence is: where what is left is more than noise, stretches ask for different values.
     Draws beyond a bound are put onto it.
 
     Parameters
     ----------
     fitted : Fitted
         A hypothesis at its best values.
-    whitening : Whitening
-        By noise.
+    inner : Grams
+        Of its columns.
     seed : int
         Of the draws.
     """
-    a = np.diag(fitted.curvatures)
-    for j in fitted.beside_own_parts(whitening)(fitted.columns):
-        flat = j.reshape(j.shape[0], -1)
-        a = a + flat @ flat.T
     p = fitted.u.size
-    spread = np.linalg.inv(a)[:p, :p]
-    rng = np.random.default_rng(seed)
-    z = rng.standard_normal((_DRAWS, p))
-    u = fitted.u + z @ np.linalg.cholesky(spread).T if p else z
+    weights = weightings(len(inner.squares))
+    if len(inner.squares) < LEAST_STRETCHES:
+        weights = np.ones_like(weights)
+    tilted = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
+    spread = np.linalg.cholesky(np.linalg.inv(tilted)[:, :p, :p])
+    z = np.random.default_rng(seed).standard_normal((len(weights), p))
+    moved = spread_moves(fitted, inner, weights)[:, :p] + np.einsum("dij,dj->di", spread, z)
     ends = bounds_of(fitted.priors)
-    u = np.clip(u, ends[:, 0], ends[:, 1])
-    return np.array([values_at(fitted.priors, row) for row in u]).reshape(_DRAWS, p)
+    u = np.clip(fitted.u + moved, ends[:, 0], ends[:, 1])
+    return np.array([values_at(fitted.priors, row) for row in u]).reshape(len(weights), p)
 
 
-def shares_above_floor(fitted: Fitted, whitening: Whitening) -> dict[str, float]:
-    """Probability that each element of a fit is above its floor."""
+def shares_above_floor(fitted: Fitted, inner: Grams) -> dict[str, float]:
+    """Probability that each element of a fit is above its floor; arguments as above."""
     setting = fitted.hypothesis.setting
     above = dict.fromkeys(fitted.elements, 0)
-    for x in posterior_draws(fitted, whitening) if above else ():
+    if not above:
+        return {}
+    drawn = posterior_draws(fitted, inner)
+    for x in drawn:
         at = fitted.hypothesis.at(x)
         for candidate in at.effects:
             law, values = candidate.law, {**candidate.more, **candidate.values}
@@ -87,7 +95,7 @@ def shares_above_floor(fitted: Fitted, whitening: Whitening) -> dict[str, float]
             if known.name in fitted.freed:
                 changed = abs(parameters[known.name] / known.nominal - 1.0)
                 above[f"parameter:{known.name}"] += changed >= FIXED_FLOOR
-    return {name: count / _DRAWS for name, count in above.items()}
+    return {name: count / len(drawn) for name, count in above.items()}
 
 
 def claims_of(

@@ -17,6 +17,9 @@ from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
 
+LEAST_STRETCHES = 3
+"""[1] Of which a bootstrap tells a spread."""
+
 _MOST_VALUES = 8_000_000  # of curvatures that are held at a time: 64 MB
 
 
@@ -95,6 +98,23 @@ def weightings(n_stretches: int, seed: int = 0) -> Array:
     """Bayesian bootstrap weights of the stretches, shape (draws, n_stretches) (Rubin 1981)."""
     rng = np.random.default_rng(seed)
     return n_stretches * rng.dirichlet(np.ones(n_stretches), BOOTSTRAP_DRAWS)
+
+
+def spread_moves(fitted: Fitted, inner: Grams, weights: Array) -> Array:
+    """By how much each weighting moves the top of a fit's parabola, shape (n_weightings, c).
+
+    Parameters
+    ----------
+    fitted : Fitted
+        A hypothesis at its best values.
+    inner : Grams
+        Of its columns.
+    weights : ndarray, shape (n_weightings, n_stretches)
+        Of the stretches.
+    """
+    tilted = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
+    slopes = weights @ inner.products - fitted.slopes
+    return np.asarray(np.linalg.solve(tilted, slopes[:, :, None])[:, :, 0], dtype=np.float64)
 
 
 def log_evidences(

@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import at_own_starts
-from gmfbo.diagnosis.comparison.evidence import grams, weightings
+from gmfbo.diagnosis.comparison.evidence import (
+    LEAST_STRETCHES,
+    grams,
+    spread_moves,
+    weightings,
+)
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
@@ -24,8 +29,6 @@ from gmfbo.diagnosis.comparison.simulation_errors import errors_of
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
-
-_LEAST_STRETCHES = 3  # of which a bootstrap tells a spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +70,8 @@ class Part:
         inner = grams(self.problem, whitening, fitted)
         a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
         half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
-        if len(inner.squares) >= _LEAST_STRETCHES:
-            weights = weightings(len(inner.squares))
-            tilted = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
-            slopes = weights @ inner.products - fitted.slopes
-            moves = np.linalg.solve(tilted, slopes[:, :, None])[:, :p, 0]
+        if len(inner.squares) >= LEAST_STRETCHES:
+            moves = spread_moves(fitted, inner, weightings(len(inner.squares)))[:, :p]
             ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
             half = np.maximum(half, ends)
         limits = bounds_of(fitted.priors)

@@ -108,8 +108,9 @@ MOST_SAID = 0.9
 axes, and of real ones nobody knows the truth."""
 
 DOUBTED = 0.75
-"""[1] Most that is told of what would not be said without its best stretch, and of names that leave
-most of what is more than noise: of those 22 of 43 were right (the same draw)."""
+"""[1] Most that is told of what would not be said without its best stretch, of friction where no
+recording reverses, and of names that leave most of what is more than noise: of those 22 of 43 were
+right (the same draw)."""
 
 FEW_STRETCHES = 8
 """[1] With fewer, those beside the best one are no part of its event: three of them may be all."""

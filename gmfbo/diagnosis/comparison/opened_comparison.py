@@ -90,10 +90,12 @@ class Comparison:
         if not simulations.rest or not pushing:
             return
         base, gains = ledger.rows[frozenset()], {}
+        # What the twin lacks is no noise yet: beside it a start-up would hardly count.
+        whitening = self.search.noise.cared_about(base, ledger)
         for at_rest in (True, False):
             simulations.begins_at_rest = at_rest
             found = responses(self.search.problem, base, pushing)
-            moves = ranked(ledger.whitening, base, found)
+            moves = ranked(whitening, base, found)
             gains[at_rest] = moves[0].gain if moves else 0.0
         simulations.begins_at_rest = gains[False] <= gains[True] + LEAST_GAIN
 

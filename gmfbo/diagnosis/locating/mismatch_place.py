@@ -95,10 +95,13 @@ def _of_effects(
 ) -> Location:
     """Location by named effects: part and state by their law, times by their change of signals."""
     stretches: list[Stretch] = []
+    regions: dict[str, None] = {}
     most = max(1, MOST_WINDOWS // len(effects))
     for candidate in effects:
-        stretches += _where(case, candidate, fitted_with, most)
-    regions = dict.fromkeys(c.law.region({**c.more, **c.values}, units) for c in effects)
+        own = _where(case, candidate, fitted_with, most)
+        stretches += own
+        if own:  # friction on a motion one way meets none of the places at which it shows most
+            regions[candidate.law.region({**candidate.more, **candidate.values}, units)] = None
     path = effects[0].law.signal_path
     return Location(_path(path), "; ".join(regions), _windows(case, stretches))
 

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
+from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
+from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
@@ -30,7 +32,7 @@ from gmfbo.diagnosis.naming.worth import most_told, worth
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
 from gmfbo.diagnosis.result.named_effect import RivalShare
 from gmfbo.physics import CATALOGUE
-from gmfbo.plain_words import words
+from gmfbo.plain_words import listed, words
 
 Array = NDArray[np.float64]
 
@@ -61,8 +63,7 @@ def decide(
     progress : callable (str, float)
         Told the stage and the share that is done.
     silent : collection of str
-        Effects that the recordings do not excite: they are never named, but where one explains as
-        much as the best, nothing is.
+        Effects that only a reversal makes sure, which the recordings lack.
     held : collection of str
         Parameters of the twin that nobody may doubt.
     """
@@ -72,7 +73,7 @@ def decide(
     compared = Compared(comparison.search, ledger, scored)
     above = _above_floors(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
-    said, notes = _said(claims_of(scored, above), silent, unknown)
+    said, notes = _beside(_believed(scored, above), unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
     row = _model(compared, said, above)
@@ -80,7 +81,10 @@ def decide(
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
     named = [one for one in held_by_row if _effects(one[0])]
-    rounds = [_round(case, compared, row, model, *one, most) for one in named]
+    rounds = [
+        _round(case, compared, row, model, *one, min(most, _most_of(one[0], silent)))
+        for one in named
+    ]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
         freed={
@@ -97,7 +101,7 @@ def decide(
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
-        notes=(*notes, *_notes_of(rounds)),
+        notes=(*notes, *_notes_of(rounds, silent)),
     )
 
 
@@ -112,23 +116,14 @@ def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:
     return told
 
 
-def _said(
-    claims: Sequence[Claim], silent: Collection[str], unknown: Unknown | None
-) -> tuple[list[Claim], list[str]]:
-    """Claims that are believed, and why some of them are not told."""
-    said, notes = [], []
-    for claim in claims:
-        if claim.probability < NAMED:
-            continue
-        if set(claim.members) & set(silent):
-            notes.append(
-                f"{words(claim.members[0])} would explain these recordings as well as anything, "
-                "but they hold no reversal that could tell: it is not named"
-            )
-            continue
-        said.append(claim)
-    said, more = _beside(said, unknown)
-    return said, [*notes, *more]
+def _believed(scored: Scored, above: Mapping[frozenset[str], Mapping[str, float]]) -> list[Claim]:
+    """Claims that are believed enough to be told."""
+    return [claim for claim in claims_of(scored, above) if claim.probability >= NAMED]
+
+
+def _most_of(claim: Claim, silent: Collection[str]) -> float:
+    """Most that is told of a set; less where only a reversal would make sure of one of it."""
+    return DOUBTED if set(claim.members) & set(silent) else 1.0
 
 
 def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim], list[str]]:
@@ -182,12 +177,15 @@ def measured(misfit: Misfit, row: Row) -> Fitted:
 def _above_floors(compared: Compared) -> dict[frozenset[str], dict[str, float]]:
     """Probability, by row and element, that a size is above its floor; of rows that matter."""
     ledger, scored = compared.ledger, compared.scored
-    return {
-        elements: shares_above_floor(ledger.rows[elements], ledger.whitening)
-        if belief > (1.0 - NAMED) / len(scored.elements)
-        else {}
-        for elements, belief in zip(scored.elements, scored.beliefs, strict=True)
-    }
+    above: dict[frozenset[str], dict[str, float]] = {}
+    for elements, belief in zip(scored.elements, scored.beliefs, strict=True):
+        above[elements] = {}
+        if elements and belief > (1.0 - NAMED) / len(scored.elements):
+            row = ledger.rows[elements]
+            whitening = row.beside_own_parts(ledger.whitening)
+            inner = grams(compared.search.problem, whitening, row)
+            above[elements] = shares_above_floor(row, inner)
+    return above
 
 
 def _effects(claim: Claim) -> list[str]:
@@ -310,12 +308,16 @@ def _log_odds(compared: Compared, claim: Claim) -> float:
     return float(logs[holds].max() - logs[~holds].max())
 
 
-def _notes_of(rounds: Sequence[Round]) -> list[str]:
-    return [
+def _notes_of(rounds: Sequence[Round], silent: Collection[str]) -> list[str]:
+    once = [
         f"{words(r.winner.name)} shows in one stretch only, {r.once}: seen once"
         for r in rounds
         if r.once
     ]
+    unsure = [words(name) for r in rounds for name in r.names if name in silent]
+    if not unsure:
+        return once
+    return [*once, f"no recording reverses: that would make sure of {listed(unsure)}"]
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:

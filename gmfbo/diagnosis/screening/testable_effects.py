@@ -10,7 +10,7 @@ from gmfbo.physics.needs import needed_states
 from gmfbo.sources.twin_file.twin_file import TwinFile
 
 NOT_EXCITED_BY_REVERSALS = "not excited: no reversal of the velocity"
-"""Reason for effects that a motion in one direction hides: they look like another."""
+"""Reason for effects that only a reversal makes sure: one way they may look like another."""
 
 _GAINS = {"actuator_gain_loss", "sensor_scale"}
 

@@ -67,6 +67,7 @@ asymmetric_friction = Effect(
     size_unit="torque",
     floor=friction.floor,
     not_excited=friction.no_reversal,
+    shows_at_turns=True,
     signal=_signal,
     feature=lambda states: _signal(states, {"level_positive": 1.0, "level_negative": 0.5}),
     acts=friction.acts_at_reversals,

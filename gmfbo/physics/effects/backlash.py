@@ -86,6 +86,7 @@ backlash = Effect(
     size_unit="position",
     floor=lambda e: 0.05 * _unit(e),
     not_excited=_not_excited,
+    shows_at_turns=True,
     acts=lambda states, p: states.near_reversals(),
     region=lambda p, units: "where the velocity changes sign",
     region_state="velocity",

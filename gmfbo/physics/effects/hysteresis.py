@@ -59,6 +59,7 @@ hysteresis = Effect(
     size_unit="torque",
     floor=friction.floor,
     not_excited=friction.no_reversal,
+    shows_at_turns=True,
     signal=_signal,
     feature=lambda states: _signal(
         states, {"level": 1.0, "deflection": friction.typical_deflection(states)}

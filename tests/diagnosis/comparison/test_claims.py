@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import combinations
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
+from gmfbo.diagnosis.comparison.claims import Claim, claims_of, posterior_draws, shares_above_floor
+from gmfbo.diagnosis.comparison.evidence import Grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import NAMED
 from gmfbo.diagnosis.comparison.priors import priors_of
-from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.sources.twin.uncertain import Uncertain
 from tests.physics.excitations import TYPICAL
@@ -89,7 +88,6 @@ def test_a_fixed_parameter_counts_by_how_likely_it_changed_by_more_than_anybody_
     excitation = TYPICAL
     hypothesis = Hypothesis(Setting((stated,), excitation))
     priors = priors_of(hypothesis, ["filter_time"])
-    column = np.full((1, 1, 200), 1.0 / (0.003 * np.sqrt(200)))
     fitted = Fitted(
         hypothesis,
         ("filter_time",),
@@ -98,23 +96,49 @@ def test_a_fixed_parameter_counts_by_how_likely_it_changed_by_more_than_anybody_
         np.zeros(0),
         [],
         [],
-        [np.zeros((1, 200))],
-        [column],
+        [],
+        [],
         True,
         np.zeros(0, dtype=bool),
     )
-    above = shares_above_floor(fitted, _Plain())
+    above = shares_above_floor(fitted, seen_within(0.003, fitted, stretches=1))
     assert least <= above["parameter:filter_time"] <= most
 
 
-class _Plain(Whitening):
-    """Signals that are white already."""
+def seen_within(deviation: float, fitted: Fitted, stretches: int, apart: float = 0.0) -> Grams:
+    """Of one quantity: its deviation by noise, and by how many of these stretches differ."""
+    information = deviation**-2 / stretches
+    asked = apart * np.sqrt(information) * np.resize([1.0, -1.0], stretches)
+    at_the_top = fitted.slopes / stretches
+    return Grams(
+        np.full((stretches, 1, 1), information),
+        (asked + at_the_top)[:, None],
+        np.zeros(stretches),
+    )
 
-    def __init__(self) -> None:
-        super().__init__(())
 
-    def __call__(self, columns: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
-        return list(columns)
+@given(st.floats(0.0, 20.0), st.integers(3, 60))
+def test_draws_spread_as_noise_and_as_what_stretches_ask_for(apart: float, pairs: int) -> None:
+    """The variance of the bagged posterior is the sum of both (Huggins and Miller 2023)."""
+    hypothesis = Hypothesis(Setting((Uncertain("inertia", 1.0, 0.5, 2.0),), TYPICAL))
+    priors = priors_of(hypothesis, [])
+    fitted = Fitted(
+        hypothesis,
+        (),
+        priors,
+        np.array([priors[0].to_u(1.0)]),
+        np.zeros(0),
+        [],
+        [],
+        [],
+        [],
+        True,
+        np.zeros(0, dtype=bool),
+    )
+    inner = seen_within(1e-3, fitted, stretches=2 * pairs, apart=apart)
+    drawn = np.array([priors[0].to_u(x) for (x,) in posterior_draws(fitted, inner)])
+    expected = 1e-3 * np.sqrt(1.0 + apart**2)
+    assert np.std(drawn) == pytest.approx(expected, rel=0.35)
 
 
 def test_a_rare_law_may_belong_to_the_smallest_set() -> None:
