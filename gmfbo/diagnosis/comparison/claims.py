@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from math import comb
 
@@ -20,7 +21,8 @@ from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.numbers import FIXED_FLOOR, NAMED
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
-from gmfbo.physics import CATALOGUE
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.physics import CATALOGUE, Effect, Excitation
 
 Array = NDArray[np.float64]
 
@@ -77,30 +79,70 @@ def posterior_draws(fitted: Fitted, inner: Grams, seed: int = 0) -> Array:
     return np.array([values_at(fitted.priors, row) for row in u]).reshape(len(weights), p)
 
 
-def shares_above_floor(fitted: Fitted, inner: Grams) -> dict[str, float]:
-    """Probability that each element of a fit is above its floor; arguments as above."""
+@dataclass(frozen=True)
+class Shares:
+    """How likely the elements of a fit are there.
+
+    Attributes
+    ----------
+    above : mapping of str to float
+        By element, the probability that its size is above its floor.
+    as_limit : mapping of str to mapping of str to float
+        By law and simpler law: that it is below its floor, but is this one above that one's.
+    """
+
+    above: Mapping[str, float] = field(default_factory=dict)
+    as_limit: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+
+def shares_above_floor(fitted: Fitted, inner: Grams) -> Shares:
+    """How likely the elements of a fit are there; arguments as of `posterior_draws`."""
+    if not fitted.elements:
+        return Shares()
     setting = fitted.hypothesis.setting
-    above = dict.fromkeys(fitted.elements, 0)
-    if not above:
-        return {}
+    above = Counter[str]()
+    limits = {c.effect: Counter[str]() for c in fitted.hypothesis.effects}
     drawn = posterior_draws(fitted, inner)
     for x in drawn:
         at = fitted.hypothesis.at(x)
         for candidate in at.effects:
-            law, values = candidate.law, {**candidate.more, **candidate.values}
-            enough = law.size(values, setting.excitation) >= law.floor(setting.excitation)
-            above[candidate.effect] += enough
+            values = {**candidate.more, **candidate.values}
+            if _is_there(candidate.law, values, setting.excitation):
+                above[candidate.effect] += 1
+                continue
+            limits[candidate.effect].update(_limits_there(candidate, setting.excitation))
         parameters = at.parameters(x)
         for known in setting.uncertain:
             if known.name in fitted.freed:
                 changed = abs(parameters[known.name] / known.nominal - 1.0)
                 above[f"parameter:{known.name}"] += changed >= FIXED_FLOOR
-    return {name: count / len(drawn) for name, count in above.items()}
+    return Shares(
+        {name: above[name] / len(drawn) for name in fitted.elements},
+        {
+            law: {name: count / len(drawn) for name, count in own.items()}
+            for law, own in limits.items()
+            if own
+        },
+    )
 
 
-def claims_of(
-    scored: Scored, above: Mapping[frozenset[str], Mapping[str, float]]
-) -> tuple[Claim, ...]:
+def _is_there(law: Effect, values: Mapping[str, float], excitation: Excitation) -> bool:
+    return law.size(values, excitation) >= law.floor(excitation)
+
+
+def _limits_there(candidate: Candidate, excitation: Excitation) -> list[str]:
+    """Simpler laws that a law is where its own size is next to nothing."""
+    law = candidate.law
+    values = {law.as_limit[p]: v for p, v in candidate.values.items() if p in law.as_limit}
+    simpler = [CATALOGUE[name] for name in law.contains]
+    return [
+        one.name
+        for one in simpler
+        if {p.name for p in one.parameters} <= values.keys() and _is_there(one, values, excitation)
+    ]
+
+
+def claims_of(scored: Scored, shares: Mapping[frozenset[str], Shares]) -> tuple[Claim, ...]:
     """Sets of elements of which one is there, the surest first, until none is believed.
 
     Each is the smallest set that meets what is believed to be there; of each row it then takes one
@@ -110,10 +152,10 @@ def claims_of(
     ----------
     scored : Scored
         Beliefs in rows.
-    above : mapping of frozenset of str to mapping of str to float
-        By row and element, the probability that its size is above its floor.
+    shares : mapping of frozenset of str to Shares
+        By row, how likely its elements are there.
     """
-    left = [(set(row), float(belief), above[row]) for row, belief in _rows(scored)]
+    left = [one for row, belief in _rows(scored) for one in _read(row, belief, shares[row])]
     told: list[Claim] = []
     while any(names for names, _, _ in left):
         kept = _smallest(left)
@@ -129,6 +171,21 @@ def claims_of(
 
 def _rows(scored: Scored) -> list[tuple[frozenset[str], float]]:
     return list(zip(scored.elements, scored.beliefs.tolist(), strict=True))
+
+
+def _read(
+    row: frozenset[str], belief: float, shares: Shares
+) -> list[tuple[set[str], float, Mapping[str, float]]]:
+    """A row as it stands, and with a law below its floor as the simpler one that it then is."""
+    above, kept = dict(shares.above), 1.0
+    read: list[tuple[set[str], float, Mapping[str, float]]] = []
+    for law, simpler in shares.as_limit.items():
+        for name, share in simpler.items():
+            names = (set(row) - {law}) | {name}
+            read.append((names, belief * share, {**shares.above, name: 1.0}))
+            kept -= share
+            above[law] = above.get(law, 1.0) / (1.0 - share) if share < 1.0 else 0.0
+    return [(set(row), belief * max(kept, 0.0), above), *read]
 
 
 _Left = Sequence[tuple[set[str], float, Mapping[str, float]]]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.comparison.claims import Claim, claims_of, shares_above_floor
+from gmfbo.diagnosis.comparison.claims import Claim, Shares, claims_of, shares_above_floor
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Scored
@@ -71,12 +71,12 @@ def decide(
     comparison = comparison_of(case, [*testable, *silent], passing, held=held, log=log)
     ledger, scored = comparison.run()
     compared = Compared(comparison.search, ledger, scored)
-    above = _above_floors(compared)
+    shares = _shares(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
-    said, notes = _beside(_believed(scored, above), unknown)
+    said, notes = _beside(_believed(scored, shares), unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    row = _model(compared, said, above)
+    row = _model(compared, said, {e: own.above for e, own in shares.items()})
     held_by_row = [one for one in _held(said, row.elements) if one[1]]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
@@ -116,9 +116,9 @@ def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:
     return told
 
 
-def _believed(scored: Scored, above: Mapping[frozenset[str], Mapping[str, float]]) -> list[Claim]:
+def _believed(scored: Scored, shares: Mapping[frozenset[str], Shares]) -> list[Claim]:
     """Claims that are believed enough to be told."""
-    return [claim for claim in claims_of(scored, above) if claim.probability >= NAMED]
+    return [claim for claim in claims_of(scored, shares) if claim.probability >= NAMED]
 
 
 def _most_of(claim: Claim, silent: Collection[str]) -> float:
@@ -174,18 +174,18 @@ def measured(misfit: Misfit, row: Row) -> Fitted:
     )
 
 
-def _above_floors(compared: Compared) -> dict[frozenset[str], dict[str, float]]:
-    """Probability, by row and element, that a size is above its floor; of rows that matter."""
+def _shares(compared: Compared) -> dict[frozenset[str], Shares]:
+    """By row, how likely its elements are there; of rows that matter."""
     ledger, scored = compared.ledger, compared.scored
-    above: dict[frozenset[str], dict[str, float]] = {}
+    shares = dict.fromkeys(scored.elements, Shares())
     for elements, belief in zip(scored.elements, scored.beliefs, strict=True):
-        above[elements] = {}
-        if elements and belief > (1.0 - NAMED) / len(scored.elements):
+        if belief > (1.0 - NAMED) / len(scored.elements):
             row = ledger.rows[elements]
             whitening = row.beside_own_parts(ledger.whitening)
-            inner = grams(compared.search.problem, whitening, row)
-            above[elements] = shares_above_floor(row, inner)
-    return above
+            shares[elements] = shares_above_floor(
+                row, grams(compared.search.problem, whitening, row)
+            )
+    return shares
 
 
 def _effects(claim: Claim) -> list[str]:

@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gmfbo.diagnosis.comparison.claims import Claim, claims_of, posterior_draws, shares_above_floor
+from gmfbo.diagnosis.comparison.claims import (
+    Claim,
+    Shares,
+    claims_of,
+    posterior_draws,
+    shares_above_floor,
+)
 from gmfbo.diagnosis.comparison.evidence import Grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Scored
@@ -27,7 +33,7 @@ def claims(beliefs: Beliefs, above: Mapping[str, float] | None = None) -> tuple[
     rows = tuple(frozenset(names) for names in beliefs)
     values = np.array(list(beliefs.values()))
     scored = Scored(rows, np.log(values + 1e-300)[:, None], values, 0.0 * values)
-    return claims_of(scored, {row: {n: (above or {}).get(n, 1.0) for n in row} for row in rows})
+    return claims_of(scored, {r: Shares({n: (above or {}).get(n, 1.0) for n in r}) for r in rows})
 
 
 def told(beliefs: Beliefs, above: Mapping[str, float] | None = None) -> list[set[str]]:
@@ -52,6 +58,21 @@ def test_laws_that_replace_each_other_are_a_set_where_the_best_row_has_two_of_th
 
 def test_a_set_of_a_law_and_its_limit_is_the_limit() -> None:
     assert told({("coulomb_friction",): 0.6, ("stribeck_friction",): 0.4}) == [{"coulomb_friction"}]
+
+
+def test_a_law_below_its_floor_is_its_limit() -> None:
+    """A spring whose stiffness may be none is a constant torque: of the two one is there."""
+    rows = (frozenset({"elastic_return"}), frozenset({"constant_torque_offset"}))
+    beliefs = np.array([0.7, 0.3])
+    scored = Scored(rows, np.log(beliefs)[:, None], beliefs, 0.0 * beliefs)
+    spring = Shares({"elastic_return": 0.6}, {"elastic_return": {"constant_torque_offset": 0.4}})
+    (told,) = claims_of(scored, {rows[0]: spring, rows[1]: Shares()})
+    assert told.members == ("constant_torque_offset",)
+    assert told.beliefs == pytest.approx((1.0,))
+    sure = Shares({"elastic_return": 0.99}, {"elastic_return": {"constant_torque_offset": 0.01}})
+    (told,) = claims_of(scored, {rows[0]: sure, rows[1]: Shares()})
+    assert told.members == ("elastic_return", "constant_torque_offset")
+    assert told.beliefs == pytest.approx((0.693, 0.307))
 
 
 def test_laws_of_which_every_row_has_one_are_a_set_beside_a_likelier_law_of_most_rows() -> None:
@@ -101,8 +122,8 @@ def test_a_fixed_parameter_counts_by_how_likely_it_changed_by_more_than_anybody_
         True,
         np.zeros(0, dtype=bool),
     )
-    above = shares_above_floor(fitted, seen_within(0.003, fitted, stretches=1))
-    assert least <= above["parameter:filter_time"] <= most
+    shares = shares_above_floor(fitted, seen_within(0.003, fitted, stretches=1))
+    assert least <= shares.above["parameter:filter_time"] <= most
 
 
 def seen_within(deviation: float, fitted: Fitted, stretches: int, apart: float = 0.0) -> Grams:
