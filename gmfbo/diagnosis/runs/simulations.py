@@ -172,8 +172,8 @@ class Simulations:
         record : int
             Its index.
         """
-        own = self.records[record]
-        return tuple(own.plan.at(run.response.mean[s.name], s.time) for s in own.signals)
+        own, means = self.records[record], run.response.mean
+        return tuple(_over_rows(own.plan, means[s.name], s.time) for s in own.signals)
 
     def _run_straight(self, point: Point, record: int) -> Simulated:
         run = self._ordered(point, record, self.tracking)
@@ -396,3 +396,14 @@ class Simulations:
         with self._lock:
             self.runs += 1
         self.on_run()
+
+
+def _over_rows(
+    plan: RunPlan, means: NDArray[np.float64], time: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """A column's means since the row before, shape (n,), of its means since the step before."""
+    if time.size < 2:
+        return plan.at(means, time)
+    since = np.concatenate([[0.0], np.cumsum(means[1:] * np.diff(plan.grid))])
+    rows = np.diff(np.interp(time, plan.grid, since)) / np.diff(time)
+    return np.concatenate([plan.at(means, time[:1]), rows])

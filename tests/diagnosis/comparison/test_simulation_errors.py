@@ -214,6 +214,21 @@ def test_a_logger_that_averages_is_late_by_the_mean_of_its_samples(axis: Simulat
     assert not other.any()
 
 
+def test_a_logger_that_is_slower_than_the_twin_averages_over_its_own_rows() -> None:
+    """As a velocity that is the difference of two rows of counts does: half a row late."""
+    twin, (whole, *_) = SERVO.twin(), SERVO.recordings({}, seconds=0.8)
+    signals = {name: column[::10] for name, column in whole.signals.items()}
+    rows = replace(whole, time=whole.time[::10], signals=signals)
+    with AugmentedTwin(twin, substeps=5, isolated=False) as first:
+        record = scored_record(rows, first.plan(rows, {}), ["position"], 0.0)
+    with Simulations(lambda: AugmentedTwin(twin, substeps=5), [record], 1) as simulations:
+        (run,) = simulations.run([Point()])[0]
+        change = simulations.averaged(run, 0)[0] - run.signals[0]
+        speed = record.plan.at(run.response.states["velocity"], record.signals[0].time)
+    late = 1e-3 * (10 * 5 - 1) / (2 * 5)  # [s] of fifty samples in a row of 10 ms
+    assert change @ speed / (speed @ speed) == pytest.approx(-late, rel=0.05)
+
+
 def test_a_reference_drawn_straight_moves_a_loop_ahead_by_half_a_row(axis: Simulations) -> None:
     fast = Point({"sample_time": 0.2e-3})
     runs = axis.run([fast])[0]
