@@ -194,9 +194,10 @@ _Left = Sequence[tuple[set[str], float, Mapping[str, float]]]
 def _smallest(left: _Left) -> dict[str, float]:
     """The fewest elements that meet what is believed, each with what it adds, the most first.
 
-    Of sets as small the likeliest. One that takes the likeliest element first may be larger: two
-    laws of which one is in every row may both be less likely than a third that is in most. Where
-    nothing is believed enough to be told, or there are too many sets, that one is taken.
+    Of sets as small the likeliest whose members stand for each other: a row that holds two of them
+    counts against it. One that takes the likeliest element first may be larger: two laws of which
+    one is in every row may both be less likely than a third that is in most. Where nothing is
+    believed enough to be told, or there are too many sets, that one is taken.
     """
     names = sorted({name for own, _, _ in left for name in own})
     masses = np.array(
@@ -210,13 +211,18 @@ def _smallest(left: _Left) -> dict[str, float]:
     if there >= NAMED:
         likely = _not_less_everywhere(masses)
         for count in range(1, len(found) + 1):
-            if comb(len(likely), count) > _MOST_SETS:
+            among = list(range(len(names)))
+            if comb(len(among), count) > _MOST_SETS:
+                among = likely
+            if comb(len(among), count) > _MOST_SETS:
                 break
-            sets = [list(one) for one in combinations(likely, count)]
-            met = [float(masses[:, one].max(1).sum()) for one in sets]
-            if max(met, default=0.0) >= NAMED * there:
-                best = sets[int(np.argmax(met))]
-                adds = _greedy(masses[:, best], float(max(met)) * (1.0 - 1e-12))
+            sets = [list(one) for one in combinations(among, count)]
+            met = np.array([masses[:, one].max(1).sum() for one in sets])
+            if met.max(initial=0.0) >= NAMED * there:
+                twice = np.array([masses[:, one].sum() for one in sets]) - met
+                chosen = int(np.argmax(np.where(met >= NAMED * there, met - twice, -np.inf)))
+                best = sets[chosen]
+                adds = _greedy(masses[:, best], float(met[chosen]) * (1.0 - 1e-12))
                 return {names[best[k]]: mass for k, mass in adds.items()}
     return {names[k]: mass for k, mass in found.items()}
 

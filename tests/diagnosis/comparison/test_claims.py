@@ -92,6 +92,20 @@ def test_laws_of_which_every_row_has_one_are_a_set_beside_a_likelier_law_of_most
     ]
 
 
+def test_members_of_a_set_stand_for_each_other_where_they_can() -> None:
+    """A speed loop of counts: friction and a delay meet every row too, but most rows hold both."""
+    beliefs: Beliefs = {
+        ("coulomb_friction", "transport_delay"): 0.762,
+        ("load_dependent_friction", "transport_delay"): 0.142,
+        ("stribeck_friction", "transport_delay"): 0.039,
+        ("actuator_lag", "coulomb_friction"): 0.057,
+    }
+    assert told(beliefs, {"actuator_lag": 0.94}) == [
+        {"transport_delay", "actuator_lag"},
+        {"coulomb_friction"},
+    ]
+
+
 def test_nothing_is_told_where_nothing_is_believed_or_all_is_below_its_floor() -> None:
     assert told({(): 0.5, ("backlash",): 0.5}) == []
     assert told({("backlash",): 1.0}, {"backlash": 0.3}) == []
