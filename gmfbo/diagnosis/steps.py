@@ -18,7 +18,11 @@ from gmfbo.diagnosis.naming.worth import has_fallen
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.screening.exclusion import Excluded
 from gmfbo.diagnosis.screening.searched_lines import SearchedLines
-from gmfbo.diagnosis.screening.testable_effects import NOT_EXCITED_BY_REVERSALS, untestable
+from gmfbo.diagnosis.screening.testable_effects import (
+    NOT_EXCITED_BY_REVERSALS,
+    ONE_WAY_FRICTION,
+    untestable,
+)
 from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.validation import Validated, validate_unseen
 from gmfbo.diagnosis.validating.validation import validate as validated_on
@@ -86,6 +90,8 @@ class Search:
             for name, why in reasons.items()
             if why == NOT_EXCITED_BY_REVERSALS and not CATALOGUE[name].shows_at_turns
         ]
+        if silent and ONE_WAY_FRICTION in testable:
+            silent.append(ONE_WAY_FRICTION)
         return decide(
             self.case,
             testable,

@@ -68,7 +68,7 @@ def decide(
         Parameters of the twin that nobody may doubt.
     """
     log = _moving_on(progress)
-    comparison = comparison_of(case, [*testable, *silent], passing, held=held, log=log)
+    comparison = comparison_of(case, {*testable, *silent}, passing, held=held, log=log)
     ledger, scored = comparison.run()
     compared = Compared(comparison.search, ledger, scored)
     shares = _shares(compared)
@@ -317,7 +317,7 @@ def _notes_of(rounds: Sequence[Round], silent: Collection[str]) -> list[str]:
     unsure = [words(name) for r in rounds for name in r.names if name in silent]
     if not unsure:
         return once
-    return [*once, f"no recording reverses: that would make sure of {listed(unsure)}"]
+    return [*once, f"no recording reverses: one that does would make sure of {listed(unsure)}"]
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:

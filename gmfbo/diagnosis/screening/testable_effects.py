@@ -12,6 +12,9 @@ from gmfbo.sources.twin_file.twin_file import TwinFile
 NOT_EXCITED_BY_REVERSALS = "not excited: no reversal of the velocity"
 """Reason for effects that only a reversal makes sure: one way they may look like another."""
 
+ONE_WAY_FRICTION = "constant_torque_offset"
+"""Effect that friction is while an axis moves one way."""
+
 _GAINS = {"actuator_gain_loss", "sensor_scale"}
 
 
