@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.evidence import (
     LEAST_STRETCHES,
     Grams,
-    spread_moves,
+    tilted_parabola,
     weightings,
 )
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
@@ -70,12 +70,12 @@ def posterior_draws(fitted: Fitted, inner: Grams, seed: int = 0) -> Array:
     weights = weightings(len(inner.squares))
     if len(inner.squares) < LEAST_STRETCHES:
         weights = np.ones_like(weights)
-    tilted = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
-    spread = np.linalg.cholesky(np.linalg.inv(tilted)[:, :p, :p])
+    moved, curvature = tilted_parabola(fitted, inner, weights)
+    spread = np.linalg.cholesky(np.linalg.inv(curvature)[:, :p, :p])
     z = np.random.default_rng(seed).standard_normal((len(weights), p))
-    moved = spread_moves(fitted, inner, weights)[:, :p] + np.einsum("dij,dj->di", spread, z)
     ends = bounds_of(fitted.priors)
-    u = np.clip(fitted.u + moved, ends[:, 0], ends[:, 1])
+    drawn = fitted.u + moved[:, :p] + np.einsum("dij,dj->di", spread, z)
+    u = np.clip(drawn, ends[:, 0], ends[:, 1])
     return np.array([values_at(fitted.priors, row) for row in u]).reshape(len(weights), p)
 
 

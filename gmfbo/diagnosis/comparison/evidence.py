@@ -100,8 +100,8 @@ def weightings(n_stretches: int, seed: int = 0) -> Array:
     return n_stretches * rng.dirichlet(np.ones(n_stretches), BOOTSTRAP_DRAWS)
 
 
-def spread_moves(fitted: Fitted, inner: Grams, weights: Array) -> Array:
-    """By how much each weighting moves the top of a fit's parabola, shape (n_weightings, c).
+def tilted_parabola(fitted: Fitted, inner: Grams, weights: Array) -> tuple[Array, Array]:
+    """A fit's parabola under each weighting of the stretches.
 
     Parameters
     ----------
@@ -111,10 +111,16 @@ def spread_moves(fitted: Fitted, inner: Grams, weights: Array) -> Array:
         Of its columns.
     weights : ndarray, shape (n_weightings, n_stretches)
         Of the stretches.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n_weightings, c) and (n_weightings, c, c)
+        By how much its top lies beside the fit, and its curvature.
     """
-    tilted = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
+    curvature = np.tensordot(weights, inner.matrices, 1) + np.diag(fitted.curvatures)
     slopes = weights @ inner.products - fitted.slopes
-    return np.asarray(np.linalg.solve(tilted, slopes[:, :, None])[:, :, 0], dtype=np.float64)
+    moved = np.linalg.solve(curvature, slopes[:, :, None])[:, :, 0]
+    return np.asarray(moved, dtype=np.float64), curvature
 
 
 def log_evidences(

@@ -13,7 +13,7 @@ from gmfbo.diagnosis.case.fitted_starts import at_own_starts
 from gmfbo.diagnosis.comparison.evidence import (
     LEAST_STRETCHES,
     grams,
-    spread_moves,
+    tilted_parabola,
     weightings,
 )
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
@@ -71,7 +71,7 @@ class Part:
         a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
         half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
         if len(inner.squares) >= LEAST_STRETCHES:
-            moves = spread_moves(fitted, inner, weightings(len(inner.squares)))[:, :p]
+            moves = tilted_parabola(fitted, inner, weightings(len(inner.squares)))[0][:, :p]
             ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
             half = np.maximum(half, ends)
         limits = bounds_of(fitted.priors)

@@ -87,11 +87,7 @@ def decide(
     ]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
-        freed={
-            name.removeprefix("parameter:"): (name, *(n for n in claim.members if n != name))
-            for claim, name in held_by_row
-            if (claim, name) not in named
-        },
+        freed=_freed(held_by_row, named),
         model=model,
         row=row,
         base=base,
@@ -103,6 +99,17 @@ def decide(
         unknown=unknown,
         notes=(*notes, *_notes_of(rounds, silent)),
     )
+
+
+def _freed(
+    held: Sequence[tuple[Claim, str]], named: Sequence[tuple[Claim, str]]
+) -> dict[str, tuple[str, ...]]:
+    """Sets of fixed parameters alone, by the one that a model holds."""
+    return {
+        name.removeprefix("parameter:"): (name, *(n for n in claim.members if n != name))
+        for claim, name in held
+        if (claim, name) not in named
+    }
 
 
 def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:

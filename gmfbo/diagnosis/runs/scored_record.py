@@ -226,3 +226,24 @@ def resolution(values: NDArray[np.float64]) -> float:
     shares = steps / quantum
     whole = np.abs(shares - np.round(shares)) < 0.02
     return quantum if whole.mean() > 0.9 else 0.0
+
+
+def means_over_rows(
+    plan: RunPlan, means: NDArray[np.float64], time: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """A column as a logger stores it that averages since its row before, shape (n,).
+
+    Parameters
+    ----------
+    plan : RunPlan
+        With the steps of the simulation.
+    means : ndarray, shape (rows,)
+        The column, averaged since the step before.
+    time : ndarray, shape (n,)
+        [s] Of the logger's rows.
+    """
+    if time.size < 2:
+        return plan.at(means, time)
+    since = np.concatenate([[0.0], np.cumsum(means[1:] * np.diff(plan.grid))])
+    rows = np.diff(np.interp(time, plan.grid, since)) / np.diff(time)
+    return np.concatenate([plan.at(means, time[:1]), rows])

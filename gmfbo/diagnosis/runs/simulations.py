@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.fitted_start import FittedStart
-from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.scored_record import Record, means_over_rows
 from gmfbo.diagnosis.runs.simulated import (
     PlayedNoise,
     Point,
@@ -173,7 +173,7 @@ class Simulations:
             Its index.
         """
         own, means = self.records[record], run.response.mean
-        return tuple(_over_rows(own.plan, means[s.name], s.time) for s in own.signals)
+        return tuple(means_over_rows(own.plan, means[s.name], s.time) for s in own.signals)
 
     def _run_straight(self, point: Point, record: int) -> Simulated:
         run = self._ordered(point, record, self.tracking)
@@ -396,14 +396,3 @@ class Simulations:
         with self._lock:
             self.runs += 1
         self.on_run()
-
-
-def _over_rows(
-    plan: RunPlan, means: NDArray[np.float64], time: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """A column's means since the row before, shape (n,), of its means since the step before."""
-    if time.size < 2:
-        return plan.at(means, time)
-    since = np.concatenate([[0.0], np.cumsum(means[1:] * np.diff(plan.grid))])
-    rows = np.diff(np.interp(time, plan.grid, since)) / np.diff(time)
-    return np.concatenate([plan.at(means, time[:1]), rows])
