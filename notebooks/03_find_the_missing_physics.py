@@ -104,21 +104,20 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Cogging and a friction that differs by direction are named, beside a function of the velocity that
-# no law here explains: most like Stribeck friction. The carriage rubs with 20.0 N one way and
-# 20.7 N the other, where 20.4 N are published. The difference by direction is also one of *viscous*
-# friction, -67 N s/m here; the rig's authors give 167 and 240 N s/m. The ripple of 1 N has 400
-# cycles a metre, half the screw's pitch.
+# Cogging and a friction that differs by direction are named, and presliding or Stribeck friction, a
+# set, beside a function of the velocity that no law here explains: most like Stribeck friction. In
+# all, the carriage rubs with 20.6 N, where 20.4 N are published. The difference by direction is one
+# of *viscous* friction, -66 N s/m here; the rig's authors give 167 and 240 N s/m. The ripple of 1 N
+# has 400 cycles a metre, half the screw's pitch.
 #
-# What is told of the rest hangs by little. On another machine, which presumably rounds sums
-# otherwise, the same engine told `missing_physics`, with presliding friction (or hysteresis) of
-# 12 N in place of that function: both explain the recordings as well. The friction had the same
-# total, 20.6 N.
+# What is told of the rest hangs by little. An engine before this one told no such set, and all of
+# the friction as one that differs by direction, at 3.49 %; on another machine, which presumably
+# rounds sums otherwise, it told the set and no function, at 3.25 %. The friction had the same total
+# each time.
 #
-# On the second half the voltage is met to 3.49 %, with six numbers beside mass and viscous
-# friction; on the other machine to 3.25 %, with eight numbers beside mass and viscous friction.
-# Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more. Noise is
-# next to nothing of what is left: 0.05 % of the voltage's range, of 0.76 %. That half was looked
+# On the second half the voltage is met to 3.26 %, with eight numbers beside mass and viscous
+# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more. Noise is
+# next to nothing of what is left: 0.05 % of the voltage's range, of 0.75 %. That half was looked
 # at while the diagnosis was developed: its figures show how the tool works, and are no evidence
 # that it finds the like on an axis which nobody has seen. The runs were cut by hand;
 # `tests/benchmarks/emps_pieces.py` diagnoses the recording as one, by halves and in pieces.
