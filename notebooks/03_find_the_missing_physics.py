@@ -116,10 +116,10 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # each time.
 #
 # On the second half the voltage is met to 3.26 %, with eight numbers beside mass and viscous
-# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more. Noise is
-# next to nothing of what is left: 0.05 % of the voltage's range, of 0.75 %. That half was looked
-# at while the diagnosis was developed: its figures show how the tool works, and are no evidence
-# that it finds the like on an axis which nobody has seen. The runs were cut by hand;
+# friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more.
+# Noise is next to nothing of what is left: 0.05 % of the voltage's range, of 0.75 %. That half was
+# looked at while the diagnosis was developed: its figures show how the tool works, and are no
+# evidence that it finds the like on an axis which nobody has seen. The runs were cut by hand;
 # `tests/benchmarks/emps_pieces.py` diagnoses the recording as one, by halves and in pieces.
 
 # %%
