@@ -40,6 +40,7 @@ _LOGGED = {
 }
 _MOST_ALONE = 6  # recordings that have a column of their own
 _MOST_FINDINGS = 8
+_NOTHING = 1e-6  # of the largest: an end of a range that is printed as 0
 _FAR = 20.0  # times the size shown by all recordings together: as good as never
 
 
@@ -145,7 +146,8 @@ def _hertz(frequency: float) -> str:
 
 
 def _range(ends: tuple[float, float]) -> str:
-    return " to ".join(number(end, 2) for end in ends)
+    least = _NOTHING * max(map(abs, ends))
+    return " to ".join("0" if abs(end) < least else number(end, 2) for end in ends)
 
 
 def _rows(facts: RecordingFacts) -> str:

@@ -274,6 +274,19 @@ def test_recordings_without_a_reversal_say_so(quick: FmuTwin) -> None:
     assert silent["coulomb_friction"] == "the twin has no torque port"
 
 
+def test_a_speed_that_is_nothing_but_rounding_is_printed_as_zero(
+    sound: list[Recording], quick: FmuTwin
+) -> None:
+    seen = check(quick, sound[:1], jobs=1)
+    facts = replace(seen.recordings["rec0.csv"], speed=(-1.6e-43, 21.0))
+    (row,) = (
+        line
+        for line in check_lines(replace(seen, recordings={"rec0.csv": facts}))
+        if line.startswith("rec0.csv ") and " ms" in line
+    )
+    assert " 0 to 21 " in row
+
+
 def test_facts_of_a_recording_are_those_that_were_recorded(
     sound: list[Recording], quick: FmuTwin
 ) -> None:
