@@ -120,6 +120,7 @@ class Search:
         self.log("moves " + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:10]))
         moves = [m for k, m in enumerate(moves) if k < _ANYWAY or m.gain > LEAST_GAIN]
         effects = [m for m in moves if m.element.candidate is not None][:_FIRST_FITS]
+        effects += self._limits_of(effects, moves)
         effects.sort(key=lambda m: limits_in(frozenset({m.element.name})))
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
         rows = self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
@@ -144,6 +145,12 @@ class Search:
             if scored.best != before:
                 ledger, scored = self._heard(ledger, scored)
         return ledger, self.scored(ledger)
+
+    def _limits_of(self, effects: Sequence[Move], moves: Sequence[Move]) -> list[Move]:
+        """Moves to the simpler laws of some effects: what is larger always gains as much."""
+        known = {move.element.name for move in effects}
+        limits = {name for e in known for name in CATALOGUE[e].contains} - known
+        return [move for move in moves if move.element.name in limits]
 
     def _by_noise_alone(self, ledger: Ledger, base: Fitted, found: Sequence[Response]) -> Ledger:
         """Add the moves that gain most where nothing but noise is forgiven.

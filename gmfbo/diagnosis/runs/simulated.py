@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from gmfbo.errors import SimulationError
 from gmfbo.sources.twin.response import Response
 
+_RUN_AWAY = 1e100  # [SI] an unstable loop gets there in a second
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -133,8 +135,9 @@ class Simulated:
 
     @property
     def finite(self) -> bool:
-        """Whether the run reached its end."""
-        return self.response.outcome.status == "ok"
+        """Whether the run reached its end, with no signal so large that squares overflow."""
+        is_done = self.response.outcome.status == "ok"
+        return is_done and all(np.abs(own).max(initial=0.0) < _RUN_AWAY for own in self.signals)
 
 
 @dataclass(frozen=True, eq=False)
