@@ -14,7 +14,6 @@ from gmfbo.diagnosis.conclusion import Conclusion
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.naming.decided_by_score import decide, measured
 from gmfbo.diagnosis.naming.decision import Decision
-from gmfbo.diagnosis.naming.worth import has_fallen
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.screening.exclusion import Excluded
 from gmfbo.diagnosis.screening.searched_lines import SearchedLines
@@ -161,8 +160,6 @@ class Search:
 
 def _held_against(decision: Decision, result: Validated) -> Decision:
     """A decision with the probabilities that held-out recordings leave its names."""
-    signals = result.fit.signals.values()
-    fell = has_fallen((one.parameters_only, one.augmented) for one in signals)
     left = result.squares.remainder or 0.0
-    rounds = tuple(one.held_against(fell=fell, left=left) for one in decision.rounds)
+    rounds = tuple(one.held_against(left) for one in decision.rounds)
     return replace(decision, rounds=rounds)

@@ -126,9 +126,13 @@ def _between(
 def _that_hold(
     best: Fitted, stated: Mapping[str, tuple[float, float]]
 ) -> dict[str, tuple[float, float]]:
-    """Ranges that reach twice as far beyond their ends as the values found there."""
+    """Ranges that reach twice as far beyond their ends as the values found there, signs kept."""
+    wide = {u.name: (u.low, u.high) for u in best.hypothesis.setting.uncertain}
     ranges = {}
     for name, side in ends_reached(best, stated).items():
         (low, high), value = stated[name], best.parameters[name]
-        ranges[name] = (2.0 * value - low, high) if side == "low" else (low, 2.0 * value - high)
+        if side == "low":
+            ranges[name] = (max(2.0 * value - low, wide[name][0]), high)
+        else:
+            ranges[name] = (low, min(2.0 * value - high, wide[name][1]))
     return ranges

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import at_own_starts
@@ -26,9 +27,12 @@ from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.simulation_errors import errors_of
+from gmfbo.diagnosis.comparison.starting.other_modes import other_modes, shares_of
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
 Array = NDArray[np.float64]
+
+_DRAWN = 2000  # values of a mixture of modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,18 +47,31 @@ class Part:
         By the levels of the whole comparison.
     fitted : Fitted
         The hypothesis there.
+    modes : tuple of Fitted
+        Other values of it that these windows like, less than those or about as much.
     """
 
     problem: Problem
     whitening: Whitening
     fitted: Fitted
+    modes: tuple[Fitted, ...] = ()
+
+    def with_other_modes(self) -> Part:
+        """The same with other values that are found, the likeliest of all in front."""
+        modes = [self.fitted, *other_modes(self.problem, self.whitening, self.fitted)]
+        if len(modes) == 1:
+            return self
+        shares = shares_of(self.problem, self.whitening, modes)
+        best, *others = (modes[k] for k in np.argsort(-shares))
+        return replace(self, fitted=best, modes=tuple(others))
 
     def intervals(self) -> tuple[Array, Array, Array]:
         """Standard deviations and ends of 95 % intervals of the free quantities.
 
         The larger of two: of the posterior's parabola, and of a Bayesian bootstrap over stretches
-        (Huggins and Miller 2023), which holds where the remainder is more than noise. They reach
-        to where values would be with an infinitely short step of the simulation.
+        (Huggins and Miller 2023), which holds where the remainder is more than noise. With other
+        modes they are those of the mixture. They reach to where values would be with an infinitely
+        short step of the simulation.
 
         Returns
         -------
@@ -69,20 +86,33 @@ class Part:
         whitening = fitted.beside_own_parts(self.whitening)
         inner = grams(self.problem, whitening, fitted)
         a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
-        half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
-        if len(inner.squares) >= LEAST_STRETCHES:
-            moves = tilted_parabola(fitted, inner, weightings(len(inner.squares)))[0][:, :p]
-            ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
-            half = np.maximum(half, ends)
-        limits = bounds_of(fitted.priors)
         moved = self._moved_by_the_step(whitening, a)[:p]
-        low = np.clip(fitted.u - half + np.minimum(moved, 0.0), limits[:, 0], limits[:, 1])
-        high = np.clip(fitted.u + half + np.maximum(moved, 0.0), limits[:, 0], limits[:, 1])
+        low, high = self._within()
+        limits = bounds_of(fitted.priors)
+        half = 0.5 * (high - low)
+        low = np.clip(low + np.minimum(moved, 0.0), limits[:, 0], limits[:, 1])
+        high = np.clip(high + np.maximum(moved, 0.0), limits[:, 0], limits[:, 1])
         x, low_x, high_x = (values_at(fitted.priors, u) for u in (fitted.u, low, high))
         slope = np.array(
             [v if q.logarithmic else 1.0 for q, v in zip(fitted.priors, x, strict=True)]
         )
         return np.abs(slope) * half / 1.96, low_x, high_x
+
+    def _within(self) -> tuple[Array, Array]:
+        """Ends of 95 % of the mixture of all modes, in the coordinates of the priors."""
+        modes = [self.fitted, *self.modes]
+        halves = [_half_of(self.problem, self.whitening, mode) for mode in modes]
+        if len(modes) == 1:
+            return self.fitted.u - halves[0], self.fitted.u + halves[0]
+        shares = shares_of(self.problem, self.whitening, modes)
+        counts = np.round(shares * _DRAWN).astype(int)
+        drawn = [
+            mode.u + half / 1.96 * norm.ppf((np.arange(count)[:, None] + 0.5) / count)
+            for mode, half, count in zip(modes, halves, counts, strict=True)
+            if count
+        ]
+        low, high = np.quantile(np.concatenate(drawn), [0.025, 0.975], axis=0)
+        return np.minimum(low, self.fitted.u), np.maximum(high, self.fitted.u)
 
     def _moved_by_the_step(self, whitening: Whitening, curvature: Array) -> Array:
         """By how much an infinitely short step would move the quantities and nuisances, shape (n,).
@@ -102,6 +132,19 @@ class Part:
         for j, z in zip(whitening(fitted.columns), whitening(halved), strict=True):
             slope -= j.reshape(len(slope), -1) @ z.ravel()
         return np.asarray(2.0 * np.linalg.solve(curvature, slope), dtype=np.float64)
+
+
+def _half_of(problem: Problem, whitening: Whitening, fitted: Fitted) -> Array:
+    """Half widths of a fit's own intervals, in the coordinates of its priors, shape (p,)."""
+    inner = grams(problem, fitted.beside_own_parts(whitening), fitted)
+    p = fitted.u.size
+    a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
+    half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
+    if len(inner.squares) >= LEAST_STRETCHES:
+        moves = tilted_parabola(fitted, inner, weightings(len(inner.squares)))[0][:, :p]
+        ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
+        half = np.maximum(half, ends)
+    return np.asarray(half, dtype=np.float64)
 
 
 def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:

@@ -90,18 +90,14 @@ FAR_BEHIND = 10.0
 NAMED = 0.95
 """[1] Posterior inclusion of what is said."""
 
-WORTH = (-3.25, 0.31, 0.38, 2.14)
-"""[1] Line of what a claim is worth: where it starts, by the log odds of its belief, by the
-logarithm of the nats it gains, and by a held-out error that falls with it (368 claims of the first
-registered draw, tests.blind.draw.worth)."""
-
-LEAST_FALL = 0.01
-"""[1] Of a signal's held-out error: less is no fall. Of claims without one 42 % were right, of
-others 91 % (the same draw; 0.005 and 0.02 tell these apart less well)."""
+WORTH = (-1.81, 0.58, 0.53)
+"""[1] Line of what a claim is worth: where it starts, by the log odds of its belief, and by
+the logarithm of the nats it gains (200 claims of the second registered draw,
+tests.blind.draw.worth)."""
 
 MOST_TOLD = 1000.0
 """[nats] More say nothing more: of claims that gained 1,000 to 3,000 96 % were right, of those that
-gained more than 10,000 91 % (the same draw)."""
+gained more than 10,000 91 % (first registered draw)."""
 
 MOST_SAID = 0.9
 """[1] Most probability that is told of a name: what beliefs are worth was counted on simulated
@@ -110,7 +106,7 @@ axes, and of real ones nobody knows the truth."""
 DOUBTED = 0.75
 """[1] Most that is told of what would not be said without its best stretch, of friction where no
 recording reverses, and of names that leave most of what is more than noise: of those 22 of 43 were
-right (the same draw)."""
+right (the first draw)."""
 
 FEW_STRETCHES = 8
 """[1] With fewer, those beside the best one are no part of its event: three of them may be all."""

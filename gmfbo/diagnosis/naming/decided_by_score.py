@@ -287,7 +287,7 @@ def _round(
     once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
     most = min(most, DOUBTED) if once else most
     belief, gain = min(claim.probability, most), _log_odds(compared, claim)
-    told = min(worth(belief, gain, fell=True), most, most_told(0.0))
+    told = min(worth(belief, gain), most, most_told(0.0))
     shares = [
         RivalShare(name, told / claim.probability * beliefs[name]) for name in (winner, *others)
     ]

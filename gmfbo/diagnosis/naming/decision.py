@@ -74,17 +74,15 @@ class Round:
     once: str = ""
     most: float = 1.0
 
-    def held_against(self, *, fell: bool, left: float) -> Round:
+    def held_against(self, left: float) -> Round:
         """The same as told once the model has met held-out recordings.
 
         Parameters
         ----------
-        fell : bool
-            Whether an error falls with it.
         left : float
             Share of what is more than noise there that it does not explain.
         """
-        told = min(worth(self.belief, self.gain, fell=fell), self.most, most_told(left))
+        told = min(worth(self.belief, self.gain), self.most, most_told(left))
         shares = tuple(
             replace(one, probability=told / self.probability * one.probability)
             for one in self.shares

@@ -7,31 +7,21 @@ no certainty. How often claims were right was counted, and that is what is print
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 from scipy.special import expit, logit
 
-from gmfbo.diagnosis.comparison.numbers import (
-    DOUBTED,
-    LEAST_FALL,
-    MOST,
-    MOST_SAID,
-    MOST_TOLD,
-    WORTH,
-)
+from gmfbo.diagnosis.comparison.numbers import DOUBTED, MOST, MOST_SAID, MOST_TOLD, WORTH
 
 LAST_DIGIT = 0.005
 """Half of the last digit of a probability: a belief counts as no nearer to 0 or 1."""
 
 
-def worth(belief: float, gain: float, *, fell: bool) -> float:
+def worth(belief: float, gain: float) -> float:
     """Probability that a claim is right, calibrated on cases whose truth is known.
 
     A logistic line over the log odds of the belief (Cox 1958, "Two further applications of a model
     for binary regression", eq. 1), and over the logarithm of what the recordings have gained by it:
-    where beliefs are all next to 1, that still tells weak claims from strong ones. And over whether
-    recordings that were not fitted are met better: of a law of the wrong form they often are not.
+    where beliefs are all next to 1, that still tells weak claims from strong ones.
 
     Parameters
     ----------
@@ -40,16 +30,14 @@ def worth(belief: float, gain: float, *, fell: bool) -> float:
     gain : float
         [nats] Log odds of the best hypothesis with one of them against the best without any; less
         than 1 counts as 1, and more than `MOST_TOLD` as that.
-    fell : bool
-        Whether an error on held-out recordings falls with it; see `has_fallen`.
     """
-    return float(expit(np.dot(WORTH, terms(belief, gain, fell=fell))))
+    return float(expit(np.dot(WORTH, terms(belief, gain))))
 
 
-def terms(belief: float, gain: float, *, fell: bool) -> tuple[float, float, float, float]:
-    """What the four numbers of `WORTH` multiply; arguments as for `worth`."""
+def terms(belief: float, gain: float) -> tuple[float, float, float]:
+    """What the three numbers of `WORTH` multiply; arguments as for `worth`."""
     odds = logit(np.clip(belief, LAST_DIGIT, 1.0 - LAST_DIGIT))
-    return 1.0, float(odds), float(np.log(np.clip(gain, 1.0, MOST_TOLD))), float(fell)
+    return 1.0, float(odds), float(np.log(np.clip(gain, 1.0, MOST_TOLD)))
 
 
 def most_told(left: float) -> float:
@@ -61,19 +49,3 @@ def most_told(left: float) -> float:
         Share of what is more than noise there that no name explains.
     """
     return MOST_SAID if left <= MOST else DOUBTED
-
-
-def has_fallen(errors: Iterable[tuple[float | None, float | None]]) -> bool:
-    """Whether the error of a signal falls.
-
-    Parameters
-    ----------
-    errors : iterable of (float, float)
-        Of each signal on held-out recordings, without what is named and with it; None or NaN where
-        it is not known.
-    """
-    return any(
-        with_it < (1.0 - LEAST_FALL) * without
-        for without, with_it in errors
-        if without is not None and with_it is not None
-    )

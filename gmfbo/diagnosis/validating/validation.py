@@ -109,7 +109,7 @@ def validate(
     before = part_of(case, search, opened, decision.base, chosen)
     after = before
     if decision.row.elements:
-        after = part_of(case, search, ledger, decision.row, chosen)
+        after = part_of(case, search, ledger, decision.row, chosen).with_other_modes()
     scored = split.held_out or chosen
     left = decision.compared.scored.size_beside(decision.row.elements)
     told = [quiet(case, part.fitted, chosen) for part in (before, after)]
@@ -148,7 +148,7 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     # Found while the effects were decided, after these recordings had been opened.
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     search, ledger = decision.compared.search, decision.compared.ledger
-    whole = part_of(case, search, ledger, decision.row, split.fitted)
+    whole = part_of(case, search, ledger, decision.row, split.fitted).with_other_modes()
     there_ledger = ledger_on(unseen, ledger, whole.fitted)
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):

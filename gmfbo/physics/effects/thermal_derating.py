@@ -46,10 +46,11 @@ def _acts(states: States, parameters: Values) -> Mask:
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
-    loss, time = percent(parameters["loss"]), quantity(parameters["time"], "s")
+    # Where recordings are short beside the time constant, they show no more than the first rate.
+    rate = percent(parameters["loss"] / parameters["time"])
     return (
-        f"The actuator loses about {loss} when warm, with a time constant of {time}, "
-        "which is missing from the twin."
+        f"The actuator weakens as it warms up, by about {rate} a second at first, with a time "
+        f"constant of {quantity(parameters['time'], 's')}, which is missing from the twin."
     )
 
 

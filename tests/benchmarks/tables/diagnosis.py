@@ -1,10 +1,11 @@
-"""Tables of the registered draw of the diagnosis."""
+"""Tables of the registered draws of the diagnosis."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
@@ -21,15 +22,22 @@ Cases = Sequence[Judged]
 
 
 @cache
-def judged(method: str = "gmfbo") -> tuple[Judged, ...]:
-    """Cases of the registered draw that a method was run on, judged.
+def _lines(method: str, draw: str) -> tuple[dict[str, Any], ...]:
+    return tuple(read_outcomes(RESULTS / MADE[draw]["files"][method]))
+
+
+@cache
+def judged(method: str = "gmfbo", draw: str = "draw") -> tuple[Judged, ...]:
+    """Cases of a registered draw that a method was run on, judged.
 
     Parameters
     ----------
     method : str
         As `made.toml` names it.
+    draw : str
+        `draw`, the last one, or `first_draw`.
     """
-    return tuple(judge(line) for line in read_outcomes(RESULTS / MADE["draw"]["files"][method]))
+    return tuple(judge(line) for line in _lines(method, draw))
 
 
 def _of(cases: Cases, stratum: str) -> list[Judged]:
@@ -82,30 +90,54 @@ def _is_outside(one: Judged) -> bool:
 
 
 def asked() -> str:
-    """What was asked of the draw, and what it came to."""
-    cases = judged()
+    """What was asked of the draws, and what they came to."""
+    first, second = _came_to(judged(draw="first_draw")), _came_to(judged())
+    rows = [
+        [what, _ASKED.get(what, ""), before, now]
+        for (what, before), now in zip(first.items(), second.values(), strict=True)
+    ]
+    heads = (f"{draw} ({MADE[key]['engine']})" for draw, key in _DRAWS.items())
+    return table(["what", "asked", *heads], rows)
+
+
+_DRAWS = {"first": "first_draw", "second": "draw"}
+_ASKED = {
+    "nulls with physics claimed": "at most 2 of 280, one of a kind",
+    "owed, named right": "85 %",
+    "owed, right or an honest set": "93 %",
+    "members of a statement, median": "1",
+    "statements told as a set": "at most 20 %",
+    "cases with a name that is not hidden": "2 %",
+    "outside: said so": "80 %",
+    "outside: a name that is not hidden": "5 %",
+    "95 % intervals that hold, clustered by machine and law": "from 90 % on, to 98.5 %",
+    "odds, recalibrated: intercept; slope": "hold 0; 1",
+    "owed: explainable error left, median; 90 %": "0.10; 0.6",
+    "cases without an answer in 900 s": "none",
+}
+
+
+def _came_to(cases: Cases) -> dict[str, str]:
     ended, owed = _ended(cases), _owed(cases)
     nulls, outside = _ended(_of(cases, "null")), _ended(_of(cases, "outside"))
     by_kind = [sum(_is_claimed(j) for j in nulls if j.family == kind) for kind in VARIANTS]
     sets = [len(claim.members) for j in ended for claim in j.claims]
-    rows = [
-        ["nulls with physics claimed", "at most 2 of 280, one of a kind",
-         f"{_share(nulls, _is_claimed)}; at most {max(by_kind)} of a kind"],
-        ["owed, named right", "85 %", _share(owed, _is_right)],
-        ["owed, right or an honest set", "93 %", _share(owed, _is_right_or_set)],
-        ["members of a statement, median", "1", f"{np.median(sets):.0f}"],
-        ["statements told as a set", "at most 20 %", _percent(sum(n > 1 for n in sets), len(sets))],
-        ["cases with a name that is not hidden", "2 %", _share(ended, _has_false_name)],
-        ["outside: said so", "80 %", _share(outside, _is_outside)],
-        ["outside: a name that is not hidden", "5 %", _share(outside, _has_false_name)],
-        ["95 % intervals that hold, clustered by machine and law", "from 90 % on, to 98.5 %",
-         _intervals(ended)],
-        ["odds, recalibrated: intercept; slope", "hold 0; 1", _recalibrated(ended)],
-        ["owed: explainable error left, median; 90 %", "0.10; 0.6", _error_left(owed)],
-        ["cases without an answer in 900 s", "none", f"{len(cases) - len(ended)} of {len(cases)}"],
-        ["simulations; seconds of all processes, median", "", _cost(ended)],
-    ]  # fmt: skip
-    return table(["what", "asked", "came to"], rows)
+    return {
+        "nulls with physics claimed":
+            f"{_share(nulls, _is_claimed)}; at most {max(by_kind)} of a kind",
+        "owed, named right": _share(owed, _is_right),
+        "owed, right or an honest set": _share(owed, _is_right_or_set),
+        "members of a statement, median": f"{np.median(sets):.0f}",
+        "statements told as a set": _percent(sum(n > 1 for n in sets), len(sets)),
+        "cases with a name that is not hidden": _share(ended, _has_false_name),
+        "outside: said so": _share(outside, _is_outside),
+        "outside: a name that is not hidden": _share(outside, _has_false_name),
+        "95 % intervals that hold, clustered by machine and law": _intervals(ended),
+        "odds, recalibrated: intercept; slope": _recalibrated(ended),
+        "owed: explainable error left, median; 90 %": _error_left(owed),
+        "cases without an answer in 900 s": f"{len(cases) - len(ended)} of {len(cases)}",
+        "simulations; seconds of all processes, median": _cost(ended),
+    }  # fmt: skip
 
 
 def _percent(count: int, total: int) -> str:
@@ -138,7 +170,7 @@ def _recalibrated(cases: Cases) -> str:
 
 def _error_left(owed: Cases) -> str:
     left = [j.error_left for j in owed if j.error_left is not None]
-    median, most = np.quantile(left, [0.5, 0.9])
+    median, most = np.round(np.quantile(left, [0.5, 0.9]), 2) + 0.0
     return f"{median:.2f}; {most:.2f} on {len(left)} of {len(owed)}"
 
 
@@ -176,21 +208,37 @@ def hidden_laws() -> int:
 
 
 @cache
-def _stated() -> list[worth.Stated]:
-    return worth.stated_in(list(read_outcomes(RESULTS / MADE["draw"]["files"]["gmfbo"])))
+def _stated(draw: str) -> list[worth.Stated]:
+    return worth.stated_in(_lines("gmfbo", draw))
 
 
 def odds() -> str:
-    """How honest the odds of the claims of effects were, as believed and as they are told."""
-    rows = [[title, *cells] for title, cells in worth.recalibrated(_stated()).items()]
+    """How honest the odds of the last draw's claims of effects were, by where they are from."""
+    stated, first = _stated("draw"), _stated("first_draw")
+    half = len(_lines("gmfbo", "draw")) // 2
+    told = {
+        "by the line of the first draw's claims": worth.by_line_of(first, stated),
+        **worth.recalibrated(stated, half),
+    }
+    rows = [[title, *cells] for title, cells in told.items()]
     return table(["probabilities", "claims", "Brier", "intercept", "slope"], rows)
 
 
 def worth_of_claims() -> str:
     """How many claims were right, by the probability that other machines give them."""
-    told = worth.by_probability(_stated(), worth.of_other_machines(_stated()))
     rows = [
-        [f"{low:g} to {high:g}", str(count), f"{right}: {100 * right / count:.0f} %"]
-        for low, high, right, count in told
+        [
+            _DRAW_OF[draw],
+            f"{low:g} to {high:g}",
+            str(count),
+            f"{right}: {100 * right / count:.0f} %",
+        ]
+        for draw in _DRAW_OF
+        for low, high, right, count in worth.by_probability(
+            _stated(draw), worth.of_other_machines(_stated(draw))
+        )
     ]
-    return table(["told", "claims", "right"], rows)
+    return table(["draw", "told", "claims", "right"], rows)
+
+
+_DRAW_OF = {key: name for name, key in _DRAWS.items()}

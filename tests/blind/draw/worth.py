@@ -2,7 +2,7 @@
 
 python -m tests.blind.draw.worth OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]
 
-Each claim of an effect counts as right where the truth is in its set. Fitted are the four numbers
+Each claim of an effect counts as right where the truth is in its set. Fitted are the three numbers
 of `gmfbo.diagnosis.comparison.numbers.WORTH`; printed is how honest the odds were as believed, how
 honest by the line that the other machines tell, by that of the first half of the cases on the
 second, and by the line in force.
@@ -21,15 +21,12 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from gmfbo.diagnosis.comparison.numbers import MOST, WORTH
-from gmfbo.diagnosis.naming.worth import has_fallen, most_told, terms, worth
+from gmfbo.diagnosis.naming.worth import most_told, terms, worth
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import NORMAL, recalibration
 from tests.blind.draw.outcomes import tell_of
 
 Array = NDArray[np.float64]
-
-HALF = 350
-"""First case of the second half of a draw of 700; the order of cases is random."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +41,6 @@ class Stated:
         [nats] Its log odds.
     right : bool
         Whether the truth is in the set.
-    fell : bool
-        Whether a held-out error falls with all that is named.
     left : float
         Share of what is more than noise on held-out recordings that no name explains.
     machine : str
@@ -57,7 +52,6 @@ class Stated:
     belief: float
     gain: float
     right: bool
-    fell: bool
     left: float
     machine: str
     case: int
@@ -77,8 +71,6 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
         if judged.outcome == "failed":
             continue
         claims = {claim.name: claim for claim in judged.claims}
-        signals = line["diagnosis"]["fit"]["signals"].values()
-        fell = has_fallen((one["parameters_only"], one["augmented"]) for one in signals)
         for effect in line["diagnosis"]["effects"]:
             belief = effect.get("belief")
             found.append(
@@ -86,7 +78,6 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
                     effect["set_probability"] if belief is None else belief,
                     effect["evidence"],
                     claims[effect["name"]].judged != "false",
-                    fell,
                     (line["diagnosis"]["remainder"] or {"share": 0.0})["share"],
                     judged.machine,
                     int(judged.case),
@@ -96,7 +87,7 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
 
 
 def line_of(stated: Sequence[Stated]) -> Array:
-    """The four numbers of `WORTH`, by maximum likelihood."""
+    """The three numbers of `WORTH`, by maximum likelihood."""
     columns, right = _columns(stated), np.array([one.right for one in stated], dtype=float)
 
     def loss(line: Array) -> float:
@@ -107,7 +98,7 @@ def line_of(stated: Sequence[Stated]) -> Array:
 
 
 def _columns(stated: Sequence[Stated]) -> Array:
-    return np.array([terms(one.belief, one.gain, fell=one.fell) for one in stated])
+    return np.array([terms(one.belief, one.gain) for one in stated])
 
 
 def of_other_machines(stated: Sequence[Stated]) -> list[float]:
@@ -124,23 +115,24 @@ def as_told(probabilities: Sequence[float], stated: Sequence[Stated]) -> list[fl
     return [min(p, most_told(one.left)) for p, one in zip(probabilities, stated, strict=True)]
 
 
-def table(stated: Sequence[Stated]) -> str:
-    """Text of all that is printed."""
+def table(lines: Sequence[Mapping[str, Any]]) -> str:
+    """Text of all that is printed of a whole draw; the order of its cases is random."""
+    stated, half = stated_in(lines), len(lines) // 2
     line, force = line_of(stated), ", ".join(f"{value:g}" for value in WORTH)
     rows = [
         f"{len(stated)} claims of effects, {np.mean([s.right for s in stated]):.3f} right",
         "fitted line: " + ", ".join(f"{value:.2f}" for value in line) + f"; in force: {force}",
         f"{'probabilities':<34}{'claims':>7}{'Brier':>7}  intercept; slope",
     ]
-    for title, cells in recalibrated(stated).items():
+    for title, cells in recalibrated(stated, half).items():
         rows.append(f"{title:<34}{cells[0]:>7}{cells[1]:>7}  {'; '.join(cells[2:])}")
     return "\n".join([*rows, "", *_by_worth(stated)]) + "\n"
 
 
-def recalibrated(stated: Sequence[Stated]) -> dict[str, tuple[str, ...]]:
+def recalibrated(stated: Sequence[Stated], half: int) -> dict[str, tuple[str, ...]]:
     """Claims, Brier score, intercept and slope of their recalibration, by where odds are from."""
-    first = [one for one in stated if one.case < HALF]
-    second = [one for one in stated if one.case >= HALF]
+    first = [one for one in stated if one.case < half]
+    second = [one for one in stated if one.case >= half]
     others = of_other_machines(stated)
     told = {
         "as believed": _told([one.belief for one in stated], stated),
@@ -150,12 +142,17 @@ def recalibrated(stated: Sequence[Stated]) -> dict[str, tuple[str, ...]]:
     }
     if first and second:
         halves = list(expit(_columns(second) @ line_of(first)))
-        told[f"from case {HALF} on, by those before"] = _told(halves, second)
+        told[f"from case {half} on, by those before"] = _told(halves, second)
     return told
 
 
+def by_line_of(fitted_to: Sequence[Stated], stated: Sequence[Stated]) -> tuple[str, ...]:
+    """The same of claims by the line of others."""
+    return _told(list(expit(_columns(stated) @ line_of(fitted_to))), stated)
+
+
 def _in_force(stated: Sequence[Stated]) -> list[float]:
-    return [worth(one.belief, one.gain, fell=one.fell) for one in stated]
+    return [worth(one.belief, one.gain) for one in stated]
 
 
 def _told(probabilities: Sequence[float], stated: Sequence[Stated]) -> tuple[str, ...]:
@@ -175,12 +172,8 @@ def _by_worth(stated: Sequence[Stated]) -> list[str]:
     """How many claims of each probability by the line in force were right."""
     rows = by_probability(stated, _in_force(stated))
     told = [f"{low:g} to {high:g}: {right} of {count}" for low, high, right, count in rows]
-    fell = {
-        "a held-out error falls": [one.right for one in stated if one.fell],
-        "none falls": [one.right for one in stated if not one.fell],
-        "more than half is left": [one.right for one in stated if one.left > MOST],
-    }
-    told += ["", *(f"{text}: {sum(own)} of {len(own)}" for text, own in fell.items())]
+    left = [one.right for one in stated if one.left > MOST]
+    told += ["", f"more than half is left: {sum(left)} of {len(left)}"]
     return ["probability by the line in force: right", *told]
 
 
@@ -199,7 +192,7 @@ def by_probability(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line: python -m tests.blind.draw.worth."""
-    tell_of(__doc__, arguments, lambda lines: table(stated_in(lines)))
+    tell_of(__doc__, arguments, table)
 
 
 if __name__ == "__main__":

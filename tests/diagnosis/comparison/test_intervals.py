@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -112,3 +112,34 @@ def test_intervals_reach_to_the_values_of_an_infinitely_short_step() -> None:
     np.testing.assert_allclose(late_low[0], low[0], rtol=1e-3)
     np.testing.assert_allclose(late_high[1], high[1], rtol=1e-3)
     np.testing.assert_allclose(late_low[1] - late[1], low[1], rtol=1e-3)
+
+
+def with_mode(part: Part, shift: float, worse: float) -> Part:
+    """The same with another fit beside it, whose whitened square is larger by so much."""
+    left = part.fitted.residual[0]
+    share = np.sqrt(1.0 + worse / np.sum(left**2))
+    other = replace(part.fitted, u=part.fitted.u + shift, residual=[share * left])
+    return replace(part, modes=(other,))
+
+
+def test_two_fits_as_good_are_both_within_the_interval() -> None:
+    columns = np.random.default_rng(6).standard_normal((2, ROWS))
+    part = linear_part(np.random.default_rng(7), columns, 1.0)
+    deviation, low, high = part.intervals()
+    more, both_low, both_high = with_mode(part, 20.0 * deviation[0], 0.0).intervals()
+    # 2.5 % of a mixture of halves are 5 % of one of them: 1.645 deviations.
+    inward = (1.96 - 1.645) * deviation
+    np.testing.assert_allclose(both_low, low + inward, atol=0.1 * deviation[0])
+    np.testing.assert_allclose(
+        both_high, high - inward + 20.0 * deviation[0], atol=0.1 * deviation[0]
+    )
+    assert np.all(more > 4.0 * deviation)
+
+
+def test_a_fit_that_is_far_worse_does_not_widen_the_interval() -> None:
+    columns = np.random.default_rng(6).standard_normal((2, ROWS))
+    part = linear_part(np.random.default_rng(7), columns, 1.0)
+    deviation, low, high = part.intervals()
+    _, own_low, own_high = with_mode(part, 20.0 * deviation[0], 60.0).intervals()
+    np.testing.assert_allclose(own_low, low, atol=0.1 * deviation[0])
+    np.testing.assert_allclose(own_high, high, atol=0.1 * deviation[0])

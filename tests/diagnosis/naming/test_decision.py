@@ -66,7 +66,7 @@ def test_coulomb_friction_is_named_at_its_level_and_not_once_more_by_a_larger_la
     (found,) = decision.rounds
     assert found.winner.effect.values["level"] == pytest.approx(0.25, rel=0.02)
     assert found.gain > 100.0 * decision.threshold
-    assert found.probability == MOST_SAID < worth(found.belief, found.gain, fell=True)
+    assert found.probability == MOST_SAID < worth(found.belief, found.gain)
     assert not {rival.name for rival in found.rivals} & LAWS
     assert decision.notes == ()
 

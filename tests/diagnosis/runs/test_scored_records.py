@@ -171,6 +171,12 @@ def test_the_quantum_of_a_rounded_signal_is_found(quantum: float, seed: int) -> 
     assert resolution(quantum * np.round(smooth)) == pytest.approx(quantum, rel=1e-3)
 
 
+@given(st.floats(1e-5, 1e-2), st.integers(0, 99))
+def test_counts_are_found_where_each_row_passes_many(quantum: float, seed: int) -> None:
+    steps = np.random.default_rng(seed).uniform(-90.0, 90.0, 2000)
+    assert resolution(quantum * np.floor(steps.cumsum())) == pytest.approx(quantum, rel=1e-6)
+
+
 def test_a_continuous_signal_has_no_quantum() -> None:
     assert resolution(np.random.default_rng(0).standard_normal(500).cumsum()) == 0.0
 
