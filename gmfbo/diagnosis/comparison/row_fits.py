@@ -306,6 +306,32 @@ def limit_of(element: Element, about: Fitted, rows: Rows) -> Fitted | None:
     return next((row for row in among if row is not None), None)
 
 
+def begun_as_larger(ledger: Ledger, best: Fitted) -> list[tuple[Fitted, list[Move]]]:
+    """Limits of a row's laws at the values that these have, where their own fits leave far more.
+
+    A fit that began elsewhere may have ended in another hollow, or have been given up.
+
+    Parameters
+    ----------
+    ledger : Ledger
+        Rows, and the whitening under which they are fitted.
+    best : Fitted
+        The row.
+    """
+    left = chi(best, ledger.whitening) + _NO_WORSE
+    plans: list[tuple[Fitted, list[Move]]] = []
+    for larger in best.hypothesis.at(best.x).effects:
+        about = ledger.rows.get(best.elements - {larger.effect})
+        if about is None:
+            continue
+        for name in larger.law.contains:
+            row = ledger.rows.get(about.elements | {name})
+            limit = larger.as_limit(name, best.hypothesis.setting.excitation)
+            if row is not None and limit is not None and chi(row, ledger.whitening) > left:
+                plans.append((about, [Move(Element(candidate=limit), np.inf)]))
+    return plans
+
+
 def _contained(element: Element) -> set[str]:
     return set() if element.candidate is None else set(element.candidate.law.contains)
 

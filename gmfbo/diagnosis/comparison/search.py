@@ -30,6 +30,7 @@ from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import (
     RowFits,
+    begun_as_larger,
     beyond_noise,
     chi,
     cost,
@@ -213,7 +214,7 @@ class Search:
     def _larger(
         self, ledger: Ledger, best: Fitted, found: Sequence[Response]
     ) -> list[tuple[Fitted, list[Move]]]:
-        """Laws in the place of a limit of theirs, where they gain beside it.
+        """Laws in the place of a limit of theirs, where they gain beside it, and limits of laws.
 
         Those that were fitted under other levels, and now leave more than their limit, count as
         not fitted.
@@ -232,7 +233,7 @@ class Search:
                     chosen.append(move)
             if chosen:
                 plans.append((about, chosen[:_LATER_FITS]))
-        return plans
+        return plans + begun_as_larger(ledger, best)
 
     def _as_fitted_alone(self, ledger: Ledger, move: Move) -> Move:
         """The move from where its effect alone fits best, where that is known."""

@@ -68,6 +68,24 @@ class Candidate:
         own = {p.name: usual[p.name] for p in self.law.own_nuisances}
         return replace(self, values={**own, **self.values})
 
+    def as_limit(self, name: str, excitation: Excitation) -> Candidate | None:
+        """Return a simpler effect at the values that this one has, None if some are lacking.
+
+        Parameters
+        ----------
+        name : str
+            The simpler effect, which this one holds.
+        excitation : Excitation
+            For what it has beside them.
+        """
+        same = self.law.as_limit
+        values = {same[p]: value for p, value in self.values.items() if p in same}
+        law = CATALOGUE[name]
+        values |= {p.name: self.values[p.name] for p in law.own_nuisances if p.name in self.values}
+        if not {p.name for p in law.parameters} <= values.keys():
+            return None
+        return Candidate(name, values).with_nuisances(excitation)
+
     def with_values(self, values: Mapping[str, float]) -> Candidate:
         """Return the same effect at other values."""
         return replace(self, values=dict(values))

@@ -9,6 +9,7 @@ from gmfbo.physics.excitation import Excitation
 # Blows return 16 % of the speed, or 85 %: a fit does not come from one to the other.
 _DEAD, _BOUNCING = 0.5, 0.05  # damping ratio of a contact
 _LEAST, _MOST = 0.005, 0.9  # the same
+_SMALL = 15.0  # units: gaps of machines
 
 
 def _unit(excitation: Excitation) -> float:
@@ -33,7 +34,8 @@ def _fixed(excitation: Excitation) -> Values:
 
 def _starts(excitation: Excitation) -> list[Values]:
     unit, inertia = _unit(excitation), excitation.shaft_inertia
-    grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2))
+    grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2), (50.0, 0.5), (150.0, 0.5))
+    most = 0.2 * excitation.stroke
     return [
         {
             "gap": gap * unit,
@@ -42,6 +44,7 @@ def _starts(excitation: Excitation) -> list[Values]:
         }
         for gap, share in grid
         for ratio in (_DEAD, _BOUNCING)
+        if gap <= _SMALL or gap * unit < most
     ]
 
 

@@ -1,8 +1,9 @@
-"""Ports of a twin that a recording drives, by signals such as `torque_disturbance`."""
+"""What drives the ports of a twin: a recording, or for the command a wire."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from gmfbo.errors import TwinFileError, did_you_mean
 from gmfbo.recordings.reference import disturbance_signal
@@ -46,3 +47,26 @@ def with_driven_ports(file: TwinFile, ports: Sequence[str], label: str) -> TwinF
         inputs = {name: entry for name, entry in inputs.items() if entry.variable != variable}
         inputs[disturbance_signal(port)] = InputEntry(variable=variable)
     return file.model_copy(update={"inputs": inputs})
+
+
+def twin_file_at(path: Path) -> TwinFile:
+    """Read a twin file; what drives a wired command port is the state `command` if it states none.
+
+    Physics at that port needs what the controller asks for. A current behind the port holds what
+    physics adds there: taken for the command, it would be answered again and again.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    TwinFileError
+        As `TwinFile.read`.
+    """
+    file = TwinFile.read(path)
+    source = file.wires.get(file.ports.get("command", ""))
+    if source is None or "command" in file.states:
+        return file
+    return file.model_copy(update={"states": {**file.states, "command": source}})

@@ -25,7 +25,7 @@ from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.binding.content_hash import content_hash
 from gmfbo.sources.binding.fixed_step import fixed_step_advice
 from gmfbo.sources.fmu_file.job import Outcome
-from gmfbo.sources.twin.driven_ports import with_driven_ports
+from gmfbo.sources.twin.driven_ports import twin_file_at, with_driven_ports
 from gmfbo.sources.twin.from_rest import run_from_rest
 from gmfbo.sources.twin.kept_workers import KeptWorkers
 from gmfbo.sources.twin.parameter_values import check_parameters, run_parameters, starts_as_recorded
@@ -102,7 +102,7 @@ class FmuTwin:
         if time_limit_s is not None and not time_limit_s > 0.0:
             raise InputError(f"time_limit_s: expected more than 0 s, got {time_limit_s}")
         self.driven_ports: tuple[str, ...] = tuple(driven_ports)
-        self.file: TwinFile = with_driven_ports(TwinFile.read(path), driven_ports, path.name)
+        self.file: TwinFile = with_driven_ports(twin_file_at(path), driven_ports, path.name)
         self.name: str = self.file.name
         self.step: float = step or self.file.step
         self._binding = bind(self.file, path.resolve().parent, path.name)

@@ -55,6 +55,25 @@ def respond(
     return run
 
 
+def test_what_drives_a_wired_command_port_is_the_command_where_none_is_stated(
+    tmp_path: Path,
+) -> None:
+    text = (models_folder() / "drive_split.toml").read_text(encoding="utf-8")
+    stated = 'command = "controller.torque_command"\n'
+    assert text.count(stated) == 1
+    for name in ("drive_controller.fmu", "drive_plant.fmu"):
+        text = text.replace(f'"{name}"', f'"{(models_folder() / name).as_posix()}"')
+    recording = asked(sway(), {"controller.ctl.Kp": 100.0, "controller.ctl.Kd": 6.0})
+    seen = []
+    for number, own in enumerate((text, text.replace(stated, ""))):
+        path = tmp_path / f"{number}.toml"
+        path.write_text(own, encoding="utf-8")
+        with AugmentedTwin(FmuTwin(path, isolated=False), isolated=False) as simulator:
+            seen.append(respond(simulator, recording, {"transport_delay.delay": 3e-3}))
+    for name, column in seen[0].held.items():
+        np.testing.assert_array_equal(seen[1].held[name], column)
+
+
 @pytest.mark.parametrize(
     ("model", "parameters"),
     [
