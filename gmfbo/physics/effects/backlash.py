@@ -34,7 +34,7 @@ def _fixed(excitation: Excitation) -> Values:
 
 def _starts(excitation: Excitation) -> list[Values]:
     unit, inertia = _unit(excitation), excitation.shaft_inertia
-    grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (6.0, 0.2), (50.0, 0.5), (150.0, 0.5))
+    grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (80.0, 0.5), (6.0, 0.2))
     most = 0.2 * excitation.stroke
     return [
         {
