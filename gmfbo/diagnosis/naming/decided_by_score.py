@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 _COMPARED, _TO_GO, _EACH = 0.85, 0.65, 0.85  # shares of a diagnosis, and of what is left by a line
 
 _NOTHING = "changes nothing in these recordings"
+_RUNS_AWAY = "the twin does not run to its end with it"
 
 
 def decide(
@@ -93,7 +94,10 @@ def decide(
         base=base,
         threshold=named_log_odds(),
         shown=tuple(seen),
-        like_parameters=_like_parameters(seen, {n for c in said for n in c.members}),
+        like_parameters={
+            **_like_parameters(seen, {n for c in said for n in c.members}),
+            **_running_away(compared),
+        },
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
@@ -325,6 +329,13 @@ def _notes_of(rounds: Sequence[Round], silent: Collection[str]) -> list[str]:
     if not unsure:
         return once
     return [*once, f"no recording reverses: one that does would make sure of {listed(unsure)}"]
+
+
+def _running_away(compared: Compared) -> dict[str, str]:
+    """Effects that compete and cannot be simulated at any of their starts."""
+    simulated = {response.element.name for response in compared.ledger.responses}
+    elements = [e for e in compared.search.elements if e.candidate is not None]
+    return {e.name: _RUNS_AWAY for e in elements if e.name not in simulated}
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:

@@ -136,7 +136,8 @@ class Decision:
     shown : tuple of Shown
         How well each effect at its start would have been seen.
     like_parameters : mapping of str to str
-        Effects that cannot be told, and why: mostly a parameter of the twin does the same.
+        Effects that cannot be told, and why: mostly a parameter of the twin does the same, or the
+        twin runs away with them.
     share : float or None
         Of what the refitted twin leaves beyond noise, explained; None where it leaves no more.
     unknown : Unknown or None
