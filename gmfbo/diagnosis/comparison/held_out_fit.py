@@ -48,7 +48,7 @@ class Part:
     fitted : Fitted
         The hypothesis there.
     modes : tuple of Fitted
-        Other values of it that these windows like, less than those or about as much.
+        Fits of it that began far from there and that these windows may like as much.
     """
 
     problem: Problem
@@ -57,13 +57,8 @@ class Part:
     modes: tuple[Fitted, ...] = ()
 
     def with_other_modes(self) -> Part:
-        """The same with other values that are found, the likeliest of all in front."""
-        modes = [self.fitted, *other_modes(self.problem, self.whitening, self.fitted)]
-        if len(modes) == 1:
-            return self
-        shares = shares_of(self.problem, self.whitening, modes)
-        best, *others = (modes[k] for k in np.argsort(-shares))
-        return replace(self, fitted=best, modes=tuple(others))
+        """The same with other values that are found; told are those that the search came to."""
+        return replace(self, modes=tuple(other_modes(self.problem, self.whitening, self.fitted)))
 
     def intervals(self) -> tuple[Array, Array, Array]:
         """Standard deviations and ends of 95 % intervals of the free quantities.
