@@ -13,6 +13,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import at_own_starts
 from gmfbo.diagnosis.comparison.evidence import (
     LEAST_STRETCHES,
+    Grams,
     grams,
     tilted_parabola,
     weightings,
@@ -82,7 +83,7 @@ class Part:
         inner = grams(self.problem, whitening, fitted)
         a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
         moved = self._moved_by_the_step(whitening, a)[:p]
-        low, high = self._within()
+        low, high = self._within(inner)
         limits = bounds_of(fitted.priors)
         half = 0.5 * (high - low)
         low = np.clip(low + np.minimum(moved, 0.0), limits[:, 0], limits[:, 1])
@@ -93,12 +94,15 @@ class Part:
         )
         return np.abs(slope) * half / 1.96, low_x, high_x
 
-    def _within(self) -> tuple[Array, Array]:
+    def _within(self, inner: Grams) -> tuple[Array, Array]:
         """Ends of 95 % of the mixture of all modes, in the coordinates of the priors."""
-        modes = [self.fitted, *self.modes]
-        halves = [_half_of(self.problem, self.whitening, mode) for mode in modes]
-        if len(modes) == 1:
+        halves = [_half_of(self.fitted, inner)]
+        if not self.modes:
             return self.fitted.u - halves[0], self.fitted.u + halves[0]
+        modes = [self.fitted, *self.modes]
+        for mode in self.modes:
+            whitening = mode.beside_own_parts(self.whitening)
+            halves.append(_half_of(mode, grams(self.problem, whitening, mode)))
         shares = shares_of(self.problem, self.whitening, modes)
         counts = np.round(shares * _DRAWN).astype(int)
         drawn = [
@@ -129,9 +133,8 @@ class Part:
         return np.asarray(2.0 * np.linalg.solve(curvature, slope), dtype=np.float64)
 
 
-def _half_of(problem: Problem, whitening: Whitening, fitted: Fitted) -> Array:
+def _half_of(fitted: Fitted, inner: Grams) -> Array:
     """Half widths of a fit's own intervals, in the coordinates of its priors, shape (p,)."""
-    inner = grams(problem, fitted.beside_own_parts(whitening), fitted)
     p = fitted.u.size
     a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]

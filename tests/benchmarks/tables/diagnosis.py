@@ -228,17 +228,14 @@ def worth_of_claims() -> str:
     """How many claims were right, by the probability that other machines give them."""
     rows = [
         [
-            _DRAW_OF[draw],
+            draw,
             f"{low:g} to {high:g}",
             str(count),
             f"{right}: {100 * right / count:.0f} %",
         ]
-        for draw in _DRAW_OF
+        for draw, key in _DRAWS.items()
         for low, high, right, count in worth.by_probability(
-            _stated(draw), worth.of_other_machines(_stated(draw))
+            _stated(key), worth.of_other_machines(_stated(key))
         )
     ]
     return table(["draw", "told", "claims", "right"], rows)
-
-
-_DRAW_OF = {key: name for name, key in _DRAWS.items()}

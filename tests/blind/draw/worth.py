@@ -141,13 +141,12 @@ def recalibrated(stated: Sequence[Stated], half: int) -> dict[str, tuple[str, ..
         "by the line in force": _told(_in_force(stated), stated),
     }
     if first and second:
-        halves = list(expit(_columns(second) @ line_of(first)))
-        told[f"from case {half} on, by those before"] = _told(halves, second)
+        told[f"from case {half} on, by those before"] = by_line_of(first, second)
     return told
 
 
 def by_line_of(fitted_to: Sequence[Stated], stated: Sequence[Stated]) -> tuple[str, ...]:
-    """The same of claims by the line of others."""
+    """The same cells, of claims by the line that others tell."""
     return _told(list(expit(_columns(stated) @ line_of(fitted_to))), stated)
 
 
