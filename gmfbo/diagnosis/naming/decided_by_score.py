@@ -94,10 +94,7 @@ def decide(
         base=base,
         threshold=named_log_odds(),
         shown=tuple(seen),
-        like_parameters={
-            **_like_parameters(seen, {n for c in said for n in c.members}),
-            **_running_away(compared),
-        },
+        untestable=_untestable(compared, seen, {n for c in said for n in c.members}),
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
@@ -329,6 +326,11 @@ def _notes_of(rounds: Sequence[Round], silent: Collection[str]) -> list[str]:
     if not unsure:
         return once
     return [*once, f"no recording reverses: one that does would make sure of {listed(unsure)}"]
+
+
+def _untestable(compared: Compared, seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:
+    """Effects about which these recordings tell nothing, and why."""
+    return {**_like_parameters(seen, said), **_running_away(compared)}
 
 
 def _running_away(compared: Compared) -> dict[str, str]:

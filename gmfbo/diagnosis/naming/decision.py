@@ -135,7 +135,7 @@ class Decision:
         [nats] Log odds of what is believed at 0.95.
     shown : tuple of Shown
         How well each effect at its start would have been seen.
-    like_parameters : mapping of str to str
+    untestable : mapping of str to str
         Effects that cannot be told, and why: mostly a parameter of the twin does the same, or the
         twin runs away with them.
     share : float or None
@@ -155,7 +155,7 @@ class Decision:
     base: Row
     threshold: float
     shown: tuple[Shown, ...]
-    like_parameters: Mapping[str, str]
+    untestable: Mapping[str, str]
     share: float | None
     compared: Compared
     unknown: Unknown | None = None

@@ -185,8 +185,8 @@ def not_testable(reasons: Mapping[str, str], decision: Decision) -> tuple[NotTes
             continue
         if name in reasons:
             entries.append(NotTestable(name, reasons[name]))
-        elif name in decision.like_parameters:
-            entries.append(NotTestable(name, decision.like_parameters[name]))
+        elif name in decision.untestable:
+            entries.append(NotTestable(name, decision.untestable[name]))
     return tuple(entries)
 
 

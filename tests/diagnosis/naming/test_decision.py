@@ -55,7 +55,7 @@ def test_where_nothing_is_missing_nothing_is_named(seed: int) -> None:
     assert decision.freed == {}
     assert decision.notes == ()
     assert decision.model.hypothesis.effects == ()
-    assert decision.like_parameters == {"viscous_friction": "is parameter viscous"}
+    assert decision.untestable == {"viscous_friction": "is parameter viscous"}
 
 
 def test_coulomb_friction_is_named_at_its_level_and_not_once_more_by_a_larger_law() -> None:

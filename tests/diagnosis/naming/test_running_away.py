@@ -44,7 +44,7 @@ def reasons(folder: Path, state: str) -> dict[str, str]:
         {}, [multisine], seconds=1.0, twin=twin
     )
     with closing((case := open_small(twin, made)).simulations):
-        return dict(decided(case, ["transport_delay", "coulomb_friction"]).like_parameters)
+        return dict(decided(case, ["transport_delay", "coulomb_friction"]).untestable)
 
 
 def test_a_delay_of_a_command_that_holds_what_it_adds_is_not_testable(tmp_path: Path) -> None:
