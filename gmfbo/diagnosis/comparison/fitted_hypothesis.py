@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
-from gmfbo.diagnosis.comparison.priors import Prior, own_values, values_at
+from gmfbo.diagnosis.comparison.priors import Prior, coordinates_of, own_values, values_at
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.runs.simulated import Simulated
@@ -84,6 +84,12 @@ class Fitted:
     def own_values(self) -> list[dict[str, float]]:
         """By recording, the values of quantities that have own parts."""
         return own_values(self.priors, self.hypothesis.names, self.u, self.own)
+
+    def aside(self) -> Fitted:
+        """The same with its quantities a usual difference step away; nothing is simulated."""
+        sizes = self.hypothesis.moved_by({}).difference_sizes(self.x)
+        u = coordinates_of(self.priors, self.x + sizes)
+        return replace(self, hypothesis=self.hypothesis.at(values_at(self.priors, u)), u=u)
 
     def own_of(self, names: Sequence[str]) -> Array:
         """Own parts of quantities by name, shape (n_recordings, n_names); 0 of others."""

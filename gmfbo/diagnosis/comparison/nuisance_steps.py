@@ -2,23 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 
+Array = NDArray[np.float64]
+
 _POLISHED = 6  # steps at most
 LONGEST_STEP = 1.0
 """[1] Of a logarithm, or a filter's coordinate, in one iteration."""
 
 
+class WhiteResiduals:
+    """Whitened residuals; the last one is kept, since a cost and then its slope ask for it.
+
+    Parameters
+    ----------
+    whitening : Whitening
+        By noise.
+    """
+
+    def __init__(self, whitening: Whitening) -> None:
+        self._whitening = whitening
+        self._last: tuple[Sequence[Array], list[Array]] = ((), [])
+
+    def of(self, at: Fitted) -> list[Array]:
+        """Of a fit, by segment, shape (m, n)."""
+        if at.residual is not self._last[0]:
+            self._last = at.residual, self._whitening(at.residual)
+        return self._last[1]
+
+    def square(self, at: Fitted) -> float:
+        """Sum of their squares."""
+        return sum(float(np.sum(z**2)) for z in self.of(at))
+
+
 def polished(
-    problem: Problem, whitening: Whitening, at: Fitted, cost_of: Callable[[Fitted], float]
+    problem: Problem,
+    whites: WhiteResiduals,
+    columns: Sequence[Array],
+    at: Fitted,
+    cost_of: Callable[[Fitted], float],
 ) -> Fitted:
     """Let the nuisances follow a fit, which asks for no simulation.
 
@@ -26,26 +57,26 @@ def polished(
     ----------
     problem : Problem
         Recordings.
-    whitening : Whitening
+    whites : WhiteResiduals
         Under which they are fitted.
+    columns : sequence of ndarray, shape (q, m, n)
+        Whitened change of each segment per standard deviation of each nuisance, at the fit or near
+        it: steps by them end where those by their own columns do, and ask for far less.
     at : Fitted
         With other values of its free quantities.
     cost_of : callable (Fitted) -> float
         [nats]
     """
     one_sided = problem.logging.one_sided
+    longest = np.where(one_sided, LONGEST_STEP, np.inf)
+    flat = [j.reshape(j.shape[0], -1) for j in columns]
+    a = np.eye(at.nuisances.size) + sum(j @ j.T for j in flat)
     cost = cost_of(at)
     for _ in range(_POLISHED):
-        a, g = np.eye(at.nuisances.size), -at.nuisances
-        own = problem.nuisance_columns(at.values, at.nuisances)
-        for z, j in zip(whitening(at.residual), whitening(own), strict=True):
-            flat = j.reshape(j.shape[0], -1)
-            a = a + flat @ flat.T
-            g = g + flat @ z.ravel()
+        g = sum(j @ z.ravel() for j, z in zip(flat, whites.of(at), strict=True)) - at.nuisances
         free = ~(at.at_zero & (g < 0.0))
         step = np.zeros(g.size)
         step[free] = np.linalg.solve(a[np.ix_(free, free)], g[free])
-        longest = np.where(one_sided, LONGEST_STEP, np.inf)
         nuisances = at.nuisances + np.clip(step, -longest, longest)
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
         residual = problem.residual(at.values, nuisances)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
-from gmfbo.diagnosis.comparison.nuisance_steps import LONGEST_STEP, polished
+from gmfbo.diagnosis.comparison.nuisance_steps import LONGEST_STEP, WhiteResiduals, polished
 from gmfbo.diagnosis.comparison.numbers import (
     AT_THE_END,
     FAR_BEHIND,
@@ -29,6 +29,7 @@ from gmfbo.diagnosis.comparison.own_parts import (
 from gmfbo.diagnosis.comparison.priors import (
     bounds_of,
     coordinates_of,
+    inside,
     own_values,
     priors_of,
     values_at,
@@ -79,10 +80,9 @@ class ModeSearch:
         self._problem, self._whitening = problem, whitening
         self._hypothesis, self._freed, self._heard = hypothesis, tuple(freed), heard
         self._priors = priors_of(hypothesis, freed)
-        self._known: list[Array] | None = None
-        self._normals: tuple[Array, Array] | None = None
-        spreads = [whitening.spreads.get(name, 0.0) for name in hypothesis.names]
-        self._spread = np.array(spreads, dtype=float)
+        self._normals: tuple[list[Array], Array, Array] | None = None
+        self._whites, self._nuisance_columns = WhiteResiduals(whitening), list[Array]()
+        self._spread = np.array([whitening.spreads.get(n, 0.0) for n in hypothesis.names], float)
         self._places = np.flatnonzero(self._spread)
         self._parts: Eliminated | None = None
         self._judged_once: set[str] = set()  # quantities
@@ -120,7 +120,10 @@ class ModeSearch:
         self, parameters: dict[str, float], nuisances: Array | None, near: Fitted | None
     ) -> Fitted | None:
         """Where a search with these arguments of `fitted` begins, without columns."""
-        return self._at(self._inside(self._start(parameters)), nuisances, self._own_near(near))
+        start = inside(
+            self._priors, coordinates_of(self._priors, self._hypothesis.start(parameters))
+        )
+        return self._at(start, nuisances, self._own_near(near))
 
     def fitted_from(
         self, at: Fitted, iterations: int = 10, settled: float = SETTLED, rival: float = np.inf
@@ -206,7 +209,7 @@ class ModeSearch:
         if self._is_shuffled:
             return at, columns
         sizes = np.sqrt(np.diag(self._normal(at, columns)[0])[: at.u.size])
-        shown = zip(usual.names, usual.bent, np.abs(self._widths(at)) * sizes, strict=True)
+        shown = zip(usual.names, usual.bent, np.abs(self._aside(at) - at.u) * sizes, strict=True)
         large = {n: float(s) for n, bends, s in shown if bends and s > MUCH_SHOWN}
         fresh = {n: s for n, s in large.items() if n not in self._judged_once}
         self._judged_once |= large.keys()
@@ -236,14 +239,6 @@ class ModeSearch:
         if row is None or len(row.own) != count:
             return np.zeros((count, self._spread.size))
         return np.where(self._spread > 0.0, row.own_of(self._hypothesis.names), 0.0)
-
-    def _start(self, parameters: dict[str, float]) -> Array:
-        return coordinates_of(self._priors, self._hypothesis.start(parameters))
-
-    def _inside(self, u: Array) -> Array:
-        ends = bounds_of(self._priors)
-        margin = 1e-6 * (ends[:, 1] - ends[:, 0])
-        return np.clip(u, ends[:, 0] + margin, ends[:, 1] - margin)
 
     def _own_values(self, u: Array, own: Array) -> list[dict[str, float]]:
         return own_values(self._priors, self._hypothesis.names, u, own)
@@ -289,7 +284,7 @@ class ModeSearch:
     def cost(self, at: Fitted) -> float:
         """[nats] Negative log density of the recordings and the values."""
         own = at.own[:, self._places] / self._spread[self._places]
-        return 0.5 * (self._whitening.square(at.residual) + float(np.sum(own**2))) - at.log_prior
+        return 0.5 * (self._whites.square(at) + float(np.sum(own**2))) - at.log_prior
 
     def _with_clear_steps(self, at: Fitted) -> Fitted:
         """The same, with difference steps that an encoder's counts in the twin do not drown."""
@@ -305,18 +300,19 @@ class ModeSearch:
 
     def _judged(self, at: Fitted) -> Judge:
         def judged(moves: Array) -> list[float | None]:
-            u = [coordinates_of(self._priors, at.x + move) for move in moves]
+            there = [(move, coordinates_of(self._priors, at.x + move)) for move in moves]
+            u = [np.where(move != 0.0, v, at.u) for move, v in there]
             played = self._problem.simulations.run([self._point(v, at.own) for v in u])
             seen = [self._problem.values(r) if all(q.finite for q in r) else None for r in played]
             return bent_shares(seen, self._whitening.square)
 
         return judged
 
-    def _widths(self, at: Fitted) -> Array:
-        """Difference step of each free quantity in its coordinate, shape (p,)."""
+    def _aside(self, at: Fitted) -> Array:
+        """Coordinate of each free quantity after its difference step, shape (p,)."""
         sizes = self._hypothesis.difference_sizes(at.x)
         back = [p.logarithmic and v <= 0.0 for p, v in zip(self._priors, at.x + sizes, strict=True)]
-        return coordinates_of(self._priors, at.x + np.where(back, -sizes, sizes)) - at.u
+        return coordinates_of(self._priors, at.x + np.where(back, -sizes, sizes))
 
     def _columns(self, at: Fitted) -> list[Array]:
         """Differences: those of laws that meet noise about its point, all others without it.
@@ -324,7 +320,8 @@ class ModeSearch:
         About that point the former are exact. Far from it they lack what the law makes there
         without noise, and a search takes more steps.
         """
-        problem, widths = self._problem, self._widths(at)
+        problem, aside = self._problem, self._aside(at)
+        widths = aside - at.u
         moves, hears = [], [False] * widths.size
         still, noisy = at.values, at.values
         if self._heard is not None:
@@ -333,7 +330,7 @@ class ModeSearch:
             if all(run.finite for run in about[1]):
                 hears = self._hypothesis.bent
         for i, hears_it in enumerate(hears):
-            u = at.u + np.where(np.arange(widths.size) == i, widths, 0.0)
+            u = np.where(np.arange(widths.size) == i, aside, at.u)
             moves.append(self._noisy(u, at.own) if hears_it else self._point(u, at.own))
         found = []
         played = problem.simulations.run(moves)
@@ -360,7 +357,7 @@ class ModeSearch:
         free[:p] &= ~((at.u >= ends[:, 1] - near) & (g[:p] > 0.0))
         free[p:] &= ~(at.at_zero & (g[p:] < 0.0))
         lowest, highest = np.full((2, g.size), np.inf) * [[-1.0], [1.0]]
-        lowest[:p], highest[:p] = (self._inside(end) - at.u for end in ends.T)
+        lowest[:p], highest[:p] = (inside(self._priors, end) - at.u for end in ends.T)
         lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
         bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
         lowest = np.where(bent, np.maximum(lowest, -LONGEST_STEP), lowest)
@@ -373,21 +370,23 @@ class ModeSearch:
         return step, gain
 
     def _normal(self, at: Fitted, columns: list[Array]) -> tuple[Array, Array]:
-        if self._normals is None or self._known is not columns:
-            a, g = np.diag(at.curvatures), -at.slopes
+        if self._normals is None or self._normals[0] is not columns:
+            a, g, p = np.diag(at.curvatures), -at.slopes, at.u.size
             if self._places.size:
+                self._nuisance_columns = self._whitening([c[p:] for c in columns])
                 there = self._ended(at, columns, False)
                 inner = by_recording(self._problem, grams(self._problem, self._whitening, there))
                 self._parts = eliminated(*inner, self._places, self._spread[self._places])
                 a, g = a + self._parts.matrix, g + self._parts.product
             else:
-                white = zip(self._whitening(at.residual), self._whitening(columns), strict=True)
-                for z, j in white:
+                white = self._whitening(columns)
+                self._nuisance_columns = [j[p:] for j in white]
+                for z, j in zip(self._whites.of(at), white, strict=True):
                     flat = j.reshape(j.shape[0], -1)
                     a += flat @ flat.T
                     g += flat @ z.ravel()
-            self._known, self._normals = columns, (a, g)
-        return self._normals
+            self._normals = columns, a, g
+        return self._normals[1:]
 
     def _moved(self, at: Fitted, step: Array, damping: float) -> Fitted | None:
         p, own, one_sided = at.u.size, at.own.copy(), self._problem.logging.one_sided
@@ -395,5 +394,7 @@ class ModeSearch:
             own[:, self._places] = self._parts.moved(own[:, self._places], step, damping)
         nuisances = at.nuisances + step[p:]
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
-        moved = self._at(self._inside(at.u + step[:p]), nuisances, own)
-        return None if moved is None else polished(self._problem, self._whitening, moved, self.cost)
+        moved = self._at(inside(self._priors, at.u + step[:p]), nuisances, own)
+        if moved is None:
+            return None
+        return polished(self._problem, self._whites, self._nuisance_columns, moved, self.cost)

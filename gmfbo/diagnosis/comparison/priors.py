@@ -92,6 +92,13 @@ def bounds_of(priors: Sequence[Prior]) -> Array:
     return np.array([p.bounds for p in priors]).reshape(-1, 2)
 
 
+def inside(priors: Sequence[Prior], u: Array) -> Array:
+    """Coordinates moved strictly between their ends, shape (p,)."""
+    ends = bounds_of(priors)
+    margin = 1e-6 * (ends[:, 1] - ends[:, 0])
+    return np.clip(u, ends[:, 0] + margin, ends[:, 1] - margin)
+
+
 def coordinates_of(priors: Sequence[Prior], values: Array) -> Array:
     """Coordinates of values, shape (p,)."""
     return np.array([p.to_u(float(v)) for p, v in zip(priors, values, strict=True)])

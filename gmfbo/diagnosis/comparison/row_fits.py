@@ -57,11 +57,14 @@ class RowFits:
             self._steps = {**row.hypothesis.setting.difference_steps, **self._steps}
 
     def _search(
-        self, whitening: Whitening, hypothesis: Hypothesis, freed: Sequence[str]
+        self,
+        whitening: Whitening,
+        hypothesis: Hypothesis,
+        freed: Sequence[str],
+        known: Mapping[str, float] | None = None,
     ) -> ModeSearch:
-        setting = hypothesis.setting
-        steps = {**self._steps, **setting.difference_steps}
-        hypothesis = replace(hypothesis, setting=replace(setting, difference_steps=steps))
+        steps = {**self._steps, **hypothesis.setting.difference_steps, **(known or {})}
+        hypothesis = hypothesis.moved_by(steps)
         noise = self._noise_of(elements_of(hypothesis, freed))
         return ModeSearch(self._problem, whitening, hypothesis, freed, noise)
 
@@ -214,11 +217,15 @@ class RowFits:
             start = tried.start(about.parameters)
             at = search.begun(start, about.nuisances, about)
             if at is not None:
-                starts.append((search.cost(at), search, at))
-        for _, search, at in sorted(starts, key=lambda one: one[0]):
+                starts.append((search.cost(at), at))
+        known: Mapping[str, float] = {}
+        for _, at in sorted(starts, key=lambda one: one[0]):
+            # How far a quantity has to be moved is much the same at each start.
+            search = self._search(whitening, at.hypothesis, freed, known)
             found = search.fitted_from(at, rival=self._rival)
             if chi(found, whitening) <= before + _NO_WORSE:
                 return found
+            known = found.hypothesis.setting.difference_steps
         return None
 
 

@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len
 
 from gmfbo.diagnosis.comparison.noise.places import Levels, covariance
-from gmfbo.diagnosis.comparison.noise.unseen_rows import UnseenRows, mixed
+from gmfbo.diagnosis.comparison.noise.unseen_rows import Mixing, UnseenRows
 from gmfbo.diagnosis.comparison.numbers import NOISE_FREEDOM
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.segments import Segment
 
 Array = NDArray[np.float64]
-Spectrum = NDArray[np.complex128]
 
 _UNSEEN_ROWS = 200  # at least, between the end of a segment and its start
 _MASKED_ROWS = 20  # at each end, where a filter sees beyond it
@@ -73,8 +72,8 @@ class SegmentWhitener:
 
     Attributes
     ----------
-    filters : tuple of ndarray, shape (n_frequencies, m, m)
-        Inverse Cholesky factors of the covariance, lower triangular.
+    filters : tuple of Mixing
+        By the inverse Cholesky factors of the covariance.
     log_determinants : ndarray, shape (n,)
         Of the covariance, a row.
     classes : ndarray of int, shape (n,)
@@ -91,7 +90,7 @@ class SegmentWhitener:
         Of what a fit's own parts make, taken out last.
     """
 
-    filters: tuple[Spectrum, ...]
+    filters: tuple[Mixing, ...]
     log_determinants: Array
     classes: NDArray[np.intp]
     length: int
@@ -194,12 +193,10 @@ class SegmentWhitener:
         n = columns.shape[-1]
         spectrum = self.unseen.whole(columns)
         first, *others = self.filters
-        out: Array = irfft(mixed(first, spectrum), self.length, axis=-1)[..., :n]
+        out: Array = irfft(first(spectrum), self.length, axis=-1)[..., :n]
         for c, factor in enumerate(others, 1):
             rows = self.classes == c
-            out[..., rows] = irfft(mixed(factor, spectrum), self.length, axis=-1)[..., :n][
-                ..., rows
-            ]
+            out[..., rows] = irfft(factor(spectrum), self.length, axis=-1)[..., :n][..., rows]
         out[..., :_MASKED_ROWS] = 0.0
         out[..., n - _MASKED_ROWS :] = 0.0
         return out
@@ -242,7 +239,7 @@ def segment_whitener(
         classes = np.digitize(shown / shown.max(), 4.0 ** np.arange(-7.0, 0.0))
     else:
         classes = np.zeros(n, dtype=np.intp)
-    filters: list[Spectrum] = []
+    filters: list[Mixing] = []
     logs = np.zeros(n)
     weights = np.full(frequencies.size, 2.0)
     weights[0] = 1.0
@@ -253,7 +250,7 @@ def segment_whitener(
         rows = classes == number
         s = covariance(levels, kernels, segment.names, frequencies, squares[:, rows].mean(1))
         factor = np.linalg.cholesky(s)
-        filters.append(np.linalg.inv(factor).astype(np.complex128))
+        filters.append(Mixing.by(np.linalg.inv(factor).astype(np.complex128)))
         log = 2.0 * np.log(np.einsum("fii->fi", factor).real).sum(1)
         logs[rows] = float(weights @ log) / length
     logs[:_MASKED_ROWS] = 0.0

@@ -82,9 +82,9 @@ def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypoth
     if not steps:
         return hypothesis
     least = _roughness(hypothesis, x, steps, judged)
-    rough = [name for name, seen in least.items() if seen > _SMOOTH]
-    for step in _WIDER if rough else ():
-        seen = _roughness(hypothesis, x, dict.fromkeys(rough, step), judged)
+    for step in _WIDER:
+        rough = [name for name, seen in least.items() if seen > _SMOOTH]
+        seen = _roughness(hypothesis, x, dict.fromkeys(rough, step), judged) if rough else {}
         better = {name for name in seen if seen[name] < least[name]}
         steps |= dict.fromkeys(better, step)
         least |= {name: seen[name] for name in better}

@@ -173,6 +173,10 @@ class Hypothesis:
         """Size of each free parameter, or its typical one where that is larger, shape (n,)."""
         return np.maximum(np.abs(x), self.scales)
 
+    def moved_by(self, steps: Mapping[str, float]) -> Hypothesis:
+        """The same with other difference steps, as shares of the quantities' scales."""
+        return replace(self, setting=replace(self.setting, difference_steps=steps))
+
     def difference_sizes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Finite-difference step of each free parameter, shape (n,)."""
         low, high = self.bounds

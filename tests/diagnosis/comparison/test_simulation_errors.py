@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.comparison.noise.unseen_rows import UnseenRows
+from gmfbo.diagnosis.comparison.noise.unseen_rows import Mixing, UnseenRows
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.comparison.row_fits import log_likelihood
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
@@ -34,7 +34,9 @@ def white() -> SegmentWhitener:
     length = ROWS + 40
     plain = np.eye(2, dtype=complex)[None].repeat(length // 2 + 1, axis=0)
     nothing, unseen = np.zeros(ROWS), UnseenRows.of(plain, length, ROWS)
-    return SegmentWhitener((plain,), nothing, np.zeros(ROWS, dtype=np.intp), length, unseen)
+    return SegmentWhitener(
+        (Mixing.by(plain),), nothing, np.zeros(ROWS, dtype=np.intp), length, unseen
+    )
 
 
 def test_the_density_beside_errors_is_that_of_the_dense_covariance() -> None:

@@ -18,13 +18,49 @@ Spectrum = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
+class Mixing:
+    """A matrix at each frequency, to multiply the spectra of m signals by.
+
+    Entries that are zero at all frequencies are left out; with the few signals that there are,
+    einsum takes three times as long.
+
+    Attributes
+    ----------
+    rows : tuple of tuple of (int, ndarray), length m
+        By signal that is made: which signals enter, each with its factor, shape (n_frequencies,).
+    """
+
+    rows: tuple[tuple[tuple[int, Spectrum], ...], ...]
+
+    @classmethod
+    def by(cls, matrices: Spectrum) -> Mixing:
+        """Prepare for matrices, shape (n_frequencies, m, m)."""
+        return cls(
+            tuple(
+                tuple((int(j), row[:, j].copy()) for j in np.flatnonzero(row.any(axis=0)))
+                for row in np.moveaxis(matrices, 1, 0)
+            )
+        )
+
+    def __call__(self, spectra: Spectrum) -> Spectrum:
+        """The product, shape (..., m, n_frequencies) like the spectra."""
+        out = np.empty_like(spectra)
+        for i, ((first, factor), *others) in enumerate(self.rows):
+            row = factor * spectra[..., first, :]
+            for j, other in others:
+                row += other * spectra[..., j, :]
+            out[..., i, :] = row
+        return out
+
+
+@dataclass(frozen=True, eq=False)
 class UnseenRows:
     """The rows of a periodic process that were not seen, from those that were.
 
     Attributes
     ----------
-    precision : ndarray, shape (n_frequencies, m, m)
-        Inverse covariance of the m signals at each frequency.
+    precision : Mixing
+        By the inverse covariance of the m signals at each frequency.
     length : int
         [rows] Of the period.
     seen : int
@@ -33,7 +69,7 @@ class UnseenRows:
         Cholesky factor of the precision of the others, as SciPy has it.
     """
 
-    precision: Spectrum
+    precision: Mixing
     length: int
     seen: int
     factor: tuple[Array, bool]
@@ -56,7 +92,8 @@ class UnseenRows:
         lagged = irfft(precision, length, axis=0)
         apart = (np.arange(rows)[:, None] - np.arange(rows)) % length
         own = lagged[apart].transpose(2, 0, 3, 1).reshape(m * rows, m * rows)
-        return cls(precision, length, seen, cho_factor(0.5 * (own + own.T), lower=True))
+        factor = cho_factor(0.5 * (own + own.T), lower=True)
+        return cls(Mixing.by(precision), length, seen, factor)
 
     def whole(self, columns: Array) -> Spectrum:
         """Spectra of signals with their unseen rows at the conditional mean.
@@ -73,25 +110,11 @@ class UnseenRows:
         ndarray, shape (..., m, n_frequencies)
         """
         spectrum = rfft(columns, self.length, axis=-1)
-        beyond = irfft(mixed(self.precision, spectrum), self.length, axis=-1)[..., self.seen :]
+        beyond = irfft(self.precision(spectrum), self.length, axis=-1)[..., self.seen :]
         flat = beyond.reshape(-1, beyond.shape[-2] * beyond.shape[-1])
         made = np.zeros((*columns.shape[:-1], self.length))
-        made[..., self.seen :] = -cho_solve(self.factor, flat.T).T.reshape(beyond.shape)
+        made[..., self.seen :] = -cho_solve(self.factor, flat.T, check_finite=False).T.reshape(
+            beyond.shape
+        )
         both: Spectrum = spectrum + rfft(made, axis=-1)
         return both
-
-
-def mixed(matrices: Spectrum, spectra: Spectrum) -> Spectrum:
-    """A matrix of each frequency, (n, m, m), times the spectra of signals, (..., m, n).
-
-    Row by row, without entries that are zero at all frequencies: with the few signals that there
-    are, einsum takes three times as long.
-    """
-    out = np.empty_like(spectra)
-    for i in range(spectra.shape[-2]):
-        first, *others = np.flatnonzero(matrices[:, i].any(axis=0))
-        row = matrices[:, i, first] * spectra[..., first, :]
-        for j in others:
-            row += matrices[:, i, j] * spectra[..., j, :]
-        out[..., i, :] = row
-    return out
