@@ -20,10 +20,10 @@ from gmfbo.diagnosis.comparison.evidence import (
 )
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger
+from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END
 from gmfbo.diagnosis.comparison.opened_comparison import held_at_rest, kernels_of, problem_on
 from gmfbo.diagnosis.comparison.own_parts import beside_own_parts_on
-from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import bounds_of, values_at
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.search import Search

@@ -12,9 +12,9 @@ import numpy as np
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted, elements_of
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.ledger import Ledger
+from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.moves import Element, Move
 from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SAME
-from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening

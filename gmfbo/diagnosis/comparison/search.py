@@ -18,6 +18,7 @@ from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
 from gmfbo.diagnosis.comparison.hearing.sensed_noise import heard_about
 from gmfbo.diagnosis.comparison.inadequacy import BesideInadequacy, with_inadequacy
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
+from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
 from gmfbo.diagnosis.comparison.numbers import (
     FIXED_SHARE,
@@ -26,7 +27,6 @@ from gmfbo.diagnosis.comparison.numbers import (
     SAME,
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
-from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import (
     RowFits,

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.row_fits import RowFits, begun_as_larger, chi
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from tests.diagnosis.short_recordings import SERVO, moves, open_small

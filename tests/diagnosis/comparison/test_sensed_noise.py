@@ -13,8 +13,8 @@ from gmfbo import FmuTwin
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.hearing.sensed_noise import UnheardNoise, sensed_noise
+from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.unknown.kinds import kinds
 from gmfbo.diagnosis.runs.simulated import PlayedNoise
 from tests.diagnosis.noise.planted_noise import Planted, opened, planted, servo_without_sensor

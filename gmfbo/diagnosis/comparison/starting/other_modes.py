@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.numbers import FAR_BEHIND, MOST, SAME
-from gmfbo.diagnosis.comparison.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 

@@ -12,7 +12,7 @@ from scipy.special import logsumexp
 
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
-from gmfbo.diagnosis.comparison.nuisance_steps import LONGEST_STEP
+from gmfbo.diagnosis.comparison.modes.nuisance_steps import LONGEST_STEP
 from gmfbo.diagnosis.comparison.own_parts import without_own_parts
 from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.heard_noise import HeardNoise
-from gmfbo.diagnosis.comparison.nuisance_steps import LONGEST_STEP, WhiteResiduals, polished
+from gmfbo.diagnosis.comparison.modes.nuisance_steps import LONGEST_STEP, WhiteResiduals, polished
+from gmfbo.diagnosis.comparison.modes.trial_points import TrialPoints
 from gmfbo.diagnosis.comparison.numbers import (
     AT_THE_END,
     FAR_BEHIND,
@@ -28,28 +29,29 @@ from gmfbo.diagnosis.comparison.own_parts import (
 )
 from gmfbo.diagnosis.comparison.priors import (
     bounds_of,
-    coordinates_of,
     inside,
-    own_values,
-    priors_of,
-    values_at,
 )
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.bounded_step import bounded_step
 from gmfbo.diagnosis.fitting.difference_steps import (
     MUCH_SHOWN,
-    Judge,
-    bent_shares,
-    with_finer_steps,
-    with_judged_steps,
 )
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.runs.simulated import Point
 
 Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
+_FORETOLD = 0.5  # of what a step promised, from which on its columns are kept
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """Change of all coordinates, the gain that the quadratic promises [nats], and its damping."""
+
+    change: Array
+    gain: float
+    damping: float
 
 
 class ModeSearch:
@@ -77,9 +79,8 @@ class ModeSearch:
         freed: Sequence[str] = (),
         heard: HeardNoise | None = None,
     ) -> None:
-        self._problem, self._whitening = problem, whitening
-        self._hypothesis, self._freed, self._heard = hypothesis, tuple(freed), heard
-        self._priors = priors_of(hypothesis, freed)
+        self._problem, self._whitening, self._heard = problem, whitening, heard
+        self._points = TrialPoints(problem, hypothesis, freed, heard)
         self._normals: tuple[list[Array], Array, Array] | None = None
         self._whites, self._nuisance_columns = WhiteResiduals(whitening), list[Array]()
         self._spread = np.array([whitening.spreads.get(n, 0.0) for n in hypothesis.names], float)
@@ -120,17 +121,15 @@ class ModeSearch:
         self, parameters: dict[str, float], nuisances: Array | None, near: Fitted | None
     ) -> Fitted | None:
         """Where a search with these arguments of `fitted` begins, without columns."""
-        start = inside(
-            self._priors, coordinates_of(self._priors, self._hypothesis.start(parameters))
-        )
-        return self._at(start, nuisances, self._own_near(near))
+        start = self._points.start(parameters)
+        return self._points.at(start, nuisances, self._own_near(near))
 
     def fitted_from(
         self, at: Fitted, iterations: int = 10, settled: float = SETTLED, rival: float = np.inf
     ) -> Fitted:
         """Search from there, with the other arguments of `fitted`."""
-        at = self._with_clear_steps(at)
-        return self._searched(at, self._columns(at), iterations, settled, rival)
+        at = self._points.with_clear_steps(at, self._whitening.square)
+        return self._searched(at, self._points.columns(at), iterations, settled, rival)
 
     def again(
         self, row: Fitted, iterations: int = 10, settled: float = SETTLED, rival: float = np.inf
@@ -159,74 +158,89 @@ class ModeSearch:
             residual = without_own_parts(self._problem, row.residual, row.columns, -own)
             there = replace(row, residual=residual)
             return self._searched(there, row.columns, iterations, settled, rival)
-        at = self._at(row.u, row.nuisances, own)
+        at = self._points.at(row.u, row.nuisances, own)
         if at is None:
             return replace(row, converged=False)
         change = [a - b for a, b in zip(at.values, row.values, strict=True)]
         if self._whitening.square(change) < SAME:
             return self._searched(at, row.columns, iterations, settled, rival)
-        return self._searched(at, self._columns(at), iterations, settled, rival)
+        return self._searched(at, self._points.columns(at), iterations, settled, rival)
 
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping, cost = _DAMPING, self.cost(at)
-        for _ in range(iterations):
+        damping, cost, is_fresh = _DAMPING, self.cost(at), True
+        while iterations > 0:
             at, columns = self._with_finer_steps(at, columns)
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
             if cost - HOPED_STEPS * promised > rival + FAR_BEHIND:
                 return self._ended(at, columns, False)
-            if promised < settled:
-                return self._ended(at, columns, True)
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
-            moved, missed, alike = self._moved(at, step, damping), np.inf, False
-            after = np.inf if moved is None else self.cost(moved)
-            while after >= cost and damping < _MOST_DAMPING:
-                before, missed = missed, gain + after - cost
-                once, alike = alike, bool(missed > MOST * before)
-                step, gain, damping = self._shorter(at, columns, gain, damping)
-                # Where a cost is smooth a shorter step misses less. Friction makes it rough.
-                if gain < settled or (once and alike):
+            lower = None
+            if promised >= settled:
+                lower = self._lower(at, columns, _Step(step, gain, damping), cost, settled)
+            if lower is None:
+                if is_fresh:
                     return self._ended(at, columns, promised < FAR_BEHIND)
-                moved = self._moved(at, step, damping)
-                after = np.inf if moved is None else self.cost(moved)
-            if moved is None or after >= cost:
-                break
-            fall, cost = cost - after, after
-            at, damping = moved, max(0.1 * damping, 1e-7)
-            columns = self._columns(at)
+                columns, damping = self._points.columns(at), _DAMPING
+                iterations, is_fresh = iterations - 1, True
+                continue
+            at, taken = lower
+            fall, cost = cost - self.cost(at), self.cost(at)
+            damping = max(0.1 * taken.damping, 1e-7)
+            # Where a straight line foretold what a step brings, its columns hold there too.
+            is_fresh = fall < max(_FORETOLD * taken.gain, AT_THE_END)
+            columns = self._points.columns(at) if is_fresh else self._points.kept(at, columns)
+            iterations -= is_fresh
             if fall < AT_THE_END:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)
 
+    def _lower(
+        self, at: Fitted, columns: list[Array], step: _Step, cost: float, settled: float
+    ) -> tuple[Fitted, _Step] | None:
+        """Where a step leads down, and that step or a shorter one; None where none does."""
+        missed, alike = np.inf, False
+        while True:
+            moved = self._moved(at, step.change, step.damping)
+            after = np.inf if moved is None else self.cost(moved)
+            if moved is not None and after < cost:
+                return moved, step
+            if step.damping >= _MOST_DAMPING:
+                return None
+            before, missed = missed, step.gain + after - cost
+            once, alike = alike, bool(missed > MOST * before)
+            step = self._shorter(at, columns, step)
+            # Where a cost is smooth a shorter step misses less. Friction makes it rough.
+            if step.gain < settled or (once and alike):
+                return None
+
     def _with_finer_steps(self, at: Fitted, columns: list[Array]) -> tuple[Fitted, list[Array]]:
         """The same, with shorter differences where a law bends within the usual ones."""
-        usual = self._hypothesis
-        if self._is_shuffled:
+        points = self._points
+        if points.is_shuffled:
             return at, columns
         sizes = np.sqrt(np.diag(self._normal(at, columns)[0])[: at.u.size])
-        shown = zip(usual.names, usual.bent, np.abs(self._aside(at) - at.u) * sizes, strict=True)
+        shares = np.abs(points.aside(at) - at.u) * sizes
+        shown = zip(points.hypothesis.names, points.hypothesis.bent, shares, strict=True)
         large = {n: float(s) for n, bends, s in shown if bends and s > MUCH_SHOWN}
         fresh = {n: s for n, s in large.items() if n not in self._judged_once}
         self._judged_once |= large.keys()
-        self._hypothesis = with_finer_steps(usual, at.x, fresh, self._judged(at))
-        if self._hypothesis is usual:
+        if not points.shorten_steps(at, fresh, self._whitening.square):
             return at, columns
-        return replace(at, hypothesis=self._hypothesis.at(at.x)), self._columns(at)
+        return points.restated(at), points.columns(at)
 
-    def _shorter(
-        self, at: Fitted, columns: list[Array], gain: float, damping: float
-    ) -> tuple[Array, float, float]:
+    def _shorter(self, at: Fitted, columns: list[Array], step: _Step) -> _Step:
         """A step that promises half as much at most: one like that which failed fails too."""
-        step, shorter = np.zeros(0), np.inf
-        while shorter > 0.5 * gain and damping < _MOST_DAMPING:
+        change, gain, damping = np.zeros(0), np.inf, step.damping
+        while gain > 0.5 * step.gain and damping < _MOST_DAMPING:
             damping *= 2.0
-            step, shorter = self._step(at, columns, damping)
-        return step, shorter, damping
+            change, gain = self._step(at, columns, damping)
+        return _Step(change, gain, damping)
 
     def _ended(self, at: Fitted, columns: list[Array], converged: bool) -> Fitted:
         residual = without_own_parts(self._problem, at.residual, columns, at.own)
@@ -238,128 +252,26 @@ class ModeSearch:
         count = len(self._problem.simulations.records)
         if row is None or len(row.own) != count:
             return np.zeros((count, self._spread.size))
-        return np.where(self._spread > 0.0, row.own_of(self._hypothesis.names), 0.0)
-
-    def _own_values(self, u: Array, own: Array) -> list[dict[str, float]]:
-        return own_values(self._priors, self._hypothesis.names, u, own)
-
-    def _point(self, u: Array, own: Array) -> Point:
-        values = self._own_values(u, own)
-        return self._problem.point(self._hypothesis, values_at(self._priors, u), values)
-
-    def _noisy(self, u: Array, own: Array) -> Point:
-        assert self._heard is not None
-        hypothesis = self._hypothesis.at(values_at(self._priors, u))
-        return self._heard.points(self._problem, hypothesis, self._own_values(u, own))[0]
-
-    def _at(self, u: Array, nuisances: Array | None, own: Array) -> Fitted | None:
-        problem = self._problem
-        hypothesis = self._hypothesis.at(values_at(self._priors, u))
-        runs = problem.simulations.run([self._point(u, own)])[0]
-        if not all(run.finite for run in runs):
-            return None
-        if self._heard is not None:
-            runs = self._heard.beside(problem, hypothesis, self._own_values(u, own), runs)
-        nu = np.zeros(len(problem.nuisances)) if nuisances is None else nuisances
-        values = problem.values(runs)
-        if problem.has_run_away(values):
-            return None
-        residual = problem.residual(values, nu)
-        return Fitted(
-            hypothesis,
-            self._freed,
-            self._priors,
-            u,
-            nu,
-            runs,
-            values,
-            residual,
-            [],
-            False,
-            problem.logging.one_sided,
-            own,
-            self._heard,
-        )
+        return np.where(self._spread > 0.0, row.own_of(self._points.hypothesis.names), 0.0)
 
     def cost(self, at: Fitted) -> float:
         """[nats] Negative log density of the recordings and the values."""
         own = at.own[:, self._places] / self._spread[self._places]
         return 0.5 * (self._whites.square(at) + float(np.sum(own**2))) - at.log_prior
 
-    def _with_clear_steps(self, at: Fitted) -> Fitted:
-        """The same, with difference steps that an encoder's counts in the twin do not drown."""
-        if not self._is_shuffled:
-            return at
-        self._hypothesis = with_judged_steps(self._hypothesis, at.x, self._judged(at))
-        return replace(at, hypothesis=self._hypothesis.at(at.x))
-
-    @property
-    def _is_shuffled(self) -> bool:
-        """Whether any small change lets the twin's counts fall otherwise."""
-        return self._problem.is_counted or self._hypothesis.setting.is_rough
-
-    def _judged(self, at: Fitted) -> Judge:
-        def judged(moves: Array) -> list[float | None]:
-            there = [(move, coordinates_of(self._priors, at.x + move)) for move in moves]
-            u = [np.where(move != 0.0, v, at.u) for move, v in there]
-            played = self._problem.simulations.run([self._point(v, at.own) for v in u])
-            seen = [self._problem.values(r) if all(q.finite for q in r) else None for r in played]
-            return bent_shares(seen, self._whitening.square)
-
-        return judged
-
-    def _aside(self, at: Fitted) -> Array:
-        """Coordinate of each free quantity after its difference step, shape (p,)."""
-        sizes = self._hypothesis.difference_sizes(at.x)
-        back = [p.logarithmic and v <= 0.0 for p, v in zip(self._priors, at.x + sizes, strict=True)]
-        return coordinates_of(self._priors, at.x + np.where(back, -sizes, sizes))
-
-    def _columns(self, at: Fitted) -> list[Array]:
-        """Differences: those of laws that meet noise about its point, all others without it.
-
-        About that point the former are exact. Far from it they lack what the law makes there
-        without noise, and a search takes more steps.
-        """
-        problem, aside = self._problem, self._aside(at)
-        widths = aside - at.u
-        moves, hears = [], [False] * widths.size
-        still, noisy = at.values, at.values
-        if self._heard is not None:
-            about = problem.simulations.run([self._point(at.u, at.own), self._noisy(at.u, at.own)])
-            still, noisy = (problem.values(runs) for runs in about)
-            if all(run.finite for run in about[1]):
-                hears = self._hypothesis.bent
-        for i, hears_it in enumerate(hears):
-            u = np.where(np.arange(widths.size) == i, aside, at.u)
-            moves.append(self._noisy(u, at.own) if hears_it else self._point(u, at.own))
-        found = []
-        played = problem.simulations.run(moves)
-        for runs, width, hears_it in zip(played, widths, hears, strict=True):
-            values = problem.values(runs)
-            if all(run.finite for run in runs) and not problem.has_run_away(values):
-                change = zip(values, noisy if hears_it else still, strict=True)
-                found.append([(after - before) / width for after, before in change])
-            else:
-                found.append([np.zeros_like(v) for v in at.values])
-        own = problem.nuisance_columns(at.values, at.nuisances)
-        return [
-            np.concatenate([np.reshape([f[s] for f in found], (-1, *d.shape[1:])), d])
-            for s, d in enumerate(own)
-        ]
-
     def _step(self, at: Fitted, columns: list[Array], damping: float) -> tuple[Array, float]:
         """Step within the bounds, and the gain that the quadratic promises [nats]."""
         a, g = self._normal(at, columns)
         free = np.ones(g.size, dtype=bool)
-        ends = bounds_of(self._priors)
+        ends = bounds_of(self._points.priors)
         p, near = at.u.size, 1e-5 * (ends[:, 1] - ends[:, 0])
         free[:p] &= ~((at.u <= ends[:, 0] + near) & (g[:p] < 0.0))
         free[:p] &= ~((at.u >= ends[:, 1] - near) & (g[:p] > 0.0))
         free[p:] &= ~(at.at_zero & (g[p:] < 0.0))
         lowest, highest = np.full((2, g.size), np.inf) * [[-1.0], [1.0]]
-        lowest[:p], highest[:p] = (inside(self._priors, end) - at.u for end in ends.T)
+        lowest[:p], highest[:p] = (inside(self._points.priors, end) - at.u for end in ends.T)
         lowest[p:][at.one_sided] = -at.nuisances[at.one_sided]
-        bent = np.concatenate([[q.logarithmic for q in self._priors], at.one_sided])
+        bent = np.concatenate([[q.logarithmic for q in self._points.priors], at.one_sided])
         lowest = np.where(bent, np.maximum(lowest, -LONGEST_STEP), lowest)
         highest = np.where(bent, np.minimum(highest, LONGEST_STEP), highest)
         damped = a + damping * np.diag(np.diag(a))
@@ -394,7 +306,7 @@ class ModeSearch:
             own[:, self._places] = self._parts.moved(own[:, self._places], step, damping)
         nuisances = at.nuisances + step[p:]
         nuisances[one_sided] = np.maximum(nuisances[one_sided], 0.0)
-        moved = self._at(inside(self._priors, at.u + step[:p]), nuisances, own)
+        moved = self._points.at(inside(self._points.priors, at.u + step[:p]), nuisances, own)
         if moved is None:
             return None
         return polished(self._problem, self._whites, self._nuisance_columns, moved, self.cost)

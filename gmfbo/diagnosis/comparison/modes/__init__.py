@@ -1,0 +1,1 @@
+"""The most likely values of one hypothesis, searched through the FMU."""
