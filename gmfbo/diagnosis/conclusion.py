@@ -164,7 +164,8 @@ class Conclusion:
             name: replace(
                 one,
                 drifts=drifts.get(name) if one.identifiable else None,
-                set=decision.freed.get(name, ()),
+                set=() if (wrong := decision.freed.get(name)) is None else wrong.set,
+                probability=None if wrong is None else wrong.probability,
             )
             for name, one in found.items()
         }

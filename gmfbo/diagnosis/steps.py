@@ -162,4 +162,5 @@ def _held_against(decision: Decision, result: Validated) -> Decision:
     """A decision with the probabilities that held-out recordings leave its names."""
     left = result.squares.remainder or 0.0
     rounds = tuple(one.held_against(left) for one in decision.rounds)
-    return replace(decision, rounds=rounds)
+    freed = {name: one.held_against(left) for name, one in decision.freed.items()}
+    return replace(decision, rounds=rounds, freed=freed)

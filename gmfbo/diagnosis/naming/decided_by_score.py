@@ -26,7 +26,7 @@ from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
-from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round
+from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round, WrongValue
 from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
 from gmfbo.diagnosis.naming.worth import most_told, worth
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
@@ -88,7 +88,7 @@ def decide(
     ]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
-        freed=_freed(held_by_row, named),
+        freed=_freed(compared, held_by_row, named, most),
         model=model,
         row=row,
         base=base,
@@ -103,14 +103,20 @@ def decide(
 
 
 def _freed(
-    held: Sequence[tuple[Claim, str]], named: Sequence[tuple[Claim, str]]
-) -> dict[str, tuple[str, ...]]:
+    compared: Compared,
+    held: Sequence[tuple[Claim, str]],
+    named: Sequence[tuple[Claim, str]],
+    most: float,
+) -> dict[str, WrongValue]:
     """Sets of fixed parameters alone, by the one that a model holds."""
-    return {
-        name.removeprefix("parameter:"): (name, *(n for n in claim.members if n != name))
-        for claim, name in held
-        if (claim, name) not in named
-    }
+    found = {}
+    for claim, name in held:
+        if (claim, name) not in named:
+            own = (name, *(n for n in claim.members if n != name))
+            belief, gain = min(claim.probability, most), _log_odds(compared, claim)
+            wrong = WrongValue(own, belief, gain, belief, most).held_against(0.0)
+            found[name.removeprefix("parameter:")] = wrong
+    return found
 
 
 def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:

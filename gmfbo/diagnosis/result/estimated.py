@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from gmfbo.diagnosis.result.certainty import CANNOT_TELL
+from gmfbo.plain_words import probability
 
 Side = Literal["low", "high"]
 """End of a range."""
@@ -42,6 +43,8 @@ class EstimatedParameter:
     set : tuple of str
         Of a fixed one: `parameter:NAME` of itself and of those that the recordings cannot tell from
         it. Empty for an uncertain one.
+    probability : float or None
+        Of a fixed one: that it, or another one of its set, is wrong.
     """
 
     nominal: float
@@ -56,6 +59,7 @@ class EstimatedParameter:
     fixed: bool = False
     drifts: Mapping[str, float] | None = None
     set: tuple[str, ...] = ()
+    probability: float | None = None
 
     @property
     def is_beyond(self) -> bool:
@@ -80,7 +84,8 @@ class EstimatedParameter:
         stated = self.stated if ", line " in self.stated else own
         others = [name.removeprefix("parameter:") for name in self.set[1:]]
         rivals = f"; or {' or '.join(others)} is wrong, {CANNOT_TELL}" if others else ""
-        return f" (fixed in {stated}{rivals})"
+        sure = "" if self.probability is None else f"; probability {probability(self.probability)}"
+        return f" (fixed in {stated}{rivals}{sure})"
 
 
 @dataclass(frozen=True)

@@ -133,12 +133,14 @@ class Findings:
 
     @property
     def statement_probability(self) -> float | None:
-        """Probability that all that the sentence says of effects is so; None where none is known.
+        """Probability of all that the sentence says is missing or wrong; None where none is known.
 
         The probability of an effect is given those that were named before it, so that of several
-        together is the product (chain rule). Of a set it is that of the set. The other verdicts
-        have no probability.
+        together is the product (chain rule). Of a set it is that of the set. That nothing is
+        missing, or something unknown, has no probability.
         """
-        if self.verdict != "missing_physics" or not self.effects:
+        if self.verdict not in ("missing_physics", "parameters"):
             return None
-        return prod(effect.set_probability for effect in self.effects)
+        told = [effect.set_probability for effect in self.effects]
+        told += [p for one in self.parameters.values() if (p := one.probability) is not None]
+        return prod(told) if told else None

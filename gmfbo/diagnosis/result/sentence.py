@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
+from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
     explains_most,
@@ -119,7 +120,8 @@ def _freed(diagnosis: Findings) -> str:
 def _instead(name: str, one: EstimatedParameter) -> str:
     """Clause on a value that is another than in the twin."""
     nominal = quantity(one.nominal, "")
-    return f"{name} is {quantity(one.value, one.unit)} instead of {nominal}{one.where_fixed}"
+    verb = "is" if one.probability is None or is_sure(one.probability) else "may be"
+    return f"{name} {verb} {quantity(one.value, one.unit)} instead of {nominal}{one.where_fixed}"
 
 
 def _physics(diagnosis: Findings) -> str:

@@ -209,7 +209,7 @@ def claims_of(diagnosis: Mapping[str, Any]) -> list[Claim]:
     for name, entry in (diagnosis.get("parameters") or {}).items():
         own = PARAMETER + name
         if entry.get("fixed") and own not in told and entry.get("value") != entry.get("nominal"):
-            stated = diagnosis.get("statement_probability")
+            stated = entry.get("probability", diagnosis.get("statement_probability"))
             members = frozenset({own, *(entry.get("set") or ())})
             claims.append(Claim(own, members, float("nan" if stated is None else stated)))
     return claims

@@ -219,3 +219,18 @@ def test_a_fixed_value_that_is_wrong_beside_an_effect_is_in_the_sentence() -> No
     told = replace(friction(), parameters={"filter_time": wrong}).sentence
     assert told.startswith("Coulomb friction of about 0.52 N m")
     assert told.endswith(" filter_time is 1.6 ms instead of 1 (fixed in ax7.toml, line 12).")
+
+
+def test_a_fixed_value_is_told_no_surer_than_it_is() -> None:
+    weak = EstimatedParameter(
+        1.0, 1.6, "ms", 1.59, 1.61, stated="ax7.toml, line 12", fixed=True,
+        set=("parameter:filter_time",), probability=0.62,
+    )  # fmt: skip
+    made = replace(parameters(), parameters={"filter_time": weak})
+    assert "filter_time may be 1.6 ms instead of 1" in made.sentence
+    assert "(fixed in ax7.toml, line 12; probability 0.62)" in made.sentence
+    assert made.statement_probability == 0.62
+    sure = replace(made, parameters={"filter_time": replace(weak, probability=0.9)})
+    assert "filter_time is 1.6 ms instead of 1" in sure.sentence
+    beside = replace(friction(), parameters={"filter_time": weak})
+    assert beside.statement_probability == 0.94 * 0.62
