@@ -42,7 +42,6 @@ from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 Array = NDArray[np.float64]
 
 _DAMPING, _MOST_DAMPING = 1e-3, 1e4  # of a first step, and of the shortest
-_FORETOLD = 0.5  # of what a step promised, from which on its columns are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +192,7 @@ class ModeSearch:
             fall, cost = cost - self.cost(at), self.cost(at)
             damping = max(0.1 * taken.damping, 1e-7)
             # Where a straight line foretold what a step brings, its columns hold there too.
-            is_fresh = fall < max(_FORETOLD * taken.gain, AT_THE_END)
+            is_fresh = fall < max(MOST * taken.gain, AT_THE_END)
             columns = self._points.columns(at) if is_fresh else self._points.kept(at, columns)
             iterations -= is_fresh
             if fall < AT_THE_END:
