@@ -19,7 +19,7 @@ from gmfbo.diagnosis.noise.noise_corner import above, corner_of_noise, fast_bins
 from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
-from gmfbo.diagnosis.scoring.noise_levels import noise_level
+from gmfbo.diagnosis.scoring.noise_levels import noise_level, rounding_of
 from gmfbo.diagnosis.scoring.signal_parts import Rig
 from gmfbo.sources.twin.augmented_twin import RunPlan
 
@@ -159,7 +159,7 @@ def _read(record: Record, run: Simulated, position: str) -> ReadNoise | None:
         return None
     step = float(grid[1] - grid[0])
     level = noise_level(signal, difference)
-    if not signal.resolution and level.total <= level.least:
+    if level.total <= level.least and rounding_of(signal) < level.least:
         return None  # of so little, the simulation's own errors and leakage are the most
     corner = corner_of_noise(difference, step, level.total)
     if corner is None:

@@ -65,6 +65,11 @@ def noise_levels(
     return levels
 
 
+def rounding_of(signal: ScoredSignal) -> float:
+    """[SI] Standard deviation of a signal's rounding to its counts."""
+    return float(signal.resolution / np.sqrt(12.0))
+
+
 def noise_level(signal: ScoredSignal, residual: NDArray[np.float64]) -> NoiseLevel:
     """Noise of one signal.
 
@@ -75,8 +80,9 @@ def noise_level(signal: ScoredSignal, residual: NDArray[np.float64]) -> NoiseLev
     residual : ndarray, shape (n,)
         [SI] Part of the signal that is not motion.
     """
-    quantum = signal.resolution / np.sqrt(12.0)
-    least = max(quantum or _LEAST_NOISE * float(np.ptp(signal.values)), 1e-15)
+    # Of counts that are finer than that, a simulation's own errors are more.
+    computed = _LEAST_NOISE * float(np.ptp(signal.values))
+    least = max(rounding_of(signal), computed, 1e-15)
     return NoiseLevel(max(float(np.sqrt(fast_power(residual))), least), least)
 
 
