@@ -168,33 +168,26 @@ class ModeSearch:
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping, cost, is_fresh = _DAMPING, self.cost(at), True
-        while iterations > 0:
+        damping, cost = _DAMPING, self.cost(at)
+        for _ in range(iterations):
             at, columns = self._with_finer_steps(at, columns)
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
             if cost - HOPED_STEPS * promised > rival + FAR_BEHIND:
                 return self._ended(at, columns, False)
+            if promised < settled:
+                return self._ended(at, columns, True)
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
-            lower = None
-            if promised >= settled:
-                lower = self._lower(at, columns, _Step(step, gain, damping), cost, settled)
+            lower = self._lower(at, columns, _Step(step, gain, damping), cost, settled)
             if lower is None:
-                if is_fresh:
-                    return self._ended(at, columns, promised < FAR_BEHIND)
-                columns, damping = self._points.columns(at), _DAMPING
-                iterations, is_fresh = iterations - 1, True
-                continue
+                return self._ended(at, columns, promised < FAR_BEHIND)
             at, taken = lower
             fall, cost = cost - self.cost(at), self.cost(at)
             damping = max(0.1 * taken.damping, 1e-7)
-            # Where a straight line foretold what a step brings, its columns hold there too.
-            is_fresh = fall < max(MOST * taken.gain, AT_THE_END)
-            columns = self._points.columns(at) if is_fresh else self._points.kept(at, columns)
-            iterations -= is_fresh
+            columns = self._points.columns(at)
             if fall < AT_THE_END:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)

@@ -147,12 +147,6 @@ class TrialPoints:
             for s, d in enumerate(own)
         ]
 
-    def kept(self, at: Fitted, columns: Sequence[Array]) -> list[Array]:
-        """Columns of a point near by, with those of the nuisances there; nothing is simulated."""
-        own = self._problem.nuisance_columns(at.values, at.nuisances)
-        both = zip(columns, own, strict=True)
-        return [np.concatenate([near[: at.u.size], here]) for near, here in both]
-
     def with_clear_steps(self, at: Fitted, square: Square) -> Fitted:
         """The same, with difference steps that an encoder's counts in the twin do not drown."""
         if not self.is_shuffled:
