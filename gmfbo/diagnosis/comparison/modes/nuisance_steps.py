@@ -60,8 +60,8 @@ def polished(
     whites : WhiteResiduals
         Under which they are fitted.
     columns : sequence of ndarray, shape (q, m, n)
-        Whitened change of each segment per standard deviation of each nuisance, at the fit or near
-        it: steps by them end where those by their own columns do, and ask for far less.
+        Whitened change of each segment per standard deviation of each nuisance. Those of the point
+        before will do: a step that raises the cost is not taken.
     at : Fitted
         With other values of its free quantities.
     cost_of : callable (Fitted) -> float
