@@ -196,10 +196,12 @@ def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> li
         At their starts.
     """
     plans, points = [], []
-    about = base
+    about, before = base, base.values
     if problem.is_counted or base.hypothesis.setting.is_rough:
-        about = base.aside()
-        points.append(problem.point(about.hypothesis, about.x, about.own_values))
+        aside = base.aside()
+        point = problem.point(aside.hypothesis, aside.x, aside.own_values)
+        if (seen_aside := problem.simulated(point)) is not None:
+            about, before = aside, seen_aside
     for element in elements:
         sizes = element.sizes(base.hypothesis)
         more = sizes if len(sizes) > 1 else []
@@ -215,7 +217,6 @@ def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> li
             x = hypothesis.start(one.start(about.parameters))
             points.append(problem.point(hypothesis, x, about.own_values))
     runs = iter(problem.simulations.run(points))
-    before = base.values if about is base else problem.values(next(runs))
     found = []
     for element, sizes, more, steps, count in plans:
         own = [next(runs) for _ in range(count)]

@@ -113,6 +113,14 @@ class Problem:
         """Signals of simulated recordings on the segments' rows, shape (m, n)."""
         return [segment.read(runs[segment.record].signals) for segment in self.segments]
 
+    def simulated(self, point: Point) -> list[Array] | None:
+        """Signals of the recordings at a point; None where the twin does not get through them."""
+        runs = self.simulations.run([point])[0]
+        if not all(run.finite for run in runs):
+            return None
+        values = self.values(runs)
+        return None if self.has_run_away(values) else values
+
     def has_run_away(self, values: Sequence[Array]) -> bool:
         """Whether a signal left all that was recorded, so that its squares may overflow."""
         return any(

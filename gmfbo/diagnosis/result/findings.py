@@ -142,5 +142,6 @@ class Findings:
         if self.verdict not in ("missing_physics", "parameters"):
             return None
         told = [effect.set_probability for effect in self.effects]
-        told += [p for one in self.parameters.values() if (p := one.probability) is not None]
+        moved = [one for one in self.parameters.values() if one.is_moved]
+        told += [one.probability for one in moved if one.probability is not None]
         return prod(told) if told else None

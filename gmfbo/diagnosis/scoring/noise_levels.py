@@ -37,7 +37,7 @@ class NoiseLevel:
     total : float
         [SI] Standard deviation, from the part of the signal that is too fast for mechanics.
     least : float
-        [SI] Part that resolution and rounding alone cause.
+        [SI] What rounding to counts or a simulation's own errors cause, whichever is more.
     """
 
     total: float
