@@ -57,14 +57,9 @@ class RowFits:
             self._steps = {**row.hypothesis.setting.difference_steps, **self._steps}
 
     def _search(
-        self,
-        whitening: Whitening,
-        hypothesis: Hypothesis,
-        freed: Sequence[str],
-        known: Mapping[str, float] | None = None,
+        self, whitening: Whitening, hypothesis: Hypothesis, freed: Sequence[str]
     ) -> ModeSearch:
-        steps = {**self._steps, **hypothesis.setting.difference_steps, **(known or {})}
-        hypothesis = hypothesis.moved_by(steps)
+        hypothesis = hypothesis.moved_by({**self._steps, **hypothesis.setting.difference_steps})
         noise = self._noise_of(elements_of(hypothesis, freed))
         return ModeSearch(self._problem, whitening, hypothesis, freed, noise)
 
@@ -221,7 +216,8 @@ class RowFits:
         known: Mapping[str, float] = {}
         for _, at in sorted(starts, key=lambda one: one[0]):
             # How far a quantity has to be moved is much the same at each start.
-            search = self._search(whitening, at.hypothesis, freed, known)
+            steps = {**at.hypothesis.setting.difference_steps, **known}
+            search = self._search(whitening, at.hypothesis.moved_by(steps), freed)
             found = search.fitted_from(at, rival=self._rival)
             if chi(found, whitening) <= before + _NO_WORSE:
                 return found

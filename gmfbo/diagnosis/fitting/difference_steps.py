@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,8 +87,7 @@ def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypoth
         better = {name for name in seen if seen[name] < least[name]}
         steps |= dict.fromkeys(better, step)
         least |= {name: seen[name] for name in better}
-    setting = replace(hypothesis.setting, difference_steps={**known, **steps})
-    return replace(hypothesis, setting=setting)
+    return hypothesis.moved_by({**known, **steps})
 
 
 def with_finer_steps(
@@ -129,8 +127,7 @@ def with_finer_steps(
     steps = {name: finer[name] for name, share in seen.items() if share <= _SMOOTH}
     if not steps:
         return hypothesis
-    setting = replace(hypothesis.setting, difference_steps={**known, **steps})
-    return replace(hypothesis, setting=setting)
+    return hypothesis.moved_by({**known, **steps})
 
 
 def bent_shares(

@@ -28,7 +28,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round, WrongValue
 from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
-from gmfbo.diagnosis.naming.worth import most_told, worth
+from gmfbo.diagnosis.naming.worth import as_told
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
 from gmfbo.diagnosis.result.named_effect import RivalShare
 from gmfbo.physics import CATALOGUE
@@ -114,7 +114,7 @@ def _freed(
         if (claim, name) not in named:
             own = (name, *(n for n in claim.members if n != name))
             belief, gain = min(claim.probability, most), _log_odds(compared, claim)
-            wrong = WrongValue(own, belief, gain, belief, most).held_against(0.0)
+            wrong = WrongValue(own, belief, gain, as_told(belief, gain, most), most)
             found[name.removeprefix("parameter:")] = wrong
     return found
 
@@ -294,15 +294,16 @@ def _round(
     once = seen_once(names, compared, gains, acting_of(compared, row, winner, gains))
     most = min(most, DOUBTED) if once else most
     belief, gain = min(claim.probability, most), _log_odds(compared, claim)
-    told = min(worth(belief, gain), most, most_told(0.0))
+    probability = as_told(belief, gain, most)
     shares = [
-        RivalShare(name, told / claim.probability * beliefs[name]) for name in (winner, *others)
+        RivalShare(name, probability / claim.probability * beliefs[name])
+        for name in (winner, *others)
     ]
     return Round(
         Evidence(winner, model),
         tuple(rivals),
         belief,
-        told,
+        probability,
         tuple(shares) if others else (),
         gain,
         per_recording(names, compared, gains),

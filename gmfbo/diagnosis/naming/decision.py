@@ -13,7 +13,7 @@ from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
-from gmfbo.diagnosis.naming.worth import most_told, worth
+from gmfbo.diagnosis.naming.worth import as_told
 from gmfbo.diagnosis.result.named_effect import RivalShare
 
 
@@ -82,12 +82,12 @@ class Round:
         left : float
             Share of what is more than noise there that it does not explain.
         """
-        told = min(worth(self.belief, self.gain), self.most, most_told(left))
+        probability = as_told(self.belief, self.gain, self.most, left)
         shares = tuple(
-            replace(one, probability=told / self.probability * one.probability)
+            replace(one, probability=probability / self.probability * one.probability)
             for one in self.shares
         )
-        return replace(self, probability=told, shares=shares)
+        return replace(self, probability=probability, shares=shares)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -122,8 +122,7 @@ class WrongValue:
 
     def held_against(self, left: float) -> WrongValue:
         """The same as told once the model has met held-out recordings, as of a `Round`."""
-        told = min(worth(self.belief, self.gain), self.most, most_told(left))
-        return replace(self, probability=told)
+        return replace(self, probability=as_told(self.belief, self.gain, self.most, left))
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,6 +34,21 @@ def worth(belief: float, gain: float) -> float:
     return float(expit(np.dot(WORTH, terms(belief, gain))))
 
 
+def as_told(belief: float, gain: float, most: float, left: float = 0.0) -> float:
+    """Probability that is told of a claim.
+
+    Parameters
+    ----------
+    belief, gain : float
+        As of `worth`.
+    most : float
+        Most that is told of it, whatever it is worth.
+    left : float
+        As of `most_told`; as if all were explained by default.
+    """
+    return min(worth(belief, gain), most, most_told(left))
+
+
 def terms(belief: float, gain: float) -> tuple[float, float, float]:
     """What the three numbers of `WORTH` multiply; arguments as for `worth`."""
     odds = logit(np.clip(belief, LAST_DIGIT, 1.0 - LAST_DIGIT))

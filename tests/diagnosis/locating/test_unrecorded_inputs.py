@@ -15,33 +15,10 @@ from gmfbo.diagnosis.checking.text import check_lines
 from gmfbo.diagnosis.locating.parities import Parities, logged_as, parities
 from gmfbo.diagnosis.locating.unrecorded_inputs import unrecorded_inputs
 from gmfbo.recordings.recording import Recording
-from tests.diagnosis.servo_recordings import MODELS, opened_with, rewritten
+from tests.diagnosis.servo_recordings import opened_with, rewritten
 from tests.diagnosis.short_recordings import Axis, multisine
+from tests.diagnosis.wired_bench import BENCH
 
-BENCH = f"""
-name = "motor under a PD controller"
-step = 1e-3
-[fmus]
-controller = {{ kind = "pd_filtered", kp = 10.0, kd = 0.3 }}
-plant = "{MODELS / "motor_bench.fmu"}"
-[wires]
-"plant.current" = "controller.u"
-"controller.measured" = "plant.position"
-[inputs]
-reference = "controller.reference"
-[outputs]
-position = "plant.position"
-current = "controller.u"
-[ports]
-torque = "plant.tau_load"
-sensor = "controller.measured"
-[states]
-position = "plant.position"
-velocity = "plant.velocity"
-command = "controller.u"
-[roles]
-inertia = "plant.inertia"
-"""
 FEEDFORWARD = '[inputs]\nfeedforward = "controller.feedforward"'
 STATED = '[parameters]\n"controller.feedforward" = 0.0\n[inputs]'
 

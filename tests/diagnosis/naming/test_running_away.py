@@ -5,35 +5,15 @@ from __future__ import annotations
 from contextlib import closing
 from pathlib import Path
 
-from gmfbo import FmuTwin, models_folder
+from gmfbo import FmuTwin
 from tests.diagnosis.short_recordings import Axis, decided, multisine, open_small
+from tests.diagnosis.wired_bench import BENCH
 
-TWIN = f"""
-name = "motor under a PD controller"
-step = 1e-3
-[fmus]
-controller = {{ kind = "pd_filtered", kp = 10.0, kd = 0.3 }}
-plant = "{(models_folder() / "motor_bench.fmu").as_posix()}"
-[wires]
-"plant.current" = "controller.u"
-"controller.measured" = "plant.position"
-[inputs]
-reference = "controller.reference"
-[outputs]
-position = "plant.position"
-current = "controller.u"
-[uncertain]
-"plant.viscous" = [0.0, 0.08]
-[ports]
-torque = "plant.tau_load"
-command = "plant.current"
-[states]
-position = "plant.position"
-velocity = "plant.velocity"
-command = "STATE"
-[roles]
-inertia = "plant.inertia"
-"""
+TWIN = (
+    BENCH.replace('command = "controller.u"', 'command = "STATE"')
+    .replace('sensor = "controller.measured"', 'command = "plant.current"')
+    .replace("[ports]", '[uncertain]\n"plant.viscous" = [0.0, 0.08]\n[ports]')
+)
 
 
 def reasons(folder: Path, state: str) -> dict[str, str]:

@@ -27,16 +27,11 @@ from gmfbo.diagnosis.comparison.own_parts import (
     eliminated,
     without_own_parts,
 )
-from gmfbo.diagnosis.comparison.priors import (
-    bounds_of,
-    inside,
-)
+from gmfbo.diagnosis.comparison.priors import bounds_of, inside
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.fitting.bounded_step import bounded_step
-from gmfbo.diagnosis.fitting.difference_steps import (
-    MUCH_SHOWN,
-)
+from gmfbo.diagnosis.fitting.difference_steps import MUCH_SHOWN
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
