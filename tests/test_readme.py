@@ -57,7 +57,20 @@ def test_readme_can_be_read_in_minutes() -> None:
 
 
 def test_the_real_axis_is_told_with_its_halves_and_beside_the_published_model() -> None:
-    (line,) = re.findall(r"^- \*\*18 % to 3\.3 %\*\*.*?(?=^- )", README, re.MULTILINE | re.DOTALL)
+    measured = ROOT / "tests/benchmarks/results/emps_diagnosis/emps_diagnosis.txt"
+    errors = re.findall(
+        r"^force error: ([\d.]+)% with parameters alone, ([\d.]+)% with physics",
+        measured.read_text(encoding="utf-8"),
+        re.MULTILINE,
+    )
+    ((before, after),) = errors
+    ((told_before, told_after, line),) = re.findall(
+        r"^- \*\*(\S+) % to (\S+) %\*\*(: error of the simulated voltage.*?)(?=^- )",
+        README,
+        re.MULTILINE | re.DOTALL,
+    )
+    assert float(told_before) == pytest.approx(float(before), abs=0.5)
+    assert float(told_after) == pytest.approx(float(after), abs=0.05)
     for part in (
         "second half",
         "found in the first",
