@@ -29,7 +29,7 @@ from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.noise.measured_noise import noise_of_all, position_noise
 from gmfbo.diagnosis.noise.open_loop_noise import leave_out_noise
 from gmfbo.diagnosis.runs.logging_convention import logged_new
-from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges
+from gmfbo.diagnosis.runs.measured_excitation import Stiffness, measure_ranges, recorded_speed
 from gmfbo.diagnosis.runs.probing_torque import command_range, moving_torque
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.runs.simulated import Point, Reading, Simulated, require_run
@@ -350,6 +350,7 @@ class _Opening:
             nominal,
             torque=torque,
             command=command,
+            speed=recorded_speed(simulations.records, rig.position, rig.position_to_si, loop_time),
             step=self.twin.step / substeps,
             loop_time=loop_time,
             resolution=resolution,

@@ -197,7 +197,7 @@ def _answer(run: Simulated, base: Simulated, half: int) -> tuple[NDArray[np.floa
 def _time_constant(answer: NDArray[np.float64], grid: NDArray[np.float64], half: int) -> float:
     """[s] Time until a step's answer stays within 37 % of its final value."""
     final = float(np.median(answer[half // 2 : half]))
-    return _last_beyond(np.abs(answer[:half] - final) > 0.37 * abs(final), grid)
+    return _settled(np.abs(answer[:half] - final) > 0.37 * abs(final), grid)
 
 
 def _rest_time(
@@ -209,12 +209,21 @@ def _rest_time(
         pushed = answer[:half]
         end = float(np.mean(pushed[-max(1, half // 20) :]))
         far |= np.abs(pushed - end) > _AT_REST * np.abs(pushed).max()
-    return _last_beyond(far, grid)
+    return _settled(far, grid)
 
 
-def _last_beyond(far: NDArray[np.bool_], grid: NDArray[np.float64]) -> float:
+def _settled(far: NDArray[np.bool_], grid: NDArray[np.float64]) -> float:
+    """[s] Until an answer has been near its end for as long as it took to get there.
+
+    Where the axis meets a limit or turns later on, the answer leaves its end for a moment: that
+    says nothing of the loop.
+    """
     rows = np.flatnonzero(far)
-    return float(grid[int(rows[-1]) + 1 if rows.size else 1] - grid[0])
+    if not rows.size:
+        return float(grid[1] - grid[0])
+    stays = np.flatnonzero(np.diff(rows) > rows[:-1] + 1)
+    last = rows[stays[0]] if stays.size else rows[-1]
+    return float(grid[int(last) + 1] - grid[0])
 
 
 def measure_ranges(
@@ -223,6 +232,7 @@ def measure_ranges(
     *,
     torque: float,
     command: float,
+    speed: float | None,
     step: float,
     loop_time: float,
     resolution: float,
@@ -239,6 +249,8 @@ def measure_ranges(
         The recordings simulated.
     torque, command : float
         [FMU's unit] Range of the command (`probing_torque.command_range`), and torque for it.
+    speed : float or None
+        [FMU's unit] Fastest recorded motion (`recorded_speed`); that of the twin without one.
     step, loop_time : float
         [s] At which effects are stepped; of the closed loop.
     resolution : float
@@ -254,7 +266,9 @@ def measure_ranges(
     command = max(simulated, command)  # currents go with it
     current = command / simulated * np.concatenate([s.current for s in states])
     sample = float(np.median([s.spacing for r in records for s in r.signals]))
-    speed = _positive(np.quantile(np.abs(np.concatenate([s.velocity for s in states])), 0.995))
+    if speed is None:
+        speed = _fastest(np.concatenate([s.velocity for s in states]))
+    speed = _positive(speed)
     stroke = _positive(np.ptp(np.concatenate([s.position for s in states])))
     loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
     return Excitation(
@@ -276,6 +290,39 @@ def measure_ranges(
         load=_positive(max(loads)) if loads else None,
         effective_current=_positive(np.sqrt(np.mean(current**2))),
     )
+
+
+def recorded_speed(
+    records: Sequence[Record], position: str | None, to_si: float, loop_time: float
+) -> float | None:
+    """Fastest motion that was recorded [FMU's unit]; None without a position.
+
+    A twin that lacks a limit or friction may move several times as fast, and a law acts at the
+    speeds of the axis.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Recordings that are scored.
+    position : str or None
+        Signal that is the position.
+    to_si : float
+        [SI unit / FMU's unit] Of the position.
+    loop_time : float
+        [s] Time over which the speed is a mean: none changes faster.
+    """
+    found = []
+    for record in records:
+        for signal in record.signals:
+            if signal.name == position:
+                rows = int(np.clip(round(loop_time / signal.spacing), 1, signal.values.size - 1))
+                moved = signal.values[rows:] - signal.values[:-rows]
+                found.append(moved / (rows * signal.spacing * to_si))
+    return _fastest(np.concatenate(found)) if found else None
+
+
+def _fastest(velocity: NDArray[np.float64]) -> float:
+    return float(np.quantile(np.abs(velocity), 0.995))
 
 
 def _positive(value: float | np.floating, otherwise: float = 1e-9) -> float:

@@ -158,6 +158,7 @@ def setting_of(axis: Simulations, nominal: list[Simulated], known: tuple[str, ..
         nominal,
         torque=4.0,
         command=0.0,
+        speed=None,
         step=1e-4,
         loop_time=0.03,
         resolution=1e-6,
