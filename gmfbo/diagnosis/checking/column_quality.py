@@ -53,7 +53,9 @@ def refresh_rows(values: Array, quantum: float) -> float:
         return 1.0
     changes = np.flatnonzero(steps)
     lengths = np.diff(changes)
-    own = lengths[lengths <= _REST_ROWS]
+    # An axis at rest repeats its reading, but for a count up or down: that is no hold.
+    is_moving = steps[changes] > _QUANTA * quantum
+    own = lengths[(lengths <= _REST_ROWS) & is_moving[:-1] & is_moving[1:]]
     return float(np.mean(own)) if own.size else 1.0
 
 

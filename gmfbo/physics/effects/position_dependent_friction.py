@@ -37,12 +37,13 @@ def _acts(states: States, parameters: Values) -> Mask:
 
 
 def _statement(parameters: Values, units: Units, place: str) -> str:
-    level = quantity(parameters["level"], units.torque)
-    swing = quantity(harmonic.amplitude(parameters), units.torque)
+    swing = harmonic.amplitude(parameters)
+    least = quantity(max(0.0, parameters["level"] - swing), units.torque)
+    most = quantity(parameters["level"] + swing, units.torque)
     often = harmonic.cycles(parameters["wavenumber"], units.position == "rad")
     return (
         f"Friction that depends on the position {place} is missing from the twin: "
-        f"about {level}, varying by {swing}, {often}."
+        f"between {least} and {most}, {often}."
     )
 
 
