@@ -85,10 +85,15 @@ def resembling_words(remainder: Remainder | None) -> str:
 
 
 def remainder_words(remainder: Remainder | None) -> str:
-    """What no law explains, as a clause; empty where it is next to nothing."""
-    if remainder is None or remainder.share < LEAST_TOLD:
+    """What no law explains, as a clause; empty where it is next to nothing.
+
+    A small share is told where it is known on what it depends: where one recording leaves far
+    more than the others, what no law explains in those is a small share of all.
+    """
+    if remainder is None or (remainder.share < LEAST_TOLD and remainder.against is None):
         return ""
-    told = f"{percent(remainder.share)} of what is more than noise is explained by no law"
+    share = percent(remainder.share) if remainder.share >= LEAST_TOLD else "less than 1 %"
+    told = f"{share} of what is more than noise is explained by no law"
     if remainder.against is not None:
         told += f"; it depends on the {words(remainder.against)}{resembling_words(remainder)}"
     if remainder.where != "throughout":

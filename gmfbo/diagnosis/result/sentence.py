@@ -37,7 +37,7 @@ def verdict_sentence(diagnosis: Findings) -> str:
         "outside_library": _outside,
     }[diagnosis.verdict](diagnosis)
     left = remainder_words(diagnosis.remainder) if diagnosis.effects else ""
-    told = f"{told}{f' {left}.' if left else ''}{_unseen(diagnosis)}"
+    told = f"{told}{f' {left[0].upper()}{left[1:]}.' if left else ''}{_unseen(diagnosis)}"
     narrow, ends = too_narrow_ranges(diagnosis), range_ends(diagnosis)
     # What a range holds back could do what is missing: it is said before anything is blamed.
     parts = (narrow, ends, told) if diagnosis.verdict == "outside_library" else (narrow, told, ends)

@@ -28,6 +28,7 @@ from gmfbo.diagnosis.comparison.unknown.fitted import (
     WORTH,
     Sized,
     WithUnknown,
+    begun_as,
     fitted_with,
     of_unit_size,
 )
@@ -140,7 +141,12 @@ class _Beside:
             ]
             if not likely:
                 break
-            now = max(likely, key=lambda one: one.score)
+            less = max(likely, key=lambda one: one.score)
+            more = self._begun_as(now.elements, less)
+            if more is None or more.score <= max(now.score, less.score + named_log_odds()):
+                now = less
+            else:
+                now = self._known[now.elements] = more
         alone, beside = self._under(self._best), self._under(now.found.left)
         gain = self._with(now, self._once, beside) - self._alone(self._once, alone)
         if float(gain[0]) <= named_log_odds():
@@ -233,9 +239,12 @@ class _Beside:
 
         It is first fitted loosely, under what the row leaves without it.
         """
-        search = self._search
         start = WithUnknown(kind, self._columns(kind), row, np.zeros(kind.count))
-        own, best = search.noise.alone(row, self._ledger), None
+        return self._in_turn(row, start, self._search.noise.alone(row, self._ledger), size)
+
+    def _in_turn(self, row: Fitted, start: WithUnknown, own: Ledger, size: float) -> _Tried:
+        """Fit a function under some noise, and the noise beside it."""
+        search, kind, best = self._search, start.kind, None
         for _ in range(_LEVELS):
             under, used = own.whitening, size
             found = fitted_with(search.problem, under, row, start, used)
@@ -252,6 +261,17 @@ class _Beside:
             f"{best.score:.1f}"
         )
         return best
+
+    def _begun_as(self, elements: frozenset[str], less: _Tried) -> _Tried | None:
+        """A row with a function fitted from where one without an element of it has ended.
+
+        Beside the row the function was fitted to what its laws left; where it then does better
+        without one of them, the fit with it has ended in another hollow.
+        """
+        search = self._search
+        row = self._under_noise(self._ledger.rows[elements])
+        start = begun_as(search.problem, row, less.found)
+        return None if start is None else self._in_turn(row, start, less.own, less.size)
 
     def _sized(self, found: WithUnknown, own: Ledger, weights: Array) -> Sized:
         search = self._search

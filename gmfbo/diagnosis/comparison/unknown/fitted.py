@@ -13,11 +13,13 @@ from scipy.special import logsumexp
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.modes.nuisance_steps import LONGEST_STEP
+from gmfbo.diagnosis.comparison.moves import Element
 from gmfbo.diagnosis.comparison.own_parts import without_own_parts
-from gmfbo.diagnosis.comparison.priors import bounds_of
+from gmfbo.diagnosis.comparison.priors import bounds_of, coordinates_of, inside
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.unknown.kinds import Kind
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.runs.simulated import Simulated
 
 Array = NDArray[np.float64]
@@ -175,9 +177,7 @@ def fitted_with(
     size : float
         [FMU's unit of the torque port] Standard deviation of the amplitudes.
     """
-    whitening = row.beside_own_parts(whitening)
-    quiet = problem.values(_played(problem, row, start.kind, np.zeros(start.kind.count)))
-    heard = [own - still for own, still in zip(row.values, quiet, strict=True)]
+    whitening, heard = row.beside_own_parts(whitening), _heard(problem, row, start.kind)
     flat = start.blocks(whitening)
     prior = np.concatenate([row.curvatures, np.full(len(start.amplitudes), size**-2)])
     matrix = sum((j @ j.T for j in flat), np.diag(prior))
@@ -202,6 +202,47 @@ def fitted_with(
         if fall < WORTH:
             break
     return at
+
+
+def begun_as(problem: Problem, larger: Fitted, smaller: WithUnknown) -> WithUnknown | None:
+    """A larger row where a smaller one with its function ended, and what it adds next to nothing.
+
+    Parameters
+    ----------
+    problem : Problem
+        Recordings and simulators.
+    larger : Fitted
+        A row without a function, at its own values.
+    smaller : WithUnknown
+        Fitted; the row of some of its elements.
+
+    Returns
+    -------
+    WithUnknown or None
+        With the columns of the larger row; None where the twin cannot be simulated there.
+    """
+    begun = {c.effect: c for c in smaller.left.hypothesis.at(smaller.left.x).effects}
+    hypothesis, effects = larger.hypothesis, list[Candidate]()
+    for own in hypothesis.at(larger.x).effects:
+        element = Element(candidate=own)
+        nothing = element.moved(0.0, dict.fromkeys(element.sizes(hypothesis), 0.0), hypothesis)
+        same = begun.get(own.effect, nothing.candidate)
+        assert same is not None
+        effects.append(own.with_values({n: same.values.get(n, v) for n, v in own.values.items()}))
+    usual = {one.name: one.nominal for one in hypothesis.setting.uncertain}
+    begins = replace(hypothesis, effects=tuple(effects))
+    x = begins.start({**usual, **smaller.left.parameters})
+    u = inside(larger.priors, coordinates_of(larger.priors, x))
+    left = replace(larger, u=u, nuisances=smaller.left.nuisances)
+    at = replace(smaller, left=left)
+    nowhere = np.zeros(u.size + left.nuisances.size + smaller.kind.count)
+    return _moved(problem, at, nowhere, _heard(problem, larger, smaller.kind))
+
+
+def _heard(problem: Problem, row: Fitted, kind: Kind) -> list[Array]:
+    """[SI] What the noise that a row hears makes of its signals, by segment."""
+    quiet = problem.values(_played(problem, row, kind, np.zeros(kind.count)))
+    return [own - still for own, still in zip(row.values, quiet, strict=True)]
 
 
 def played_without(
