@@ -133,3 +133,11 @@ def test_a_gain_that_is_too_high_is_not_called_a_loss() -> None:
     gain = CATALOGUE["actuator_gain_loss"]
     assert "8 % less" in gain.statement({"loss": 0.08}, ROTARY, ROTARY.place)
     assert "8 % more" in gain.statement({"loss": -0.08}, ROTARY, ROTARY.place)
+
+
+def test_friction_over_the_position_is_told_by_its_least_and_most() -> None:
+    rubbing = {"level": 0.001, "sine": 0.003, "cosine": 0.004, "wavenumber": 1.0}
+    law = CATALOGUE["position_dependent_friction"]
+    assert "between 0 N m and 0.006 N m" in law.statement(rubbing, ROTARY, ROTARY.place)
+    tight = {**rubbing, "level": 0.02}
+    assert "between 0.015 N m and 0.025 N m" in law.statement(tight, ROTARY, ROTARY.place)

@@ -67,6 +67,12 @@ def test_rest_is_neither_a_latch_nor_a_repeat_nor_a_limit() -> None:
     assert clipped_rows(column, 0.0) == 0
 
 
+def test_a_dither_by_one_count_at_rest_is_no_latch() -> None:
+    moving = np.tile(np.arange(0.0, 200.0, 10.0), 2)
+    rest = 190.0 + np.tile([0.0] * 20 + [1.0], 3)
+    assert not is_latched(refresh_rows(np.concatenate([moving, rest, moving, rest]), 1.0))
+
+
 @pytest.mark.parametrize("rows", [2, 4])
 def test_an_axis_that_sticks_repeats_no_reading(rows: int) -> None:
     steps = 1e-3 * np.abs(np.sin(2.0 * np.pi * 3.0 * TIME))

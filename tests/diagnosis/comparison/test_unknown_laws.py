@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.evidence import grams, log_evidences, weightings
 from gmfbo.diagnosis.comparison.inadequacy import motion_of, through_loop
+from gmfbo.diagnosis.comparison.moves import Move
 from gmfbo.diagnosis.comparison.numbers import NAMED, TORQUE_TIME
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
+from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.comparison.unknown.curve import DrawnFunction
-from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, fitted_with
+from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, begun_as, fitted_with
 from gmfbo.diagnosis.comparison.unknown.kinds import _ticks, kinds
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
@@ -285,3 +287,24 @@ def test_a_played_function_is_found_again() -> None:
             known = np.stack([played, speed, np.gradient(speed)], axis=1)
             left = acting - known @ np.linalg.lstsq(known, acting, rcond=None)[0]
             assert np.std(left) < 0.1 * np.std(acting)
+
+
+def test_a_larger_row_begins_where_a_function_ended_with_nothing_of_its_law() -> None:
+    with opened(recordings(rippled_drag)) as case:
+        search = (stated := comparison_of(case, ["coulomb_friction"])).search
+        ledger = search.opened(stated.first)
+        base, problem = ledger.rows[frozenset()], search.problem
+        quiet = search.noise.cared_about(base, ledger)
+        kind = kinds(problem, ledger.kernels, base)[0]
+        columns = through_loop(problem, ledger.kernels, kind.port, kind.signals, as_simulated=True)
+        start = WithUnknown(kind, columns, base, np.zeros(kind.count))
+        ended = fitted_with(problem, quiet, base, start, 100.0 * search.tolerance)
+        assert np.abs(ended.amplitudes).max() > 0.0
+        move = Move(next(e for e in search.elements if e.name == "coulomb_friction"), np.inf)
+        rows = RowFits(problem, ledger.noise_of).with_moves(ledger, base, [move])
+        begun = begun_as(problem, rows[frozenset({"coulomb_friction"})], ended)
+        assert begun is not None
+        assert begun.left.elements == {"coulomb_friction"}
+        np.testing.assert_array_equal(begun.amplitudes, ended.amplitudes)
+        for now, then in zip(begun.left.residual, ended.left.residual, strict=True):
+            np.testing.assert_allclose(now, then, atol=1e-3 * np.abs(then).max())

@@ -95,3 +95,12 @@ def test_what_is_left_is_one_number_and_at_most_all_of_it(share: float, said: st
     numbers = PageText(diagnosis_page(made)).numbers
     (found,) = [one for one in numbers if one.path == "remainder.share"]
     assert rounds_to(found, json.loads(made.to_json())["remainder"]["share"])
+
+
+def test_a_small_share_is_told_where_it_is_known_on_what_it_depends() -> None:
+    """A chirp leaves so much that what no law explains elsewhere is next to nothing of it."""
+    made = replace(friction(), remainder=Remainder(0.0007, "torque", "velocity", "throughout"))
+    told = "less than 1 % of what is more than noise is explained by no law"
+    terminal, sentence, _ = (" ".join(text.split()) for text in shown(made))
+    assert f"left {told}" in terminal
+    assert f"L{told[1:]}; it depends on the velocity." in sentence
