@@ -135,18 +135,13 @@ class _Beside:
         now = next(iter(self._beside([self._best])), None)
         if now is None:
             return None
-        while now.elements:
-            likely = [
-                one for one in self._with_less(now) if one.score > now.score - named_log_odds()
-            ]
-            if not likely:
-                break
-            less = max(likely, key=lambda one: one.score)
-            more = self._begun_as(now.elements, less)
-            if more is None or more.score <= max(now.score, less.score + named_log_odds()):
-                now = less
-            else:
-                now = self._known[now.elements] = more
+        seen = set[_Tried]()
+        while now not in seen:
+            seen.add(now)
+            less = [one for one in self._with_less(now) if self._is_as_likely(one, now)]
+            now = max(less, key=lambda one: one.score, default=now)
+            more = [one for one in self._with_more(now) if not self._is_as_likely(now, one)]
+            now = max(more, key=lambda one: one.score, default=now)
         alone, beside = self._under(self._best), self._under(now.found.left)
         gain = self._with(now, self._once, beside) - self._alone(self._once, alone)
         if float(gain[0]) <= named_log_odds():
@@ -169,6 +164,32 @@ class _Beside:
         fewer = {frozenset(), *(now.elements - {name} for name in now.elements)}
         known = (self._ledger.rows.get(elements) for elements in sorted(fewer, key=sorted))
         return self._beside([self._under_noise(row) for row in known if row is not None])
+
+    def _with_more(self, now: _Tried) -> list[_Tried]:
+        """Rows with one element of the best row more, fitted from where the function ended.
+
+        Beside a law the function was fitted to what that law left. Where it then did better alone,
+        the fit of both had ended in another hollow.
+        """
+        problem, found = self._search.problem, []
+        for name in sorted(self._best.elements - now.elements):
+            known = self._ledger.rows.get(now.elements | {name})
+            if known is None:
+                continue
+            row = self._under_noise(known)
+            start = begun_as(problem, row, now.found)
+            if start is not None:
+                found.append(self._in_turn(row, start, now.own, now.size))
+        for one in found:
+            before = self._known.get(one.elements)
+            if before is None or before.score < one.score:
+                self._known[one.elements] = one
+        return found
+
+    @staticmethod
+    def _is_as_likely(one: _Tried, other: _Tried) -> bool:
+        """Whether a row with a function is no less likely than another, but for what tells."""
+        return one.score > other.score - named_log_odds()
 
     def _under_noise(self, row: Fitted) -> Fitted:
         """A row fitted under the noise that the best one tells, as only the best rows were."""
@@ -261,17 +282,6 @@ class _Beside:
             f"{best.score:.1f}"
         )
         return best
-
-    def _begun_as(self, elements: frozenset[str], less: _Tried) -> _Tried | None:
-        """A row with a function fitted from where one without an element of it has ended.
-
-        Beside the row the function was fitted to what its laws left; where it then does better
-        without one of them, the fit with it has ended in another hollow.
-        """
-        search = self._search
-        row = self._under_noise(self._ledger.rows[elements])
-        start = begun_as(search.problem, row, less.found)
-        return None if start is None else self._in_turn(row, start, less.own, less.size)
 
     def _sized(self, found: WithUnknown, own: Ledger, weights: Array) -> Sized:
         search = self._search
