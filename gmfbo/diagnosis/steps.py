@@ -25,6 +25,7 @@ from gmfbo.diagnosis.screening.testable_effects import (
 from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.validation import Validated, validate_unseen
 from gmfbo.diagnosis.validating.validation import validate as validated_on
+from gmfbo.diagnosis.validating.withdrawn import met_worse_with, without_name, without_names
 from gmfbo.physics import CATALOGUE
 from gmfbo.plain_words import words
 
@@ -113,6 +114,13 @@ class Search:
     def _confirmed(self, decision: Decision, unseen: Case | None) -> tuple[Decision, Validated]:
         """Score on held-out recordings, and withdraw names with which these are met no better."""
         result = self._validated(decision, unseen)
+        while (name := met_worse_with(decision, result.squares)) is not None:
+            self.case.notes.append(
+                f"{words(name)} would explain the recordings that were fitted, but the others are "
+                "met worse with it: it is not named"
+            )
+            decision = without_name(self.case, decision, name)
+            result = self._validated(decision, unseen)
         is_useless = result.contradicts_names or result.gains_nothing
         if not decision.row.elements or not is_useless:
             return decision, result
@@ -122,14 +130,7 @@ class Search:
             f"{names} would explain the recordings that were fitted, but the others {why}: "
             "nothing is named"
         )
-        withdrawn = replace(
-            decision,
-            rounds=(),
-            freed={},
-            row=decision.base,
-            model=self.case.base,
-            is_withdrawn=result.contradicts_names,
-        )
+        withdrawn = without_names(self.case, decision, contradicted=result.contradicts_names)
         return withdrawn, self._validated(withdrawn, unseen)
 
     def _validated(self, decision: Decision, unseen: Case | None) -> Validated:

@@ -117,7 +117,7 @@ def validate(
     there = foretelling(search, ledger, decision.row)
     seen = [seen_on(case, search, there, row, scored, about, left) for row in told]
     without = {}
-    for name, row in _without(decision).items():
+    for name, row in rows_without(decision).items():
         lost = quiet(case, part_of(case, search, ledger, row, chosen).fitted, chosen)
         without[name] = seen_on(case, search, there, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
@@ -157,7 +157,7 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
-    for name, row in _without(decision).items():
+    for name, row in rows_without(decision).items():
         lost = quiet(unseen, row)
         without[name] = seen_on(unseen, search, there_ledger, lost, split.held_out, ())
     seen = _Seen(decision, there_ledger, there[0], there[1], without)
@@ -169,8 +169,14 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     )
 
 
-def _without(decision: Decision) -> dict[str, Row]:
-    """Rows that lack one of several named effects; of one alone, the refitted twin does."""
+def rows_without(decision: Decision) -> dict[str, Row]:
+    """Rows that lack one of several named effects; of one alone, the refitted twin does.
+
+    Parameters
+    ----------
+    decision : Decision
+        What was accepted.
+    """
     names = [found.winner.name for found in decision.rounds]
     if len(names) < 2 and len(decision.row.elements) < 2:
         return {}

@@ -1,0 +1,71 @@
+"""Decisions without names that recordings which had no part in the fit speak against."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.naming.decided_by_score import measured
+from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.validating.explained_share import Squares
+from gmfbo.diagnosis.validating.validation import rows_without
+
+
+def met_worse_with(decision: Decision, squares: Squares) -> str | None:
+    """The effect with which held-out recordings are met worst, in all likelihood worse than not.
+
+    Parameters
+    ----------
+    decision : Decision
+        With its names.
+    squares : Squares
+        What the held-out stretches leave with all of them, and without each.
+    """
+    shares = {found.winner.name: squares.share(found.winner.name) for found in decision.rounds}
+    worse = {n: share.value for n, share in shares.items() if share is not None and share.high < 0}
+    return min(worse, key=lambda name: worse[name], default=None)
+
+
+def without_name(case: Case, decision: Decision, name: str) -> Decision:
+    """Withdraw one effect; all else is fitted without it.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    decision : Decision
+        With several names, or this one alone.
+    name : str
+        The effect.
+    """
+    compared = decision.compared
+    row = rows_without(decision).get(name, decision.base)
+    return replace(
+        decision,
+        rounds=tuple(found for found in decision.rounds if found.winner.name != name),
+        row=row,
+        model=measured(case.misfit, row),
+        share=compared.search.noise.share(decision.base, row, compared.ledger),
+    )
+
+
+def without_names(case: Case, decision: Decision, *, contradicted: bool) -> Decision:
+    """Withdraw all effects and freed parameters.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    decision : Decision
+        With its names.
+    contradicted : bool
+        Whether held-out recordings contradict them, and are not just met no better.
+    """
+    return replace(
+        decision,
+        rounds=(),
+        freed={},
+        row=decision.base,
+        model=case.base,
+        is_withdrawn=contradicted,
+    )
