@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
 
-# A sample later than a grid point by less than this share of a step belongs to that point: a
-# clock's jitter of 10 ns must not delay a held reference by a whole step.
-_LATE_SHARE = 0.1
+# A held row acts from the grid point on that is nearest to it, of two as near from the later one.
+# From the next one on, a clock that jitters would delay a reference by half a step on average.
+_LATE_SHARE = 0.5 * (1.0 - 1e-6)
 # Quartz clocks are off by up to 100 ppm each, two by 200 ppm; beyond twice that they are no clocks.
 _CLOCKS_APART = 4e-4
 # A recording that ends this share of a step after a grid point needs no further point.
