@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from gmfbo.errors import RecordingError
 
 JITTER = 0.1  # deviation of a step from the mean step, as a share of it, up to which it is even
+_DIGITS = tuple(10.0**-k for k in range(10))  # [s] last digit of a clock, the coarsest first
+_NEARLY = 1e-3  # of a digit: binary numbers hold no decimals
 GAP = 2.5
 """Longest step, in median steps: one lost row lengthens a hold by a step, two are a gap."""
 
@@ -64,6 +66,41 @@ def check_clock(
         f"{label}: rows come {steps.min():.3g} to {steps.max():.3g} s apart: the twin runs at its "
         "own step, inputs are held, each signal is compared at its own instants by interpolation"
     )
+
+
+def unrounded(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | None:
+    """Even times of rows whose clock was written with too few digits.
+
+    Rows of 2.5 ms on a clock of whole milliseconds come 2 and 3 ms apart. Where one even clock,
+    rounded, gives all of them, it is the one that was rounded: jitter does not do that.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s] Increasing.
+
+    Returns
+    -------
+    tuple of ndarray and float, or None
+        [s] Even times, shape (n,), and the last digit of the clock; None where rows are even as
+        they are, or no even clock was rounded.
+    """
+    if _worst_step(time) is None:
+        return None
+    since = time - time[0]
+    ticks = (d for d in _DIGITS if np.abs(since / d - np.round(since / d)).max() < _NEARLY)
+    tick = next(ticks, None)
+    if tick is None:
+        return None
+    rows = np.arange(time.size, dtype=np.float64)
+    slope = float(np.polyfit(rows, since, 1)[0])
+    # What a logger is set to has few digits.
+    for spacing in (*(float(f"{slope:.{digits}g}") for digits in range(1, 10)), slope):
+        off = since - spacing * rows
+        if np.ptp(off) <= tick * (1.0 + _NEARLY):
+            begins = float(np.clip(0.0, off.max() - 0.5 * tick, off.min() + 0.5 * tick))
+            return time[0] + begins + spacing * rows, tick
+    return None
 
 
 def check_order(label: str, time: NDArray[np.float64], row_name: Callable[[int], str]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError, did_you_mean
-from gmfbo.recordings.columns.clock import check_clock, check_order
+from gmfbo.recordings.columns.clock import check_clock, check_order, unrounded
 from gmfbo.recordings.columns.columns import Column, RecordedColumns, find_clock
 from gmfbo.recordings.columns.instants import one_row_an_instant, resampled
 from gmfbo.recordings.columns.signal_values import plain_values, signal_values
@@ -107,7 +107,15 @@ def _on_its_clock(
 ) -> tuple[NDArray[np.float64], str]:
     """Times of the rows, as recorded or resampled, and a note; raises for a clock that is none."""
     if resample is None:
-        return time, _checked_clock(file, reading, time)
+        told = _checked_clock(file, reading, time)
+        even = unrounded(time) if told else None
+        if even is None:
+            return time, told
+        rows, tick = even
+        return rows, (
+            f"{file.label}: times are rounded to {1e3 * tick:g} ms; rows are taken to come evenly, "
+            f"each {1e3 * (rows[1] - rows[0]):.6g} ms"
+        )
     check_order(file.label, time, file.row_name)
     return _resampled(file.label, reading, time, twin, resample)
 

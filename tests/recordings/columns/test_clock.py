@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.errors import RecordingError
-from gmfbo.recordings.columns.clock import check_clock
+from gmfbo.recordings.columns.clock import check_clock, unrounded
 
 
 def check(time: NDArray[np.floating[Any]]) -> str:
@@ -69,3 +69,34 @@ def test_gaps_are_not_excused_by_a_column_with_blanks() -> None:
     full, blanks = np.ones(5, dtype=np.bool_), np.array([True, True, True, False, False])
     with pytest.raises(RecordingError, match="row 4, at 5 s: there is a gap of 3 s"):
         check_clock("run.csv", time, [full, blanks], lambda k: f"row {k + 1}")
+
+
+@given(
+    spacing=st.integers(21, 99).filter(lambda k: k % 10),
+    rows=st.integers(100, 3000),
+    begins=st.floats(0.0, 0.9),
+)
+def test_even_rows_on_a_clock_of_whole_milliseconds_are_even_again(
+    spacing: int, rows: int, begins: float
+) -> None:
+    """Rows each 2.1 to 9.9 ms: the times come back to within the digit that was left out."""
+    even = 1e-4 * spacing * np.arange(rows) + 1e-3 * begins
+    written = np.round(even, 3)
+    found = unrounded(written)
+    if check(written) == "":
+        return  # steps differ by less than a tenth
+    assert found is not None
+    time, digit = found
+    assert digit == pytest.approx(1e-3)
+    assert np.abs(time - even).max() <= 1e-3
+    assert np.diff(time) == pytest.approx(1e-4 * spacing, rel=1e-2)
+
+
+def test_what_jitters_is_not_taken_for_rounded_and_even_rows_stay_as_they_are() -> None:
+    rng, even = np.random.default_rng(0), 2.5e-3 * np.arange(500)
+    jitter = np.round(even + 6e-4 * rng.uniform(-1.0, 1.0, even.size), 3)
+    assert unrounded(jitter) is None
+    assert unrounded(even + 6e-4 * rng.uniform(-1.0, 1.0, even.size)) is None
+    assert unrounded(even) is None
+    lost = np.delete(np.round(even, 3), 200)
+    assert unrounded(lost) is None
