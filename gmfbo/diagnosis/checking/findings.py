@@ -17,7 +17,14 @@ from gmfbo.diagnosis.checking.result import (
     RecordingFacts,
     SeenAlignment,
 )
-from gmfbo.diagnosis.checking.seen_alignment import LEAST_GAIN, ControllerView, Culprit
+from gmfbo.diagnosis.checking.seen_alignment import (
+    LEAST_GAIN,
+    LEAST_OFFSET,
+    LEAST_SCALE,
+    LEAST_SHIFT,
+    ControllerView,
+    Culprit,
+)
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
@@ -36,9 +43,6 @@ _FARTHEST = 1.5  # standard deviations of a nuisance's prior above which an erro
 _SHIFT = 0.5  # of a sample: a smaller shift is not reported
 _BY_CONTROLLER = (0.9, 0.95)  # least share by one error, where the rest is noise, and elsewhere
 _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
-_SHIFT_BY_TWIN = 2.0  # samples
-_SCALE_BY_TWIN = 0.02
-_OFFSET_BY_TWIN = 0.01  # of the range
 _SPOILING = {"still_column", "lost_rows", "repeated_samples", "latched_column", "clipped_column"}
 
 # Worst first: what makes everything after it wrong.
@@ -265,12 +269,10 @@ def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]
     """Findings by the controller's parity; none where it computes the recorded command."""
     if view.excess <= FAILS_ABOVE:
         return []
-    best = view.culprits[0]
-    to_noise = (1.0 - best.explained) * view.excess <= FAILS_ABOVE
-    is_alone = best.explained >= _BY_CONTROLLER[0 if to_noise else 1]
-    if is_alone and best.kind == "gain":
+    best = _alone(view)
+    if best is not None and best.kind == "gain":
         return [_of_gain(name, best)] if abs(best.size) > LEAST_GAIN else []
-    if is_alone:
+    if best is not None:
         prior = case.rig.alignments[best.signal]
         if not _is_far(best, prior, _sample(case, best.signal)):
             return []
@@ -280,11 +282,24 @@ def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]
             "controller_parity",
             name,
             command_of(case) or "",
-            "is not what the twin's controller computes from the recorded measurement, and no "
-            "shift, scale or offset of one column explains it",
+            "is not what the twin's controller computes from the recorded measurement, "
+            + (
+                "and no shift, scale or offset of one column explains it"
+                if view.culprits
+                else "whatever that did between its rows"
+            ),
             "check gains, filters and limits of the controller against the drive's",
         )
     ]
+
+
+def _alone(view: ControllerView) -> Culprit | None:
+    """Single error that explains the controller's residual; None where none does."""
+    if not view.culprits:
+        return None
+    best = view.culprits[0]
+    to_noise = (1.0 - best.explained) * view.excess <= FAILS_ABOVE
+    return best if best.explained >= _BY_CONTROLLER[0 if to_noise else 1] else None
 
 
 def _of_gain(name: str, culprit: Culprit) -> Finding:
@@ -309,14 +324,14 @@ def _by_twin(case: Case, name: str, signal: str, seen: SeenAlignment) -> list[Fi
         Culprit(signal, "offset", seen.offset, seen.explained),
     ]
     least = {
-        "shift": _SHIFT_BY_TWIN * sample,
-        "scale": _SCALE_BY_TWIN,
-        "offset": _OFFSET_BY_TWIN * _extent(case, name, signal),
+        "shift": LEAST_SHIFT * sample,
+        "scale": LEAST_SCALE,
+        "offset": LEAST_OFFSET * _extent(case, name, signal),
     }
     return [
         _of_culprit(name, part, _unit(case, signal), "the twin (or physics is missing)")
         for part in parts
-        if _is_far(part, prior, sample) and abs(part.size) > least[part.kind]
+        if abs(part.size) > least[part.kind] and _is_far(part, prior, sample)
     ]
 
 

@@ -12,7 +12,7 @@ from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.case.open_case import open_case
 from gmfbo.diagnosis.fitting.fit import fit
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.locating.parities import Parities, parities
+from gmfbo.diagnosis.locating.parities import CLEARLY, Parities, parities
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import uncertain_of
@@ -91,9 +91,9 @@ def _logged_as(case: Case, checked: Parities) -> str | None:
     A sum over all recordings would be misled by one with a shifted column.
     """
     command = command_of(case)
-    if checked.controller is None or command is None:
+    if checked.controller is None or command is None or not checked.logged:
         return None
-    told: list[tuple[float, str]] = []
+    told: list[tuple[float, float, str]] = []
     for record, run in zip(case.simulations.records, checked.held, strict=True):
         signal = next(s for s in record.signals if s.name == command)
         extent = float(np.var(signal.values)) or 1.0
@@ -102,8 +102,13 @@ def _logged_as(case: Case, checked: Parities) -> str | None:
             computed = np.interp(signal.time, record.plan.grid, columns[command])
             left[which] = float(np.mean((signal.values - computed) ** 2)) / extent
         if left["held"] != left["new"]:
-            told.append((min(left.values()), min(left, key=lambda which: left[which])))
-    return min(told)[1] if told else None
+            least, most = sorted(left.values())
+            told.append((least, most, min(left, key=lambda which: left[which])))
+    if not told:
+        return None
+    least, most, which = min(told)
+    # Beside an error as large as that of a wrong controller, the smaller residual is chance.
+    return which if not checked.controller.fails or most > CLEARLY * least else None
 
 
 def _rows(case: Case, logged: str | None) -> frozenset[str]:

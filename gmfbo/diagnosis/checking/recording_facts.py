@@ -60,7 +60,7 @@ def recording_facts(
     scored = case.simulations.records[record]
     recording = scored.plan.recording
     states = states_of(case.base.simulated[record], scored)
-    low, high = np.quantile(states.velocity, [0.005, 0.995])
+    low, high = np.quantile(_velocity(case, recording, states), [0.005, 0.995])
     position = _position(case, recording)
     if position is None:
         position = states.position
@@ -100,6 +100,17 @@ def _position(case: Case, recording: Recording) -> Array | None:
         return None
     values = recording.signal(name)
     return np.asarray(values[np.isfinite(values)] / case.rig.position_to_si, dtype=np.float64)
+
+
+def _velocity(case: Case, recording: Recording, states: States) -> Array:
+    """[FMU's unit] As it was recorded; that of the twin where it was not."""
+    wanted = case.twin.file.states.get("velocity")
+    for name, entry in case.twin.file.outputs.items():
+        if entry.variable == wanted and name in recording.signals:
+            to_si = case.twin.binding.variables[entry.variable].variable.to_si
+            values = recording.signal(name)
+            return np.asarray(values[np.isfinite(values)] / to_si, dtype=np.float64)
+    return states.velocity
 
 
 def _named(case: Case, recording: Recording) -> list[str]:

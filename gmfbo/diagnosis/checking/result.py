@@ -130,6 +130,10 @@ class SeenAlignment:
         [SI] Recorded less expected.
     explained : float
         Share of the squared difference that shift, scale and offset remove.
+
+    Notes
+    -----
+    A shift, scale or offset that these data cannot tell is NaN.
     """
 
     basis: Basis
@@ -152,7 +156,8 @@ class RecordingFacts:
     reversals : int
         Changes of direction after which the axis travels on.
     position, speed : tuple of float
-        [FMU's units] Lowest and highest; of the speed the 0.5 and 99.5 % quantiles.
+        [FMU's units] Lowest and highest; of the speed the 0.5 and 99.5 % quantiles, of the twin
+        where no velocity was recorded.
     clock : ClockQuality
         How evenly its rows were sampled.
     columns : mapping of str to ColumnQuality

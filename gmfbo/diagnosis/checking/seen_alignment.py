@@ -7,6 +7,7 @@ which column is wrong, since an error of the measurement changes the computed co
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -20,7 +21,9 @@ from gmfbo.diagnosis.checking.result import SeenAlignment
 from gmfbo.diagnosis.locating.held_twin import HeldTwin, hold
 from gmfbo.diagnosis.locating.parities import Parities
 from gmfbo.diagnosis.locating.parity import FAILS_ABOVE, block_means
+from gmfbo.diagnosis.locating.slower_rows import as_logged
 from gmfbo.diagnosis.runs.scored_record import ScoredSignal
+from gmfbo.sources.twin.response import Response
 
 Array = NDArray[np.float64]
 
@@ -29,6 +32,19 @@ KINDS = ("shift", "scale", "offset")
 LEAST_GAIN = 0.02
 """Share of a gain above which it is told from the stated one."""
 
+UNKNOWN = SeenAlignment("controller", math.nan, math.nan, math.nan, 0.0)
+"""Of a column whose expected values are not known."""
+
+LEAST_SHIFT = 2.0
+"""Samples from which a shift against the twin is told; one that is less sure is not known."""
+
+LEAST_SCALE = 0.02
+"""Share of a scale from which it is told against the twin; one that is less sure is not known."""
+
+LEAST_OFFSET = 0.01
+"""Share of a range from which an offset is told; one that is less sure is not known."""
+
+_ROUND_OFF = 1e-12  # of a column's power: less of its own is none
 _ROUNDS = 4  # linear steps, enough to find a shift of many samples
 _SMALL = 0.01  # change of scale, and of the range, for the controller's derivatives
 
@@ -64,7 +80,8 @@ class ControllerView:
     command, position : SeenAlignment
         Alignment of the command's and of the measurement's column, each as if the other were right.
     culprits : tuple of Culprit
-        Single errors of single columns, the one that explains most first.
+        Single errors of single columns, the one that explains most first; empty, and no alignment
+        known, where rows are slower than the controller.
     """
 
     excess: float
@@ -75,6 +92,8 @@ class ControllerView:
 
 def against_twin(case: Case, record: int, place: int) -> SeenAlignment:
     """Align a column with the twin, without changes that the twin's parameters could make.
+
+    NaN stands for what those parameters could as well have made, or what the twin lacks.
 
     Parameters
     ----------
@@ -96,19 +115,42 @@ def _alignment(
     ones = np.ones(rows.size)
     shift, scale, offset = 0.0, 1.0, 0.0
     left = before = _left(signal.values[rows] - simulated[rows], free)
+    own: list[Array] = []
     for _ in range(_ROUNDS):
         moved = np.interp(signal.time - shift, signal.time, simulated)
         rate = np.gradient(moved, signal.spacing)[rows]
-        columns = [moved[rows], ones, -rate]
+        own = [moved[rows], ones, -rate]
         target = signal.values[rows] - moved[rows]
-        together = np.column_stack([*columns, *free])
+        together = np.column_stack([*own, *free])
         size = np.sqrt(np.mean(together**2, axis=0))
         size = np.where(size > 0.0, size, 1.0)
         found = np.linalg.lstsq(together / size, target, rcond=1e-9)[0] / size
         left = float(np.mean((target - together @ found) ** 2))
         scale, offset = 1.0 + float(found[0]), float(found[1])
         shift += float(found[2]) / (scale or 1.0)
-    return SeenAlignment("twin", shift, scale, offset, 1.0 - left / before if before else 0.0)
+    told = {
+        kind: size if _error(place, own, free, left) <= least else math.nan
+        for place, (kind, size, least) in enumerate(
+            (
+                ("scale", scale, LEAST_SCALE),
+                ("offset", offset, LEAST_OFFSET * float(np.ptp(signal.values))),
+                ("shift", shift, LEAST_SHIFT * signal.spacing),
+            )
+        )
+    }
+    return SeenAlignment("twin", **told, explained=1.0 - left / before if before else 0.0)
+
+
+def _error(place: int, own: Sequence[Array], free: Sequence[Array], left: float) -> float:
+    """Size of an error that missing physics as large as what is left can make, at most.
+
+    What is left is no white noise: it may run along a column as well as beside it. Only the part
+    of the column counts that no other one, such as a change of the twin's parameters, makes.
+    """
+    others = [*own[:place], *own[place + 1 :], *free]
+    alone = _left(own[place], others)
+    usual = float(np.mean(own[place] ** 2))
+    return math.sqrt(left / alone) if alone > _ROUND_OFF * usual else math.inf
 
 
 def _left(target: Array, free: Sequence[Array]) -> float:
@@ -132,13 +174,27 @@ def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
     noise = checked.controller.noise
     views = []
     for k, response in enumerate(computed):
-        expected = (response.new if which == "new" else response.held)[command]
+        if checked.slower_rows:
+            # What it read between two rows is unknown, and with it what a column should be.
+            residual, _ = _residual(case, k, command, response.held[command])
+            excess = float(np.mean(residual**2)) / noise**2
+            views.append(ControllerView(excess, UNKNOWN, UNKNOWN, ()))
+            continue
+        expected = _computed(case, k, response, which, command)
         answers = _answers(case, twin, k, expected, which, command)
         view = _view(case, k, command, expected, answers, noise)
         if view.excess > FAILS_ABOVE:
             view = _with_gains(case, twin, k, (command, which, expected), view)
         views.append(view)
     return views
+
+
+def _computed(case: Case, k: int, run: Response, which: str, command: str) -> Array:
+    """Command of the twin's controller as the logger would have stored it."""
+    record = case.simulations.records[k]
+    signal = next(s for s in record.signals if s.name == command)
+    column = (run.new if which == "new" else run.held)[command]
+    return as_logged(column, record.plan.grid, signal.time)
 
 
 def _with_gains(
@@ -160,7 +216,7 @@ def _with_gains(
         run = case.simulations.run_parity(changed, k, twin.settings, measured)
         if run.outcome.status != "ok":
             continue
-        answer = means((run.new if which == "new" else run.held)[command] - expected)
+        answer = means(_computed(case, k, run, which, command) - expected)
         size, left = _alone(residual, answer)
         culprits.append(Culprit(name, "gain", _SMALL * size, _explained(before, left)))
     return replace(view, culprits=_ordered(culprits))
@@ -188,8 +244,7 @@ def _answers(
     for kind, (amount, column) in changed.items():
         runs = twin.run({k: column})
         if runs is not None:
-            after = (runs[0].new if which == "new" else runs[0].held)[command]
-            answers[kind] = (amount, expected - after)
+            answers[kind] = (amount, expected - _computed(case, k, runs[0], which, command))
     return answers
 
 
@@ -249,7 +304,7 @@ def _measured(
 ) -> SeenAlignment:
     """Least-squares shift, scale and offset of the measurement for the controller's residual."""
     if len(answers) < len(KINDS):
-        return SeenAlignment("controller", float("nan"), float("nan"), float("nan"), 0.0)
+        return UNKNOWN
     columns = np.column_stack([-means(answers[kind][1]) for kind in KINDS])
     size = np.sqrt(np.mean(columns**2, axis=0))
     size = np.where(size > 0.0, size, 1.0)

@@ -169,9 +169,10 @@ def _columns(check: Check) -> list[str]:
         own = [f.columns[name] for f in facts]
         seen = [f.alignment[name] for f in facts]
         # Against the twin, friction that it lacks makes a column late whose clock is right.
-        shifts = [a.shift for a in seen if a.basis == "controller"]
+        shifts = [a.shift for a in seen if a.basis == "controller" and math.isfinite(a.shift)]
         late = max(shifts, key=abs, default=math.nan)
-        scale = max((a.scale for a in seen), key=lambda s: abs(s - 1.0))
+        scales = [a.scale for a in seen if math.isfinite(a.scale)]
+        scale = max(scales, key=lambda s: abs(s - 1.0), default=math.nan)
         quantum = max(c.resolution for c in own)
         rows.append(
             (

@@ -17,13 +17,24 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.locating.held_twin import DISTURBANCE, HeldTwin, hold, mean_effort
 from gmfbo.diagnosis.locating.parity import Parity, block_rows, block_spread, fast_noise
+from gmfbo.diagnosis.locating.slower_rows import (
+    are_slower,
+    as_logged,
+    computing_interval,
+    hidden_by_rows,
+    row_interval,
+    why_slower,
+)
 from gmfbo.diagnosis.locating.unrecorded_inputs import read_by_controller, why_not_judged
+from gmfbo.diagnosis.runs.scored_record import ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.scoring.noise_levels import TOLERANCE
 from gmfbo.diagnosis.scoring.nuisances import ACTUATOR_GAIN, ACTUATOR_LAG_S, SHIFT_SHARE
 from gmfbo.sources.twin.response import Response
 
-_CLEARLY = 2.0  # times the square of one logger, where an input of the controller is unknown
+CLEARLY = 2.0
+"""Times the residual's square of one logger, where the controller is wrong or not known whole."""
+
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
 _FARTHEST = 2.0  # standard deviations of a nuisance
 _LOAD_SHARE = 1.0 / 3.0  # of the torque's range: its typical size where it is not recorded
@@ -50,6 +61,8 @@ class Parities:
         empty where the controller could not be checked.
     held : tuple of Simulated
         The twin while it was held on each recording; empty where it could not be held.
+    slower_rows : bool
+        Whether rows are slower than the controller: its parity then shows gross errors alone.
     """
 
     controller: Parity | None
@@ -58,6 +71,7 @@ class Parities:
     why_not: Mapping[str, str]
     logged: Mapping[str, float] = field(default_factory=dict)
     held: tuple[Simulated, ...] = ()
+    slower_rows: bool = False
 
 
 def logged_as(checked: Parities) -> str | None:
@@ -83,6 +97,7 @@ class _Checks:
         self.rows = float(np.mean([block_rows(grid) for grid in self.grids]))
         self.command = self._command()
         self.why_not: dict[str, str] = {}
+        self.slower_rows = False
 
     def run(self) -> Parities:
         transmission = self._transmission()
@@ -102,25 +117,16 @@ class _Checks:
         efforts = []
         if twin.holds_plant:
             efforts = [twin.effort(m, run) for m, run in zip(measured, held, strict=True)]
-        controller: Parity | None = None
-        logged: dict[str, float] = {}
-        if self.command is not None and twin.feeds_controller:
-            leak = self._leak(twin, self.command)
-            if leak is not None:
-                controller, logged = self._controller(
-                    held, self.command, leak * self._more(efforts)
-                )
-                if not self._reads_only_what_is_known(twin, self.command):
-                    controller = None  # what the logger stores may show all the same
-                    if max(logged.values()) < _CLEARLY * min(logged.values()):
-                        logged = {}
+        controller, logged = self._judged(twin, held, efforts)
         plant = None
         if twin.holds_plant:
             if controller is not None and controller.fails:
                 efforts = self._under_recorded_command(efforts, controller)
             plant = self._plant(efforts, held, self._noise_of_effort(twin))
         kept = tuple(Simulated((), run) for run in held)
-        return Parities(controller, plant, transmission, self.why_not, logged, kept)
+        return Parities(
+            controller, plant, transmission, self.why_not, logged, kept, self.slower_rows
+        )
 
     def _held_twin(self) -> HeldTwin | None:
         position = self.case.rig.position
@@ -149,10 +155,38 @@ class _Checks:
                 return name
         return None
 
+    def _judged(
+        self, twin: HeldTwin, held: Sequence[Response], efforts: Sequence[Column]
+    ) -> tuple[Parity | None, dict[str, float]]:
+        """Controller's parity where it can be judged, and what that tells of the logger."""
+        if self.command is None or not twin.feeds_controller:
+            return None, {}
+        rows = row_interval(self.case, twin.position)
+        interval = computing_interval(self.base, self.command, self.case.twin.step)
+        self.slower_rows = are_slower(rows, interval)
+        hidden = hidden_by_rows(twin, self.command, held, rows) if self.slower_rows else 0.0
+        leak = self._leak(twin, self.command, hidden)
+        if leak is None:
+            return None, {}
+        size = float(np.hypot(leak * self._more(efforts), hidden))
+        controller, logged = self._controller(held, self.command, size)
+        if self.slower_rows:
+            logged = {}
+        if not self._reads_only_what_is_known(twin, self.command):
+            # What the logger stores may show all the same.
+            is_clear = logged and max(logged.values()) >= CLEARLY * min(logged.values())
+            return None, logged if is_clear else {}
+        if self.slower_rows and not controller.fails:
+            self.why_not["controller"] = why_slower(rows, interval)
+            return None, {}
+        return controller, logged
+
     # ---- null simulations -------------------------------------------------------------------
 
-    def _leak(self, twin: HeldTwin, command: str) -> float | None:
+    def _leak(self, twin: HeldTwin, command: str, hidden: float) -> float | None:
         """Spread of the command's error in a null simulation; None where the test fails.
+
+        `hidden` is what rows slower than the controller make of it besides.
 
         The twin computes the command under a disturbance, and again without it, held on its own
         measurement. Without a disturbance, a sensor port that feeds nothing would pass.
@@ -166,6 +200,7 @@ class _Checks:
         residual = run.response.held[command] - back[0].held[command]
         spread = block_spread([self.grids[k]], [self._scored(k, residual)])
         noise = self._command_noise(command, self.case.noise[command].total)
+        noise = float(np.hypot(noise, hidden))
         if (spread / noise) ** 2 > _PASSES_BELOW:
             self.why_not["controller"] = (
                 "the twin's own command does not come out when its own measurement is fed back "
@@ -215,15 +250,20 @@ class _Checks:
             for key, columns in both.items()
         }
         columns = both["new" if name in self.case.simulations.new_rows else "held"]
-        fast = float(np.median([fast_noise(column) for column in columns]))
+        # Between two rows the column is a straight line, and noise of its own is at rows alone.
+        times = [self._signal(k, name).time for k in range(len(columns))]
+        at_rows = [np.interp(t, g, c) for t, g, c in zip(times, self.grids, columns, strict=True)]
+        fast = float(np.median([fast_noise(column) for column in at_rows]))
         noise = self._command_noise(name, max(fast, self.case.noise[name].least))
         noise = float(np.hypot(noise, leak))
         return Parity(tuple(columns), tuple(self.grids), noise, self._unit(name)), logged
 
     def _command_residual(self, k: int, name: str, computed: Column) -> Column:
         """Recorded minus computed command, without the part that nuisances explain."""
-        signal = next(s for s in self.records[k].signals if s.name == name)
+        signal = self._signal(k, name)
         grid, prior = self.grids[k], self.case.rig.alignments[name]
+        if not self.slower_rows:
+            computed = as_logged(computed, grid, signal.time)
         shift = prior.shift or SHIFT_SHARE * signal.spacing
         columns = [prior.scale * computed, shift * np.gradient(computed, grid)]
         if prior.offset:
@@ -234,7 +274,9 @@ class _Checks:
     def _command_noise(self, name: str, level: float) -> float:
         """Spread of the command's block means: white noise of this level, and a tolerance."""
         rms = [np.sqrt(np.mean(run.response.held[name] ** 2)) for run in self.base.simulated]
-        return max(float(np.hypot(level / np.sqrt(self.rows), TOLERANCE * np.median(rms))), 1e-15)
+        counts = [block_rows(self._signal(k, name).time) for k in range(len(self.records))]
+        white = level / np.sqrt(np.mean(counts))
+        return max(float(np.hypot(white, TOLERANCE * np.median(rms))), 1e-15)
 
     def _under_recorded_command(
         self, efforts: Sequence[Column], controller: Parity
@@ -301,8 +343,11 @@ class _Checks:
 
     # ---- columns ----------------------------------------------------------------------------
 
+    def _signal(self, k: int, name: str) -> ScoredSignal:
+        return next(s for s in self.records[k].signals if s.name == name)
+
     def _on_grid(self, k: int, name: str) -> Column:
-        signal = next(s for s in self.records[k].signals if s.name == name)
+        signal = self._signal(k, name)
         return np.asarray(np.interp(self.grids[k], signal.time, signal.values), dtype=np.float64)
 
     def _scored(self, k: int, column: Column) -> Column:

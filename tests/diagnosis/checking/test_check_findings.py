@@ -267,6 +267,19 @@ def test_another_law_of_control_is_no_wrong_column(sound: list[Recording], quick
     assert kinds(seen) == [("controller_parity", "rec0.csv", "torque_command")]
 
 
+def test_of_a_controller_that_computes_something_else_no_logger_is_told(
+    sound: list[Recording], quick: FmuTwin
+) -> None:
+    """Its residual is that of another command, and as large whichever value the rows hold."""
+    other = [
+        r.with_signals({"torque_command": np.asarray(np.sin(2.0 * np.pi * 1.3 * r.time))})
+        for r in sound
+    ]
+    seen = check(quick, other, jobs=1)
+    assert {f.kind for f in seen.findings} == {"controller_parity"}
+    assert seen.logged == {}
+
+
 def test_recordings_without_a_reversal_say_so(quick: FmuTwin) -> None:
     seen = check(quick, SERVO.recordings({}, (climb,)), jobs=1)
     assert [f.kind for f in seen.findings] == ["no_reversal"]
