@@ -36,7 +36,7 @@ UNKNOWN = SeenAlignment("controller", math.nan, math.nan, math.nan, 0.0)
 """Of a column whose expected values are not known."""
 
 LEAST_SHIFT = 2.0
-"""Samples from which a shift against the twin is told; one that is less sure is not known."""
+"""Samples to which a shift against the twin is known; one that is less sure is NaN."""
 
 LEAST_SCALE = 0.02
 """Share of a scale from which it is told against the twin; one that is less sure is not known."""

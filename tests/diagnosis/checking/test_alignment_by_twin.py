@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from gmfbo.recordings.recording import Recording
 from tests.diagnosis.servo_recordings import rewritten
 from tests.diagnosis.short_recordings import BENCH, SERVO
 
+KEPT = ("reference", "position")
 PORTS = ('torque = "tau_load"', 'command = "tau_command"', 'sensor = "encoder_offset"')
 
 
@@ -64,3 +66,12 @@ def test_a_scale_that_neither_makes_is_told(tmp_path: Path) -> None:
     seen = check(twin, large, jobs=1)
     assert {(f.kind, f.signal) for f in seen.findings} == {("scaled_column", "position")}
     assert all("1.1 times" in f.what for f in seen.findings)
+
+
+def test_an_axis_that_lags_by_physics_is_no_late_column(tmp_path: Path) -> None:
+    """A dead time of the drive, that the twin lacks, in a loop whose controller is not seen."""
+    twin = rewritten("servo_axis", tmp_path, dict.fromkeys(PORTS, ""))
+    late = SERVO.recordings({"transport_delay.delay": 4e-3})
+    positions = [replace(r, signals={n: r.signals[n] for n in KEPT}) for r in late]
+    kinds = {finding.kind for finding in check(twin, positions, jobs=1).findings}
+    assert kinds == {"missing_column"}
