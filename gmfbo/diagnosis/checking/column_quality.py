@@ -17,6 +17,12 @@ Array = NDArray[np.float64]
 
 _AROUND = 11  # rows whose median gives the usual step around a row
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
+_ONE = 1.9  # quanta below which a step is one; its quantum may be rounded itself
+_NEARBY = 50  # rows; a reading that repeats one of five shows it within as many
+_FEWEST = 10  # steps of which a quantum is told
+_MOST_QUANTA = 4.5  # of a step that is compared with multiples of its quantum
+_UNEVEN = 0.1  # quanta by which such a step may differ from a whole number of them
+_WHOLE = 0.9  # share of such steps
 _NOISE_FREE = 0.1  # of the usual step: less noise does not hide whether a signal catches up
 _CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
 _LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
@@ -59,7 +65,9 @@ def refresh_rows(values: Array, quantum: float) -> float:
     return float(np.mean(own)) if own.size else 1.0
 
 
-def repeated_rows(values: Array, quantum: float) -> NDArray[np.int64]:
+def repeated_rows(
+    values: Array, quantum: float, left_out: NDArray[np.bool_] | None = None
+) -> NDArray[np.int64]:
     """Rows that repeat the one before although the signal moves by more than its resolution.
 
     Parameters
@@ -68,20 +76,50 @@ def repeated_rows(values: Array, quantum: float) -> NDArray[np.int64]:
         As recorded.
     quantum : float
         Resolution; 0 for continuous values.
+    left_out : ndarray of bool, shape (n,), optional
+        Rows in which a repeat is no fault.
     """
     steps = np.abs(np.diff(values))
-    quantum = quantum or _finest_quantum(steps)
     usual = median_filter(steps, _AROUND, mode="nearest")
     inside = (values[1:] < values.max()) & (values[1:] > values.min())
-    moving = (usual > _QUANTA * quantum) & inside
-    rows: NDArray[np.int64] = np.flatnonzero((steps == 0.0) & moving) + 1
+    if left_out is not None:
+        inside &= ~left_out[1:]
+    still = (steps == 0.0) & inside
+    quantum = quantum or _finest_quantum(steps)
+    if not quantum and _come_back(values) >= max(1, int(np.count_nonzero(still & (usual > 0.0)))):
+        quantum = float(steps[steps > 0.0].min())
+    moving = usual > _QUANTA * quantum
+    rows: NDArray[np.int64] = np.flatnonzero(still & moving) + 1
     if quantum:
         # Rounding gives a step of zero about half as often as one of a quantum up or down.
-        ones = np.count_nonzero(moving & (np.abs(steps / quantum - 1.0) < 0.5))
+        ones = np.count_nonzero(moving & inside & (steps > 0.0) & (steps < _ONE * quantum))
         if rows.size <= 0.5 * ones + _CHANCE * np.sqrt(ones + 1.0):
             return np.zeros(0, dtype=np.int64)
     sticking = _sticking(steps, usual, float(np.sqrt(fast_power(values))))
     return rows[~sticking[rows - 1]]
+
+
+def near_rounding(times: Array, still: Array) -> NDArray[np.bool_]:
+    """Rows near which a reading repeats, so that what is computed from it may repeat as well.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        [s] Of the rows of the computed signal.
+    still : ndarray
+        [s] At which the reading repeats, in ascending order.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    if not still.size:
+        return np.zeros(times.size, dtype=bool)
+    place = np.searchsorted(still, times)
+    before = still[np.clip(place - 1, 0, still.size - 1)]
+    after = still[np.clip(place, 0, still.size - 1)]
+    apart = np.minimum(np.abs(times - before), np.abs(times - after))
+    return np.asarray(apart <= _NEARBY * float(np.median(np.diff(times))), dtype=np.bool_)
 
 
 def _sticking(steps: Array, usual: Array, noise: float) -> NDArray[np.bool_]:
@@ -101,13 +139,26 @@ def _sticking(steps: Array, usual: Array, noise: float) -> NDArray[np.bool_]:
 
 
 def _finest_quantum(steps: Array) -> float:
-    """Smallest step, if most others are multiples of it; 0 otherwise."""
+    """Quantum of which the short steps are multiples; 0 where they are not.
+
+    Counts of an encoder that are written with few digits are no multiples of anything: over many
+    quanta the errors of the digits add up. One quantum is told from two all the same.
+    """
     moving = steps[steps > 0.0]
-    if moving.size < 10:
+    if moving.size < _FEWEST:
         return 0.0
-    shares = moving / moving.min()
-    whole = np.abs(shares - np.round(shares)) < 0.05
-    return float(moving.min()) if whole.mean() > 0.9 else 0.0
+    quantum = float(np.median(moving[moving < 1.5 * moving.min()]))
+    shares = moving[moving < _MOST_QUANTA * quantum] / quantum
+    whole = np.abs(shares - np.round(shares)) < _UNEVEN
+    several = np.mean(shares > 1.5) > 1.0 - _WHOLE  # a steady speed is one long step, no quantum
+    is_grid = shares.size >= _FEWEST and whole.mean() > _WHOLE and several
+    return quantum if is_grid else 0.0
+
+
+def _come_back(values: Array) -> int:
+    """Times at which a value is read again after another one: of a continuous signal, never."""
+    changed = values[np.concatenate([[True], np.diff(values) != 0.0])]
+    return int(changed.size - np.unique(changed).size)
 
 
 def is_latched(refresh: float) -> bool:
@@ -187,7 +238,8 @@ class _Steps:
 def _steps(values: Array) -> _Steps:
     steps = np.diff(values)
     padded = np.pad(steps, 2, mode="edge")
-    usual = np.median(np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]]), axis=0)
+    beside = np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]])
+    usual, between = np.median(beside, axis=0), np.ptp(beside, axis=0)
     excess = np.abs(steps - usual)
     quanta = _QUANTA * resolution(values)
     least = max(_JUMP_SHARE * float(np.quantile(np.abs(steps), 0.95)), quanta)
@@ -200,6 +252,8 @@ def _steps(values: Array) -> _Steps:
         & (ratio > _JUMP[0])
         & (ratio < _JUMP[1])
         & (excess > max(_JUMP_SPREADS * spread, least))
+        # An axis that starts or stops within a row or two changes its steps as much by itself.
+        & (excess > between)
     )
     return _Steps(ratio, jumps, np.abs(usual) > _MOVING * least)
 

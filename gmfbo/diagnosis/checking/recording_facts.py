@@ -17,6 +17,7 @@ from gmfbo.diagnosis.checking.column_quality import (
     clock_quality,
     is_latched,
     lost_rows,
+    near_rounding,
     refresh_rows,
     repeated_rows,
 )
@@ -162,7 +163,8 @@ def _quality(
     limit = _known_limit(case.twin, name, is_command=is_command) if is_output else None
     # An input may hold its value as long as it was asked to.
     if is_output and not is_latched(refresh):
-        repeated = repeated_rows(values, quantum).size
+        rounded = _near_rounding(case, recording, name, recording.time[known])
+        repeated = repeated_rows(values, quantum, rounded).size
         # An end stop holds a position at rest, a limit anything else while the axis accelerates.
         speed = np.interp(recording.time[known], states.time, states.velocity)
         clipped = clipped_rows(values, quantum, None if name in case.rig.positions else speed)
@@ -185,6 +187,29 @@ def _quality(
         limit_from="" if limit is None else limit.source,
         at_limit=0.0 if limit is None else float(np.mean(np.abs(values) >= _AT_LIMIT * limit.size)),
     )
+
+
+def _near_rounding(case: Case, recording: Recording, name: str, times: Array) -> NDArray[np.bool_]:
+    """Rows near which a reading repeats by its rounding, from which a signal may be computed."""
+    found = np.zeros(times.size, dtype=bool)
+    for reading in _readings(case, name):
+        if reading in recording.signals:
+            known = np.flatnonzero(np.isfinite(recording.signal(reading)))
+            values = recording.signal(reading)[known]
+            still = np.flatnonzero(np.diff(values) == 0.0) + 1
+            rounded = np.setdiff1d(still, repeated_rows(values, resolution(values)))
+            found |= near_rounding(times, recording.time[known[rounded]])
+    return found
+
+
+def _readings(case: Case, name: str) -> list[str]:
+    """A command is computed from the position or the velocity, a velocity from the position."""
+    positions = [n for n in case.twin.file.outputs if n in case.rig.positions]
+    if name in positions:
+        return []
+    wanted = case.twin.file.states.get("velocity")
+    velocities = [n for n, e in case.twin.file.outputs.items() if e.variable == wanted]
+    return positions if name in velocities else [*positions, *velocities]
 
 
 def _unit(case: Case, name: str) -> str:

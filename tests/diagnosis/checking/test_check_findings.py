@@ -267,6 +267,18 @@ def test_another_law_of_control_is_no_wrong_column(sound: list[Recording], quick
     assert kinds(seen) == [("controller_parity", "rec0.csv", "torque_command")]
 
 
+def test_a_command_that_is_computed_from_a_coarse_reading_misses_no_sample(
+    sound: list[Recording], quick: FmuTwin
+) -> None:
+    """A command in proportion to an error of position that shows one count, or none, at rest."""
+    noise = np.random.default_rng(6).standard_normal(sound[1].time.size)
+    read = 1e-3 * np.round(sound[1].signals["position"] / 1e-3 + 0.8 * noise)
+    command = 40.0 * (sound[1].signals["reference"] - read) + 1e-4 * np.cumsum(noise)
+    columns = {"position": read, "torque_command": np.asarray(np.round(command, 4))}
+    seen = check(quick, [sound[0], sound[1].with_signals(columns)], jobs=1)
+    assert seen.recordings["rec1.csv"].columns["torque_command"].repeated == 0
+
+
 def test_of_a_controller_that_computes_something_else_no_logger_is_told(
     sound: list[Recording], quick: FmuTwin
 ) -> None:

@@ -13,6 +13,7 @@ from gmfbo.diagnosis.checking.column_quality import (
     clock_quality,
     is_latched,
     lost_rows,
+    near_rounding,
     refresh_rows,
     repeated_rows,
 )
@@ -86,6 +87,59 @@ def test_an_axis_that_sticks_repeats_no_reading(rows: int) -> None:
     assert repeated_rows(column, 0.0).tolist() == list(range(700, 700 + rows))
 
 
+def counted(true: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
+    """Encoder of 2^20 counts a turn, whose readings are written with so many digits."""
+    count = 2.0 * np.pi / 2**20
+    noisy = true + 0.8 * count * np.random.default_rng(2).standard_normal(true.size)
+    return np.array([float(f"{one:.{digits}g}") for one in np.round(noisy / count) * count])
+
+
+@pytest.mark.parametrize("digits", [7, 8, 9])
+@pytest.mark.parametrize("height", [0.3, 3.0, 30.0])
+def test_counts_that_are_written_with_few_digits_repeat_by_rounding(
+    digits: int, height: float
+) -> None:
+    time = 1e-3 * np.arange(6000)
+    rest_and_ramps = height + 0.2 * np.interp(
+        time, [0, 1, 2, 3, 4, 4.2, 6], [0, 0, 1, 1, 0, 0, 2e-3]
+    )
+    column = counted(rest_and_ramps, digits)
+    assert repeated_rows(column, resolution(column)).size == 0
+    # Negative control: readings that are repeated while the axis moves fast.
+    planted = set(range(1100, 1900, 40))
+    for row in sorted(planted):
+        column[row] = column[row - 1]
+    found = set(repeated_rows(column, resolution(column)).tolist())
+    assert planted <= found
+    assert len(found) <= len(planted) + 2  # rows beside a rest are seen as moving
+
+
+def speed_loop() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Coarse speed that rests and then runs, and the current of 11 A s/rad computed from it."""
+    rng = np.random.default_rng(4)
+    asked = 317.3 * np.clip(TIME - 1.0, 0.0, 1.0)
+    true = asked * (1.0 + 0.02 * np.sin(40.0 * TIME))
+    speed = 0.03 * np.round((true + 0.04 * rng.standard_normal(TIME.size)) / 0.03)
+    drift = 0.8 * np.sin(3.0 * TIME)
+    return speed, 0.01 * np.round((11.0 * (asked - speed) + drift) / 0.01)
+
+
+def test_what_is_computed_from_a_coarse_reading_repeats_where_that_does() -> None:
+    speed, current = speed_loop()
+    quantum = resolution(current)
+    still = TIME[1:][np.diff(speed) == 0.0]
+    near = near_rounding(TIME, still)
+    assert repeated_rows(current, quantum).size > 50
+    assert repeated_rows(current, quantum, near).size == 0
+    # Negative control: the logger misses samples while the speed rises.
+    rows = list(range(1100, 1300, 10))
+    for row in rows:
+        current[row] = current[row - 1]
+    assert not near[rows].any()
+    assert set(rows) <= set(repeated_rows(current, quantum, near).tolist())
+    assert not near_rounding(TIME, np.array([], dtype=np.float64)).any()
+
+
 def test_a_value_at_steady_speed_is_no_limit() -> None:
     speed = np.clip(np.cumsum(np.where(np.arange(2000) % 1000 < 500, 1.0, -1.0)), -200.0, 200.0)
     friction = 0.4 * np.sign(speed) + 1e-3 * speed
@@ -117,6 +171,24 @@ def test_a_jump_that_the_reference_does_not_share_is_no_lost_row() -> None:
     measured[900:] += 3.0 * (measured[900] - measured[899])
     assert lost_rows([measured], [reference]).size == 0
     assert lost_rows([measured], []).tolist() == [900]
+
+
+@pytest.mark.parametrize("time_constant", [1e-3, 3e-3])
+def test_an_axis_that_starts_and_stops_within_a_row_loses_none(time_constant: float) -> None:
+    """Rows of 10 ms of a move at a speed that sets in and ends faster than that."""
+    fine = 1e-4 * np.arange(30_000)
+    asked = np.where((fine > 0.5) & (fine < 1.3), 1000.0, 0.0) - np.where(fine > 2.0, 400.0, 0.0)
+    speed, own = np.zeros(fine.size), 0.0
+    for row, wanted in enumerate(asked):
+        own += 1e-4 / time_constant * (wanted - own)
+        speed[row] = own
+    for start in range(0, 100, 10):
+        position = (1e-4 * np.cumsum(speed))[start::100]
+        reference = np.where(fine > 0.5, 800.0, 0.0)[start::100]
+        assert lost_rows([position], [reference]).size == 0
+        # Negative control: a row that is lost at that speed.
+        kept = np.arange(position.size) != 90
+        assert lost_rows([position[kept]], [reference[kept]]).tolist() == [90]
 
 
 def test_rows_that_the_clock_leaves_out_are_counted_and_are_no_jitter() -> None:
