@@ -35,6 +35,7 @@ from gmfbo.sources.twin.response import Response
 CLEARLY = 2.0
 """Times the residual's square of one logger, where the controller is wrong or not known whole."""
 
+_NO_SENSOR = "the twin has no sensor port"
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
 _FARTHEST = 2.0  # standard deviations of a nuisance
 _LOAD_SHARE = 1.0 / 3.0  # of the torque's range: its typical size where it is not recorded
@@ -133,17 +134,33 @@ class _Checks:
         if position is None or not all(
             position in record.plan.recording.signals for record in self.records
         ):
-            why = "the position was not recorded"
-            self.why_not |= {"controller": why, "plant": why}
+            self.why_not["plant"] = "the position was not recorded"
+            self.why_not["controller"] = (
+                "no position was recorded to feed it with; a speed loop is not checked so far"
+                if "sensor" in self.case.twin.file.ports
+                else _NO_SENSOR
+            )
             return None
         twin = hold(self.case, self.base, position)
         if not twin.holds_plant:
             self.why_not["plant"] = "the twin has no torque port"
         if not twin.feeds_controller:
-            self.why_not["controller"] = "the twin has no sensor port"
+            self.why_not["controller"] = _NO_SENSOR
         elif self.command is None:
-            self.why_not["controller"] = "no recorded signal is the controller's command"
+            self.why_not["controller"] = self._why_no_command()
         return twin
+
+    def _why_no_command(self) -> str:
+        wanted = self.case.twin.file.states.get("command")
+        if wanted is None:
+            return (
+                "the twin file states no command; write the variable that the controller computes "
+                'as command = "VARIABLE" in [states], and name it in [outputs]'
+            )
+        return (
+            f"[states] says that the command is {wanted}, which not every recording holds; record "
+            'it, or write command = "VARIABLE" there with a command that was recorded'
+        )
 
     def _command(self) -> str | None:
         """Output with the role `command`, where it is scored in every recording."""
@@ -214,7 +231,7 @@ class _Checks:
         """Whether every input that moves the command was recorded or is stated."""
         unknown = read_by_controller(self.case, twin, command)
         if unknown:
-            self.why_not["controller"] = why_not_judged(unknown)
+            self.why_not["controller"] = why_not_judged(self.case, unknown)
         return not unknown
 
     def _more(self, efforts: Sequence[Column]) -> float:

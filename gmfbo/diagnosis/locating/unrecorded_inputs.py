@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.locating.held_twin import HeldTwin
 from gmfbo.diagnosis.locating.parity import block_spread
+from gmfbo.plain_words import listed, number
 from gmfbo.sources.binding.bound_variable import BoundVariable
 from gmfbo.sources.twin.response import Response
 
@@ -89,18 +90,24 @@ def _moves_command(case: Case, twin: HeldTwin, command: str, name: str, record: 
     return False
 
 
-def why_not_judged(names: Sequence[str]) -> str:
-    """Say which inputs of the controller were not recorded, in one line.
+def why_not_judged(case: Case, names: Sequence[str]) -> str:
+    """Say which inputs of the controller were not recorded, and what to write, in one line.
 
     Parameters
     ----------
+    case : Case
+        Twin and recordings.
     names : sequence of str
         FMU inputs.
     """
-    which = "they were" if len(names) > 1 else "it was"
+    several = len(names) > 1
+    starts = [number(_start(case.twin.binding.variables[name])) for name in names]
+    lines = [f'"{name}" = {start}' for name, start in zip(names, starts, strict=True)]
     return (
-        f"the controller also reads {', '.join(names)}, and {which} not recorded; record it as a "
-        "signal of [inputs], or state its value in [parameters] if it stays the same"
+        f"the controller also reads {', '.join(names)}, and {'they were' if several else 'it was'} "
+        f"not recorded; the twin leaves {'them' if several else 'it'} at {listed(starts)}: if the "
+        f"drive did so, write {listed(lines)} in [parameters]; if not, record "
+        f"{'them as signals' if several else 'it as a signal'} of [inputs]"
     )
 
 

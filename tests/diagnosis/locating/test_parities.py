@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -113,6 +114,29 @@ def test_twin_without_ports_says_why_nothing_was_checked(tmp_path: Path) -> None
         assert found.controller is None
         assert found.plant is None
         assert set(found.why_not) == {"controller", "plant", "transmission"}
+
+
+def test_twin_file_without_the_recorded_command_is_told_what_to_write(tmp_path: Path) -> None:
+    stated = 'velocity = "velocity"\ncommand = "torque_command"'
+    for command, said in (
+        ('command = "torque"', "says that the command is torque, which not every recording holds"),
+        ("", "the twin file states no command"),
+    ):
+        changed = {stated: f'velocity = "velocity"\n{command}'}
+        twin = rewritten("servo_axis", tmp_path, changed)
+        with checked(*first_of(*hidden_servo({}, twin=twin))) as (_, found):
+            assert found.controller is None
+            assert said in found.why_not["controller"]
+            assert 'command = "VARIABLE"' in found.why_not["controller"]
+
+
+def test_controller_of_a_recording_without_position_is_told_why_it_is_not_checked() -> None:
+    twin, (recording, *_) = hidden_servo({})
+    kept = {n: c for n, c in recording.signals.items() if n != "position"}
+    with checked(twin, [replace(recording, signals=kept)]) as (_, found):
+        assert found.controller is None
+        assert found.why_not["controller"].startswith("no position was recorded to feed it")
+        assert found.why_not["plant"] == "the position was not recorded"
 
 
 def test_state_that_contains_the_sensor_port_is_recognised(tmp_path: Path) -> None:

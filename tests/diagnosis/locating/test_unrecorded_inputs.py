@@ -141,3 +141,6 @@ def test_check_says_which_input_is_missing(tmp_path: Path, driven: list[Recordin
     assert not [f for f in seen.findings if f.kind.startswith("controller")]
     told = " ".join(" ".join(check_lines(seen)).split())
     assert "controller: not checked: the controller also reads controller.feedforward" in told
+    assert (
+        'the twin leaves it at 0: if the drive did so, write "controller.feedforward" = 0' in told
+    )
