@@ -247,10 +247,9 @@ def measure_ranges(
         Recordings that are scored.
     base : sequence of Simulated
         The recordings simulated.
-    torque, command : float
-        [FMU's unit] Range of the command (`probing_torque.command_range`), and torque for it.
-    speed : float or None
-        [FMU's unit] Fastest recorded motion (`recorded_speed`); that of the twin without one.
+    torque, command, speed : float
+        [FMU's unit] Range of the command (`probing_torque.command_range`), torque for it, and
+        fastest recorded motion (`recorded_speed`); None stands for that of the twin.
     step, loop_time : float
         [s] At which effects are stepped; of the closed loop.
     resolution : float
@@ -266,11 +265,8 @@ def measure_ranges(
     command = max(simulated, command)  # currents go with it
     current = command / simulated * np.concatenate([s.current for s in states])
     sample = float(np.median([s.spacing for r in records for s in r.signals]))
-    if speed is None:
-        speed = _fastest(np.concatenate([s.velocity for s in states]))
-    speed = _positive(speed)
+    speed = _positive(_fastest([s.velocity for s in states]) if speed is None else speed)
     stroke = _positive(np.ptp(np.concatenate([s.position for s in states])))
-    loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
     return Excitation(
         torque=_positive(torque),
         command=command,
@@ -287,7 +283,7 @@ def measure_ranges(
         inertia=inertia,
         angular=angular,
         reversals=reversals(*states),
-        load=_positive(max(loads)) if loads else None,
+        load=_largest_load(states),
         effective_current=_positive(np.sqrt(np.mean(current**2))),
     )
 
@@ -318,11 +314,16 @@ def recorded_speed(
                 rows = int(np.clip(round(loop_time / signal.spacing), 1, signal.values.size - 1))
                 moved = signal.values[rows:] - signal.values[:-rows]
                 found.append(moved / (rows * signal.spacing * to_si))
-    return _fastest(np.concatenate(found)) if found else None
+    return _fastest(found) if found else None
 
 
-def _fastest(velocity: NDArray[np.float64]) -> float:
-    return float(np.quantile(np.abs(velocity), 0.995))
+def _fastest(velocities: Sequence[NDArray[np.float64]]) -> float:
+    return float(np.quantile(np.abs(np.concatenate(velocities)), 0.995))
+
+
+def _largest_load(states: Sequence[States]) -> float | None:
+    loads = [np.abs(s.load_torque).max() for s in states if s.load_torque is not None]
+    return _positive(max(loads)) if loads else None
 
 
 def _positive(value: float | np.floating, otherwise: float = 1e-9) -> float:

@@ -81,7 +81,7 @@ def test_even_rows_on_a_clock_of_whole_milliseconds_are_even_again(
 ) -> None:
     """Rows each 2.1 to 9.9 ms: the times come back to within the digit that was left out."""
     even = 1e-4 * spacing * np.arange(rows) + 1e-3 * begins
-    written = np.round(even, 3)
+    written = np.round(even, 3).astype(np.float64)
     found = unrounded(written)
     if check(written) == "":
         return  # steps differ by less than a tenth
@@ -93,8 +93,8 @@ def test_even_rows_on_a_clock_of_whole_milliseconds_are_even_again(
 
 
 def test_what_jitters_is_not_taken_for_rounded_and_even_rows_stay_as_they_are() -> None:
-    rng, even = np.random.default_rng(0), 2.5e-3 * np.arange(500)
-    jitter = np.round(even + 6e-4 * rng.uniform(-1.0, 1.0, even.size), 3)
+    rng, even = np.random.default_rng(0), 2.5e-3 * np.arange(500, dtype=np.float64)
+    jitter = np.round(even + 6e-4 * rng.uniform(-1.0, 1.0, even.size), 3).astype(np.float64)
     assert unrounded(jitter) is None
     assert unrounded(even + 6e-4 * rng.uniform(-1.0, 1.0, even.size)) is None
     assert unrounded(even) is None
